@@ -125,6 +125,11 @@ impl Lqr {
         &self.qpos0
     }
 
+    /// Returns the activations of the set-point.
+    pub fn act0(&self) -> &[f64] {
+        &self.act0
+    }
+
     /// Returns the controls of the set-point.
     pub fn ctrl0(&self) -> &[f64] {
         &self.ctrl0

@@ -204,7 +204,30 @@
 //!
 //! # Predictive control by sampling
 //!
-//! A predictive controller simulates candidates from the present state and applies the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
+//! A [`SamplingPlanner`](crate::control::predictive::SamplingPlanner) takes the place of the `IlqrPlanner` if the cost has no derivatives: predictive sampling, or MPPI.
+//! [`with_regulator`](crate::control::predictive::SamplingPlanner::with_regulator) adds its samples to an LQR:
+//!
+//! ```
+//! use mujoco_safe::control::predictive::{PredictiveController, SamplingOptions, SamplingPlanner};
+//! use mujoco_safe::control::residual::{JointPosition, ResidualCost, Term};
+//! use mujoco_safe::{Controller, Data, Lqr, LqrWeights, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! let lqr = Lqr::at_present_state(&mut data, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?;
+//! let cost = ResidualCost::new(data.model(), [Term::new("position", JointPosition::all(data.model()))])?;
+//! let options = SamplingOptions::default().with_samples(16).with_knots(3);
+//! let planner = SamplingPlanner::new(data.model(), 40, options)?.with_regulator(lqr)?;
+//! let mut controller = PredictiveController::new(&data, planner, cost, 4)?;
+//! data.qpos_mut()[1] = 0.3;
+//! for _ in 0..200 {
+//!     controller.control(&mut data)?;
+//!     data.step()?;
+//! }
+//! assert!(data.qpos()[1].abs() < 0.1);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! Programs can also simulate candidates themselves from the present state and apply the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
 //! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is that of the linear-quadratic regulator:
 //!
 //! ```

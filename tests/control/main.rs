@@ -36,6 +36,7 @@ mod predictive;
 mod recursion;
 mod residual;
 mod riccati;
+mod sampling;
 mod sizes;
 mod threaded;
 

@@ -4,7 +4,9 @@
 
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{CostExpansion, IlqrOptions, QuadraticCost, TrajectoryCost};
-use mujoco_safe::control::predictive::{IlqrPlanner, Planner, ThreadedPredictiveController};
+use mujoco_safe::control::predictive::{
+    IlqrPlanner, Planner, SamplingOptions, SamplingPlanner, ThreadedPredictiveController,
+};
 use mujoco_safe::control::residual::{
     Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
     Subtree, Term,
@@ -146,6 +148,22 @@ fn plans_do_not_allocate() {
         data.step().unwrap();
         controller.wait().unwrap();
     });
+}
+
+#[test]
+fn plans_by_sampling_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let cost = quadratic(&data);
+    let mut policy = TimeVaryingLqr::at_present_state(&data, 3).unwrap();
+    for temperature in [0.0, 1.0] {
+        let options = SamplingOptions::default().with_samples(5).with_iterations(2).with_temperature(temperature);
+        let mut planner = SamplingPlanner::new(data.model(), 3, options).unwrap();
+        allocates_nothing("SamplingPlanner::plan", || {
+            planner.plan(&data, &cost, &mut policy).unwrap();
+            data.step().unwrap();
+        });
+    }
 }
 
 #[test]

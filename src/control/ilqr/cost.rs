@@ -33,13 +33,21 @@ pub trait TrajectoryCost: Sync {
     /// Any error of the cost. The line search discards the trajectory.
     fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64>;
 
-    /// Writes the first and second derivatives of [`value`](Self::value). All entries of `expansion` are zero before the call.
+    /// Writes the first and second derivatives of [`value`](Self::value). All entries of `expansion` are zero before the call. By default
+    /// returns [`Error::Unsupported`], which suffices for a [`SamplingPlanner`](crate::control::predictive::SamplingPlanner).
     ///
     /// # Errors
     ///
     /// Any error of the cost, which ends the search.
-    fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion)
-    -> Result<()>;
+    fn expand(
+        &self,
+        _step: usize,
+        _state: &[f64],
+        _controls: Option<&[f64]>,
+        _expansion: &mut CostExpansion,
+    ) -> Result<()> {
+        Err(Error::Unsupported("this cost has no derivatives, which iLQR needs".to_owned()))
+    }
 
     /// Returns the cost of a trajectory of `N` steps, without derivatives: `states` `(N + 1, nq + nv + na)` and `controls` `(N, nu)`.
     ///

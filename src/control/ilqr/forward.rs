@@ -1,4 +1,5 @@
-//! The forward pass: simulations under the policy of the backward pass, with several step sizes.
+//! The forward pass: parallel simulations from one state, each under its own control law. iLQR simulates the policy of the backward pass
+//! with several step sizes, and a planner by sampling its candidates.
 
 use std::sync::Arc;
 
@@ -124,26 +125,31 @@ impl Forward {
         Ok(improved)
     }
 
+    /// Returns the trajectories of the last run, or their errors. If the run had fewer trajectories than an earlier one, infinite costs follow.
+    pub(in crate::control) fn trials(&mut self) -> &mut [(Trial, Result<()>)] {
+        &mut self.trials
+    }
+
     /// Returns the index of the trajectory of minimal cost of the last run. Discards unstable simulations.
-    fn cheapest(&self) -> Option<usize> {
+    pub(in crate::control) fn cheapest(&self) -> Option<usize> {
         let stable =
             self.trials.iter().enumerate().filter(|(_, (trial, result))| result.is_ok() && trial.cost.is_finite());
         stable.min_by(|(_, (a, _)), (_, (b, _))| a.cost.total_cmp(&b.cost)).map(|(index, _)| index)
     }
 
     /// Returns the error of the first trajectory of the last run, if it failed or if its cost is not finite.
-    fn check_first(&mut self, what: &str) -> Result<()> {
+    pub(in crate::control) fn check_first(&mut self, what: &str) -> Result<()> {
         let (trial, result) = &mut self.trials[0];
         std::mem::replace(result, Ok(()))?;
         if trial.cost.is_finite() { Ok(()) } else { Err(Error::invalid(what, trial.cost, "finite")) }
     }
 
     /// Simulates `count` trajectories, and evaluates their costs.
-    fn run<'p>(
+    pub(in crate::control) fn run<L: ControlLaw>(
         &mut self,
         count: usize,
         steps: usize,
-        law: impl Fn(usize) -> Law<'p> + Sync,
+        law: impl Fn(usize) -> L + Sync,
         cost: &dyn TrajectoryCost,
     ) -> Result<()> {
         let Self { model, threads, simulations, start, trials, best } = self;
@@ -172,7 +178,7 @@ impl Forward {
 
 impl Trial {
     /// Creates a trajectory of zeros.
-    pub(super) fn zeros(model: &Model, steps: usize) -> Self {
+    pub(in crate::control) fn zeros(model: &Model, steps: usize) -> Self {
         let states = Matrix::zeros(steps + 1, model.state_size(StateSpec::PHYSICS));
         Self { states, controls: Matrix::zeros(steps, model.nu()), cost: 0.0 }
     }
@@ -192,7 +198,13 @@ impl Simulation {
     }
 
     /// Simulates a trajectory, and evaluates its cost.
-    fn run(&mut self, start: &[f64], law: &Law<'_>, cost: &dyn TrajectoryCost, trial: &mut Trial) -> Result<()> {
+    fn run(
+        &mut self,
+        start: &[f64],
+        law: &impl ControlLaw,
+        cost: &dyn TrajectoryCost,
+        trial: &mut Trial,
+    ) -> Result<()> {
         let Self { data, feedback } = self;
         // The result must not depend on the earlier use of the simulation, which may have become unstable.
         restart(data)?;
@@ -209,7 +221,13 @@ impl Simulation {
     }
 }
 
-/// Control law of a trajectory: the nominal controls, with or without the update by a policy.
+/// Control law of a trajectory.
+pub(in crate::control) trait ControlLaw {
+    /// Sets the controls of a step, within their ranges. `feedback` is a buffer.
+    fn apply(&self, step: usize, data: &mut Data, feedback: &mut Feedback) -> Result<()>;
+}
+
+/// Nominal controls, with or without the update by a policy.
 struct Law<'p> {
     controls: &'p Matrix,
     update: Option<Update<'p>>,
@@ -222,8 +240,7 @@ struct Update<'p> {
     states: &'p Matrix,
 }
 
-impl Law<'_> {
-    /// Sets the controls of a step.
+impl ControlLaw for Law<'_> {
     fn apply(&self, step: usize, data: &mut Data, feedback: &mut Feedback) -> Result<()> {
         data.ctrl_mut().copy_from_slice(self.controls.row(step));
         if let Some(Update { step_size, policy, states }) = &self.update {

@@ -29,8 +29,7 @@ mod search;
 use std::fmt;
 
 pub use self::cost::{CostExpansion, TrajectoryCost};
-pub(super) use self::forward::Forward;
-use self::forward::Trial;
+pub(super) use self::forward::{ControlLaw, Forward, Trial};
 pub use self::quadratic::QuadraticCost;
 pub use self::search::IlqrTimes;
 pub(super) use self::search::Search;

@@ -1,9 +1,9 @@
 //! Planning by iLQR over a receding horizon.
 
 use std::fmt;
-use std::sync::Arc;
 
-use super::{FORESEEN, PlanReport, Planner};
+use super::observation::Observation;
+use super::{PlanReport, Planner};
 use crate::control::TimeVaryingLqr;
 use crate::control::ilqr::{Forward, IlqrOptions, IlqrTimes, Search, TrajectoryCost};
 use crate::data::{Data, StateSpec};
@@ -28,11 +28,7 @@ pub struct IlqrPlanner {
     lineariser: Lineariser,
     forward: Forward,
     search: Search,
-    /// Simulation that plans start from.
-    data: Data,
-    foreseen: StateSpec,
-    /// Values of the components of the state that are foreseen.
-    state: Vec<f64>,
+    observation: Observation,
     /// `(horizon, nu)`: controls of the first trajectory.
     initial: Matrix,
     /// Start of the previous plan, s.
@@ -58,12 +54,10 @@ impl IlqrPlanner {
             lineariser: Lineariser::new(model.clone(), transition)?,
             forward: Forward::new(model.clone(), options.threads),
             search: Search::new(&model, horizon, transition.method),
-            state: vec![0.0; model.state_size(FORESEEN)],
-            foreseen: FORESEEN,
             initial: Matrix::zeros(horizon, model.nu()),
             start: None,
             options,
-            data: Data::new(model)?,
+            observation: Observation::new(model)?,
         })
     }
 
@@ -82,8 +76,7 @@ impl IlqrPlanner {
     /// forces: a plan ignores a push. The other components have the values after a reset.
     #[must_use]
     pub fn with_foreseen(mut self, foreseen: StateSpec) -> Self {
-        self.state = vec![0.0; self.data.model().state_size(foreseen)];
-        self.foreseen = foreseen;
+        self.observation.foresee(foreseen);
         self
     }
 
@@ -97,26 +90,11 @@ impl IlqrPlanner {
         self.search.times
     }
 
-    /// Takes the state of a simulation, and its model if it was edited.
-    fn observe(&mut self, data: &Data) -> Result<()> {
-        if !data.model().is_same_structure(self.data.model()) {
-            return Err(Error::OtherModel { what: "the simulation of an IlqrPlanner" });
-        }
-        if !Arc::ptr_eq(data.model(), self.data.model()) || self.data.check_usable().is_err() {
-            self.data = Data::new(data.model().clone())?;
-            self.search.adopt_ranges(data.model());
-        }
-        data.state_into(self.foreseen, &mut self.state)?;
-        self.data.set_state(self.foreseen, &self.state)
-    }
-
     /// Moves the previous plan to the present time, or starts from the initial controls.
     fn warm_start(&mut self) {
-        let steps = self.start.map(|start| ((self.data.time() - start) / self.data.model().timestep()).round());
-        match steps {
-            // A time before the previous plan means that the simulation was reset.
-            Some(steps) if steps >= 0.0 => self.search.shift(steps as usize),
-            _ => {
+        match self.observation.steps_since(self.start) {
+            Some(steps) => self.search.shift(steps),
+            None => {
                 self.search.forget();
                 self.search.nominal.controls.as_mut_slice().copy_from_slice(self.initial.as_slice());
                 self.search.nominal.states.as_mut_slice().fill(0.0);
@@ -131,12 +109,15 @@ impl Planner for IlqrPlanner {
     }
 
     fn plan(&mut self, data: &Data, cost: &dyn TrajectoryCost, policy: &mut TimeVaryingLqr) -> Result<PlanReport> {
-        self.observe(data)?;
+        if self.observation.observe(data, "the simulation of an IlqrPlanner")? {
+            self.search.adopt_ranges(data.model());
+        }
         self.warm_start();
         // After an error, the next plan starts from the initial controls.
         self.start = None;
         self.search.times = IlqrTimes::default();
-        let Self { options, lineariser, forward, search, data, .. } = self;
+        let Self { options, lineariser, forward, search, observation, .. } = self;
+        let data = observation.data();
         forward.start(data, cost)?;
         search.restart(cost, forward)?;
         let initial_cost = search.nominal.cost;
@@ -147,7 +128,7 @@ impl Planner for IlqrPlanner {
             }
         }
         policy.overwrite(data, &search.nominal.states, &search.nominal.controls, &search.policy.gains)?;
-        self.start = Some(self.data.time());
+        self.start = Some(data.time());
         Ok(PlanReport { initial_cost, cost: self.search.nominal.cost })
     }
 
@@ -158,6 +139,6 @@ impl Planner for IlqrPlanner {
 
 impl fmt::Debug for IlqrPlanner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "IlqrPlanner: {} steps, {:?}, of {:?}", self.horizon(), self.options, self.data.model())
+        write!(f, "IlqrPlanner: {} steps, {:?}, of {:?}", self.horizon(), self.options, self.observation.data().model())
     }
 }

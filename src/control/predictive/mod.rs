@@ -1,8 +1,13 @@
 //! Predictive control: a planner optimises a trajectory from the present state at intervals, and a regulator follows it.
 //!
 //! A [`Planner`] improves a plan of a fixed number of steps, the horizon, from the present state of a simulation.
-//! [`IlqrPlanner`] does so by iterations of [iLQR](super::ilqr). The plan is a [`TimeVaryingLqr`], whose gains correct deviations until
-//! the next plan. Two controllers plan and apply the plan in between; they are [`Controller`](crate::Controller)s, so recordings and the
+//! The plan is a [`TimeVaryingLqr`], whose gains correct deviations until the next plan. There are two planners:
+//!
+//! - [`IlqrPlanner`] iterates [iLQR](super::ilqr). It needs derivatives, and finds the gains.
+//! - [`SamplingPlanner`] simulates random variations of the previous plan: predictive sampling, or MPPI. It needs the values of the cost
+//!   only, which need not be smooth.
+//!
+//! Two controllers plan and apply the plan in between; they are [`Controller`](crate::Controller)s, so recordings and the
 //! viewer accept them:
 //!
 //! - [`PredictiveController`] plans at intervals in the thread of the simulation, which waits for the planner. A run is reproducible.
@@ -37,18 +42,18 @@
 
 mod controller;
 mod ilqr_planner;
+mod observation;
+mod sampling;
 mod threaded;
 
 pub use self::controller::PredictiveController;
 pub use self::ilqr_planner::IlqrPlanner;
+pub use self::sampling::{Interpolation, SamplingOptions, SamplingPlanner};
 pub use self::threaded::ThreadedPredictiveController;
 use super::TimeVaryingLqr;
 use super::ilqr::TrajectoryCost;
-use crate::data::{Data, StateSpec};
+use crate::data::Data;
 use crate::error::Result;
-
-/// Components of the state that a plan starts from, by default: all except applied forces, which are unknown on a robot.
-const FORESEEN: StateSpec = StateSpec::INTEGRATION.difference(StateSpec::QFRC_APPLIED.union(StateSpec::XFRC_APPLIED));
 
 /// Cost of a plan, before and after its improvement.
 #[derive(Clone, Copy, Debug, PartialEq)]
