@@ -21,14 +21,21 @@ mod set_point;
 #[path = "../../examples/humanoid_lqr/simulate.rs"]
 mod simulate;
 #[allow(dead_code, reason = "the example uses the rest")]
+#[path = "../../examples/humanoid_stand_up/stand_up.rs"]
+mod stand_up;
+#[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/cartpole_swing_up/swing_up.rs"]
 mod swing_up;
+#[allow(dead_code, reason = "the example uses the rest")]
+#[path = "../../examples/arm_tracking/tracking.rs"]
+mod tracking;
 #[path = "../../examples/humanoid_lqr/weights.rs"]
 mod weights;
 
 mod examples;
 mod extreme_numbers;
 mod gain_table;
+mod goals;
 mod humanoid_balance;
 mod ilqr;
 mod learning;

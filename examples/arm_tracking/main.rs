@@ -1,0 +1,106 @@
+//! Predictive control of an arm with six joints: its hand follows a moving target.
+//!
+//! ```text
+//! cargo run --release --example arm_tracking -- --out out
+//! ```
+//!
+//! Fifty times a second, iLQR plans the torques of the next 0.1 s. A residual of this program measures the distance of the hand from the target at
+//! the time of each step ([`tracking`]). The planner knows the exact model and the path of the target, so
+//! the distance is below 0.1 mm after the approach. The program prints it. `--help` lists the options.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod tracking;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Parser;
+use common::chart::{self, Line, PALETTE, Panel};
+use common::command_line;
+use tracking::{Run, model, target, track};
+
+/// An arm follows a moving target with predictive control.
+#[derive(Parser)]
+#[command(args_override_self = true)]
+struct Arguments {
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = command_line::not_negative)]
+    seconds: f64,
+    /// Number of threads for planning
+    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
+    threads: usize,
+    /// Folder for the plot and the trajectory; without it, no files are written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replay the run in a window (requires the feature viewer)
+    #[arg(long)]
+    view: bool,
+}
+
+/// Time in which the hand reaches the target, s.
+const APPROACH: f64 = 1.0;
+
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let model = Arc::new(model()?);
+    let start = Instant::now();
+    let run = track(&model, arguments.seconds, arguments.threads)?;
+    let factor = arguments.seconds / start.elapsed().as_secs_f64();
+    let times: Vec<f64> = run.trajectory.times().iter().map(|time| time + model.timestep()).collect();
+    let later =
+        || times.iter().zip(&run.distances).filter(|&(&time, _)| time > APPROACH).map(|(_, &distance)| distance);
+    if later().next().is_some() {
+        let mean = later().sum::<f64>() / later().count() as f64;
+        let most = later().fold(0.0, f64::max);
+        println!(
+            "distance of the hand from the target after {APPROACH} s: mean {:.3} mm, at most {:.3} mm; real-time factor {factor:.2}",
+            1e3 * mean,
+            1e3 * most
+        );
+    }
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
+        let [svg, csv] = ["arm_tracking.svg", "arm_tracking.csv"].map(|name| out.join(name));
+        chart::draw(&svg, 280, &panels(&times, &run))?;
+        run.trajectory.save_csv(&csv)?;
+        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+    }
+    if arguments.view {
+        common::window::replay("Arm that follows a target", mujoco_safe::Data::new(model)?, vec![run.trajectory])?;
+    }
+    Ok(())
+}
+
+fn panels(times: &[f64], run: &Run) -> [Panel<'static>; 2] {
+    let axes = [(1, "y"), (2, "z")];
+    let hand = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
+        Line::new(&format!("hand {name}"), color, times.iter().zip(&run.hand).map(|(&time, at)| (time, at[axis])))
+    });
+    let targets = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| Line {
+        dashed: true,
+        ..Line::new(&format!("target {name}"), color, times.iter().map(|&time| (time, target(time)[axis])))
+    });
+    let distance = times.iter().zip(&run.distances).map(|(&time, &distance)| (time, distance.max(1e-6).log10()));
+    [
+        Panel {
+            title: "Position of the hand and (dashed) of its target",
+            x: "time (s)",
+            y: "position (m)",
+            lines: hand.chain(targets).collect(),
+            at_least: None,
+        },
+        Panel {
+            title: "Distance of the hand from the target",
+            x: "time (s)",
+            y: "log10 of metres",
+            lines: vec![Line::new("", PALETTE[0], distance)],
+            at_least: None,
+        },
+    ]
+}

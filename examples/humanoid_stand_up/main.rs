@@ -1,0 +1,92 @@
+//! Predictive control of a humanoid: it gets up from a squat and stands.
+//!
+//! ```text
+//! cargo run --release --example humanoid_stand_up -- --out out
+//! ```
+//!
+//! Fifty times a second, one iteration of iLQR plans the motion of the next 0.4 s ([`stand_up`]). The cost contains the pose at the end, but
+//! no motion towards it. `--help` lists the options.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod stand_up;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Parser;
+use common::chart::{self, Line, PALETTE, Panel};
+use common::command_line;
+use stand_up::{Run, stand_up};
+
+/// A humanoid gets up from a squat with predictive control.
+#[derive(Parser)]
+#[command(args_override_self = true)]
+struct Arguments {
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 4.0, value_parser = command_line::not_negative)]
+    seconds: f64,
+    /// Number of threads for planning
+    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
+    threads: usize,
+    /// Folder for the plot and the trajectory; without it, no files are written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replay the run in a window (requires the feature viewer)
+    #[arg(long)]
+    view: bool,
+}
+
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let start = Instant::now();
+    let run = stand_up(arguments.seconds, arguments.threads)?;
+    let factor = arguments.seconds / start.elapsed().as_secs_f64();
+    if let (Some(first), Some(last)) = (run.heights.first(), run.heights.last()) {
+        println!(
+            "centre of mass: {first:.2} m at first, {last:.2} m at the end, {:.2} m in the standing pose; real-time factor {factor:.2}",
+            run.target
+        );
+    }
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
+        let [svg, csv] = ["humanoid_stand_up.svg", "humanoid_stand_up.csv"].map(|name| out.join(name));
+        chart::draw(&svg, 280, &panels(&run))?;
+        run.trajectory.save_csv(&csv)?;
+        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+    }
+    if arguments.view {
+        common::window::replay("Humanoid that gets up", mujoco_safe::Data::new(run.model)?, vec![run.trajectory])?;
+    }
+    Ok(())
+}
+
+fn panels(run: &Run) -> [Panel<'static>; 2] {
+    let timestep = run.model.timestep();
+    let over_time = |values: &[f64]| -> Vec<(f64, f64)> {
+        let times = run.trajectory.times().iter().map(|time| time + timestep);
+        times.zip(values.iter().copied()).collect()
+    };
+    let target =
+        Line { dashed: true, ..Line::new("standing", PALETTE[1], over_time(&vec![run.target; run.heights.len()])) };
+    [
+        Panel {
+            title: "Height of the centre of mass",
+            x: "time (s)",
+            y: "height (m)",
+            lines: vec![Line::new("humanoid", PALETTE[0], over_time(&run.heights)), target],
+            at_least: None,
+        },
+        Panel {
+            title: "Speed of the centre of mass",
+            x: "time (s)",
+            y: "speed (m/s)",
+            lines: vec![Line::new("", PALETTE[0], over_time(&run.speeds))],
+            at_least: None,
+        },
+    ]
+}
