@@ -107,8 +107,18 @@ fn the_cost_of_the_plan_is_that_of_its_trajectory() {
     }
 }
 
+/// Distance of the controls from those of a plan some steps earlier. The plan is optimal.
+struct Keep(Matrix, usize);
+
+impl TrajectoryCost for Keep {
+    fn value(&self, step: usize, _state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
+        let row = (step + self.1).min(HORIZON - 1);
+        Ok(controls.map_or(0.0, |controls| (controls[0] - self.0.row(row)[0]).abs().min(1.0)))
+    }
+}
+
 #[test]
-fn without_noise_a_plan_is_the_rest_of_the_previous_plan() {
+fn an_optimal_plan_is_kept_without_interpolation() {
     for interpolation in [Interpolation::Zero, Interpolation::Linear] {
         let options = SamplingOptions::default().with_samples(1).with_interpolation(interpolation);
         let (mut data, deviations) = (tilted(), SamplingOptions::default().with_interpolation(interpolation));
@@ -116,14 +126,6 @@ fn without_noise_a_plan_is_the_rest_of_the_previous_plan() {
         let mut noisy = planner(&data, deviations.with_samples(16));
         noisy.plan(&data, &Upright, &mut policy).unwrap();
         let before = policy.controls().clone();
-        // A plan of which all candidates but the first cost more: the previous plan is optimal.
-        struct Keep(Matrix, usize);
-        impl TrajectoryCost for Keep {
-            fn value(&self, step: usize, _state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
-                let row = (step + self.1).min(HORIZON - 1);
-                Ok(controls.map_or(0.0, |controls| (controls[0] - self.0.row(row)[0]).abs().min(1.0)))
-            }
-        }
         for _ in 0..7 {
             data.step().unwrap();
         }

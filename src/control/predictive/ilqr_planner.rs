@@ -92,13 +92,12 @@ impl IlqrPlanner {
 
     /// Moves the previous plan to the present time, or starts from the initial controls.
     fn warm_start(&mut self) {
-        match self.observation.steps_since(self.start) {
-            Some(steps) => self.search.shift(steps),
-            None => {
-                self.search.forget();
-                self.search.nominal.controls.as_mut_slice().copy_from_slice(self.initial.as_slice());
-                self.search.nominal.states.as_mut_slice().fill(0.0);
-            }
+        if let Some(steps) = self.observation.steps_since(self.start) {
+            self.search.shift(steps);
+        } else {
+            self.search.forget();
+            self.search.nominal.controls.as_mut_slice().copy_from_slice(self.initial.as_slice());
+            self.search.nominal.states.as_mut_slice().fill(0.0);
         }
     }
 }
