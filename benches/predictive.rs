@@ -1,6 +1,6 @@
 //! Parts of an iteration of predictive control by iLQR, for the humanoid that stands on its left leg under pushes, with a horizon of
 //! 50 steps: median and 99th percentile of the derivatives, the backward pass and the line search. The first trajectory of a plan is part
-//! of the iteration. Then the same run in real time, with the planner in a second thread.
+//! of the iteration. Then the same run in real time, with the planner in a second thread, and the time of a plan by sampling.
 //!
 //! The motion is chaotic: under pushes of some other strengths, the humanoid falls in one build of this crate and stands in another, because the
 //! last bits of the plans differ. In the run without threads it stands.
@@ -15,12 +15,15 @@ use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
 use common::models::Balance;
+use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{IlqrOptions, IlqrTimes};
-use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController, ThreadedPredictiveController};
+use mujoco_safe::control::predictive::{
+    IlqrPlanner, Planner, PredictiveController, SamplingOptions, SamplingPlanner, ThreadedPredictiveController,
+};
 use mujoco_safe::control::residual::{
     Controls, FrameOrientation, JointPosition, JointVelocity, ResidualCost, Subtree, Term,
 };
-use mujoco_safe::{Controller, Data, Result, StateSpec};
+use mujoco_safe::{Controller, Data, Lqr, LqrWeights, Result, StateSpec};
 
 /// Number of steps of a plan, which has one knot for each.
 const HORIZON: usize = 50;
@@ -34,6 +37,9 @@ const STEP_SIZES: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
 const PUSH_INTERVAL: usize = 200;
 const PUSH_DURATION: usize = 20;
 const NEWTONS: f64 = 30.0;
+/// Number of plans by sampling, and of candidates of each.
+const SAMPLED_PLANS: usize = 100;
+const SAMPLES: usize = 32;
 
 /// Returns the cost of standing: posture, height and drift of the centre of mass, upright torso, motion, effort.
 fn standing(data: &mut Data) -> Result<ResidualCost> {
@@ -137,8 +143,32 @@ fn threaded(data: &mut Data, planner: IlqrPlanner, cost: ResidualCost) -> Result
     Ok(())
 }
 
+/// Plans by sampling about the regulator from the states of its motion, one every `INTERVAL` steps.
+fn sampled(data: &mut Data, weights: &LqrWeights, threads: usize) -> Result<()> {
+    let cost = standing(data)?;
+    let mut lqr = Lqr::at_present_state(data, weights)?;
+    let options = SamplingOptions::default().with_samples(SAMPLES).with_threads(threads);
+    let mut planner = SamplingPlanner::new(data.model(), HORIZON, options)?.with_regulator(lqr.clone())?;
+    let mut policy = TimeVaryingLqr::at_present_state(data, HORIZON)?;
+    let torso = data.model().body("torso")?.index();
+    let mut times = Vec::new();
+    for step in 0..=SAMPLED_PLANS * INTERVAL {
+        push(data, torso, step);
+        if step.is_multiple_of(INTERVAL) {
+            let start = Instant::now();
+            planner.plan(data, &cost, &mut policy)?;
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+        lqr.control(data)?;
+        data.step()?;
+    }
+    // The first plan creates the simulations.
+    print(&format!("plan of {SAMPLES} samples"), times[1..].iter().copied());
+    Ok(())
+}
+
 fn main() -> Result<()> {
-    let mut data = Balance::humanoid()?.data;
+    let Balance { mut data, weights } = Balance::humanoid()?;
     let threads = available_parallelism().map_or(1, usize::from);
     println!(
         "predictive: {PLANS} plans of {HORIZON} steps on {threads} threads, one every {INTERVAL} steps; pushes of {NEWTONS} N"
@@ -155,5 +185,6 @@ fn main() -> Result<()> {
         let planner = IlqrPlanner::new(data.model(), HORIZON, options)?;
         run(&mut data, planner, cost)?;
     }
-    Ok(())
+    data.set_state(StateSpec::INTEGRATION, &start)?;
+    sampled(&mut data, &weights, threads)
 }
