@@ -8,6 +8,12 @@
 //! controls, and applies the best of them ([`planner`]). The cost rewards an upright robot that is not about to fall ([`cost`]);
 //! it does not prescribe steps. The simulation waits for the planner, and the program prints the real-time factor. `--help` lists
 //! the options.
+//!
+//! ```text
+//! cargo run --release --features renderer --example humanoid_predictive -- --pushes 100 --out out
+//! ```
+//!
+//! compares LQR with iLQR over a receding horizon in pushes of random direction against the humanoid on one leg ([`pushes`]): a table, a plot and a film.
 
 mod attempt;
 #[path = "../common/mod.rs"]
@@ -17,6 +23,7 @@ mod cost;
 mod film;
 mod planner;
 mod plots;
+mod pushes;
 mod robot;
 #[allow(dead_code, reason = "`humanoid_lqr` prints more of the run")]
 #[path = "../humanoid_lqr/simulate.rs"]
@@ -32,7 +39,11 @@ use common::command_line;
 use mujoco_safe::Data;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use planner::{HORIZON, SAMPLES, STEPS};
+use pushes::Series;
 use robot::{NEWTONS, PUSH_DURATION, Robot, push};
+
+/// Default simulated time, s.
+const SECONDS: f64 = 6.0;
 
 /// A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
 #[derive(Parser)]
@@ -41,12 +52,18 @@ struct Arguments {
     /// Number of pushes, each in another direction
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Force of a push of 0.1 s, N
-    #[arg(long, value_name = "F", default_value_t = NEWTONS)]
-    newtons: f64,
-    /// Simulated time, s; the push starts at 1 s
-    #[arg(long, value_name = "S", default_value_t = 6.0)]
-    seconds: f64,
+    /// Push the humanoid on one leg in N random directions instead, under LQR and under iLQR over a receding horizon
+    #[arg(long, value_name = "N", conflicts_with = "seeds")]
+    pushes: Option<usize>,
+    /// Seed of the first of these directions; the weights and the horizon were chosen with seeds other than 101 to 200
+    #[arg(long, value_name = "N", default_value_t = 101, requires = "pushes")]
+    first_seed: u64,
+    /// Force of a push of 0.1 s, N; 180 by default, and 85 with `--pushes`
+    #[arg(long, value_name = "F")]
+    newtons: Option<f64>,
+    /// Simulated time, s; 6 by default with a push at 1 s, and 4 with `--pushes` with a push at 0.2 s
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
     /// Number of threads for planning
     #[arg(long, value_name = "N", default_value_t = command_line::cores())]
     threads: usize,
@@ -60,18 +77,29 @@ fn main() -> std::process::ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    if let Some(count) = arguments.pushes {
+        return pushes::run(&Series {
+            first_seed: arguments.first_seed,
+            count,
+            newtons: arguments.newtons.unwrap_or(pushes::NEWTONS),
+            seconds: arguments.seconds.unwrap_or(pushes::SECONDS),
+            threads: arguments.threads,
+            out: arguments.out.as_deref(),
+        });
+    }
+    let (newtons, seconds) = (arguments.newtons.unwrap_or(NEWTONS), arguments.seconds.unwrap_or(SECONDS));
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).build()?;
     let robot = Robot::new()?;
     println!(
         "{SAMPLES} rollouts of {HORIZON} s every {} ms on {} threads; pushes of {} N for {PUSH_DURATION} s, starting at 1 s",
         STEPS as f64 * robot.model.timestep() * 1e3,
         pool.current_num_threads(),
-        arguments.newtons
+        newtons
     );
     let mut attempts = Vec::new();
     for seed in 1..=arguments.seeds {
-        let push = push(arguments.newtons, seed);
-        let attempt = pool.install(|| attempt(&robot, push, seed, arguments.seconds))?;
+        let push = push(newtons, seed);
+        let attempt = pool.install(|| attempt(&robot, push, seed, seconds))?;
         let [x, y] = push.force;
         let outcome = |fell_at: Option<f64>| match fell_at {
             Some(time) => format!("falls after {time:.2} s"),
@@ -100,7 +128,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         for (path, run) in [(&planned, &first.planned), (&regulated, &first.regulated)] {
             // After a fall the robot is outside of the image, so end shortly before it.
             let last = run.trajectory.len() - if run.upright() { 1 } else { 30 };
-            let moments = [1.0, 1.2, 1.4, 1.7, 2.0, arguments.seconds];
+            let moments = [1.0, 1.2, 1.4, 1.7, 2.0, seconds];
             let records = moments.map(|time| ((time / robot.model.timestep()) as usize).min(last));
             film::draw(path, &mut data, run, &records)?;
         }

@@ -131,6 +131,24 @@ fn examples_write_their_plots_to_the_given_directory() {
 }
 
 #[test]
+fn the_series_of_pushes_writes_a_table_and_a_plot() {
+    let scratch = tempfile::tempdir().unwrap();
+    let out = scratch.path().to_str().unwrap();
+    // The runs end before the push, so neither falls.
+    let output =
+        program("humanoid_predictive", &["--pushes", "3", "--seconds", "0.02", "--threads", "2", "--out", out]);
+    let printed = text(&output.stdout);
+    assert!(output.status.success(), "{printed}{}", text(&output.stderr));
+    assert!(printed.contains("all                   3          0              0"), "{printed}");
+    let csv = std::fs::read_to_string(scratch.path().join("humanoid_pushes.csv")).unwrap();
+    let seeds: Vec<&str> = csv.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(seeds.len(), 3, "{csv}");
+    assert!(csv.lines().skip(1).all(|line| line.ends_with(",,")), "{csv}");
+    let svg = std::fs::read_to_string(scratch.path().join("humanoid_pushes.svg")).unwrap();
+    assert!(svg.contains("planner: 0 falls in 3 pushes"));
+}
+
+#[test]
 fn examples_report_invalid_arguments() {
     for (name, arguments, expected) in [
         ("cartpole_swing_up", ["--seeds", "many"], "'many' for '--seeds"),
@@ -142,6 +160,9 @@ fn examples_report_invalid_arguments() {
         ("humanoid_lqr", ["--push", "-20,north"], "'-20,north' for '--push"),
         ("humanoid_predictive", ["--newtons", "hard"], "'hard' for '--newtons"),
         ("humanoid_predictive", ["--threads", "-1"], "unexpected argument '-1'"),
+        ("humanoid_predictive", ["--first-seed", "7"], "--pushes <N>"),
+        ("humanoid_stand_up", ["--seconds", "-1"], "'-1' for '--seconds"),
+        ("arm_tracking", ["--seconds", "long"], "'long' for '--seconds"),
         ("learn_gait", ["--iterations", "all"], "'all' for '--iterations"),
     ] {
         let output = program(name, &arguments);

@@ -1,0 +1,83 @@
+//! The humanoid on its left leg, its controllers, and one push.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use mujoco_safe::control::ilqr::IlqrOptions;
+use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
+use mujoco_safe::control::residual::{
+    Controls, FrameOrientation, JointPosition, JointVelocity, ResidualCost, Subtree, Term,
+};
+use mujoco_safe::rollout::Random;
+use mujoco_safe::{Controller, Data, Lqr, Matrix, Model, Result};
+
+use super::Outcome;
+use crate::common::balance;
+use crate::common::balance::set_point::SetPoint;
+use crate::simulate::{Disturbance, Push, Run, simulate};
+
+/// Number of steps of a plan, and between two plans.
+pub const HORIZON: usize = 100;
+pub const INTERVAL: usize = 4;
+/// Start and duration of a push, s.
+pub const PUSH_AT: f64 = 0.2;
+pub const PUSH_DURATION: f64 = 0.1;
+
+pub struct Scenario {
+    pub model: Arc<Model>,
+    set_point: SetPoint,
+    lqr: Lqr,
+}
+
+impl Scenario {
+    pub fn new() -> Result<Self> {
+        let (data, set_point, lqr) = balance::humanoid()?;
+        Ok(Self { model: data.model().clone(), set_point, lqr })
+    }
+
+    /// Returns the cost of standing: place of the centre of mass and its velocity, angular momentum, upright torso, posture, motion and effort.
+    fn cost(&self, data: &Data) -> Result<ResidualCost> {
+        let model = &self.model;
+        let centre = data.subtree_com()[model.body("torso")?.index()];
+        let joints: Vec<f64> = (0..model.nv()).map(|dof| f64::from(u8::from(dof >= 6))).collect();
+        let terms = [
+            Term::new("com", Subtree::com(model, "torso")?.with_target(centre))
+                .with_weight(100.0)
+                .with_terminal_weight(1e3),
+            Term::new("drift", Subtree::velocity(model, "torso")?).with_weight(10.0).with_terminal_weight(100.0),
+            Term::new("momentum", Subtree::angular_momentum(model, "torso")?).with_weight(0.5),
+            Term::new("upright", FrameOrientation::body(model, "torso")?).with_weight(5.0),
+            Term::new("posture", JointPosition::all(model).with_target(&self.set_point.qpos)?)
+                .with_scales(joints)
+                .with_weight(0.2),
+            Term::new("motion", JointVelocity::all(model)).with_weight(0.01),
+            Term::new("effort", Controls::new(model).with_target(&self.set_point.ctrl)?).with_weight(0.1),
+        ];
+        ResidualCost::new(model, terms)
+    }
+
+    /// Simulates a push under each controller.
+    pub fn push(&self, newtons: f64, seed: u64, seconds: f64) -> Result<Outcome> {
+        let angle = Random::new(seed, 0, 0).uniform(0.0, TAU);
+        let force = [newtons * angle.cos(), newtons * angle.sin()];
+        let push = Push { force, start: PUSH_AT, duration: PUSH_DURATION };
+        let disturbance = Disturbance { push: Some(push), ..Disturbance::default() };
+        let torso = self.model.body("torso")?;
+        let mut data = Data::new(self.model.clone())?;
+        let mut run = |controller: &mut dyn Controller| -> Result<Run> {
+            simulate(&mut data, controller, &self.set_point, torso, seconds, disturbance)
+        };
+        let regulated = run(&mut self.lqr.clone())?;
+
+        let mut start = Data::new(self.model.clone())?;
+        self.set_point.apply(&mut start)?;
+        let options = IlqrOptions::default()
+            .with_iterations(1)
+            .with_step_sizes([1.0, 0.5, 0.2, 0.05])
+            .with_sufficient_decrease(0.3);
+        let held = Matrix::from_row_major(HORIZON, self.model.nu(), self.set_point.ctrl.repeat(HORIZON));
+        let planner = IlqrPlanner::new(&self.model, HORIZON, options)?.with_initial_controls(held)?;
+        let planned = run(&mut PredictiveController::new(&start, planner, self.cost(&start)?, INTERVAL)?)?;
+        Ok(Outcome { seed, angle, regulated, planned })
+    }
+}
