@@ -15,6 +15,7 @@ mod models;
 mod peer;
 mod processor;
 mod report;
+mod slicot;
 
 use std::error::Error;
 use std::fs;
@@ -47,6 +48,9 @@ struct Arguments {
     /// Python interpreter with the engine's bindings, SciPy and NumPy; without it, only C is compared
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
+    /// Python interpreter with slycot; without it, the Riccati solver is not compared with SLICOT
+    #[arg(long, value_name = "PROGRAM")]
+    slycot: Option<PathBuf>,
     /// Folder for the report
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -186,6 +190,12 @@ fn main() -> Outcome<()> {
             report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &comparison);
         }
 
+        if let Some(slycot) = &arguments.slycot {
+            let balance = if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? };
+            let problem = RiccatiProblem::new(balance)?;
+            slicot::compare(&mut report, (slycot, &arguments.out), (&one, pairs), (name, &path), problem)?;
+        }
+
         if let Some(python) = &mut python {
             let balance = if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? };
             let mut riccati = RiccatiProblem::new(balance)?;
@@ -209,6 +219,9 @@ fn main() -> Outcome<()> {
     }
     if arguments.python.is_none() {
         println!("No comparison with Python, SciPy and NumPy: no --python was given.");
+    }
+    if arguments.slycot.is_none() {
+        println!("No comparison with SLICOT: no --slycot was given.");
     }
     report.write(&arguments.out)?;
     Ok(())

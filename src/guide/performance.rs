@@ -114,8 +114,8 @@
 //!
 //! The first image of the humanoid takes 0.21 s [0.20, 0.21], and 0.64 s [0.63, 0.67] before Mesa has cached its compiled shaders on disk.
 //!
-//! `scripts/compare` measures this crate, the engine called from C, the official Python bindings, SciPy and NumPy in one run: steps, rollouts,
-//! batches (from 3.17 also those of `mujoco.batch`), linearisations, Riccati equations and control laws. `MUJOCO_PYTHON` is an
+//! `scripts/compare` measures this crate, the engine called from C, the official Python bindings, SciPy, NumPy and SLICOT in one run: steps,
+//! rollouts, batches (from 3.17 also those of `mujoco.batch`), linearisations, Riccati equations and control laws. `MUJOCO_PYTHON` is an
 //! interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one if it finds a Python 3.7 to 3.10.
 //!
 //! `cargo bench` in this repository compares each call with the raw C call in one process, and prints the ratio with its confidence interval
