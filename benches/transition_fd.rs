@@ -3,13 +3,17 @@
 //! its result and includes the sensors; the same differences in two threads; the method through inverse dynamics, in one thread
 //! and in two; and the analytic method. Then the steps of a trajectory of the humanoid by the analytic method, in two threads and
 //! in one. First prints the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against
-//! extrapolated differences of steps whose solver has converged.
+//! extrapolated differences of steps whose solver has converged. Last the derivatives of inverse dynamics, without those of sensors, in closed
+//! form, and their errors against extrapolated differences: against `mjd_inverseFD`, or with engines before 2.3.7 that lack it against
+//! [`Data::inverse_fd_into`].
 //!
 //! ```text
 //! cargo bench --bench transition_fd
 //! ```
 
 mod common;
+#[path = "../tests/linearisation/inverse_fd/oracle.rs"]
+mod inverse_oracle;
 #[path = "../tests/linearisation/transition/oracle.rs"]
 mod oracle;
 
@@ -18,7 +22,10 @@ use std::ptr::null_mut;
 
 use common::models::Balance;
 use criterion::Criterion;
-use mujoco_safe::derivative::{LinearisationReport, TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::derivative::{
+    InverseForce, InverseJacobians, InverseOutputs, LinearisationReport, TransitionMethod, TransitionOptions,
+    TransitionOutputs,
+};
 use mujoco_safe::enums::Cone;
 use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Model, Result, StateSpace, sys};
 
@@ -46,6 +53,13 @@ fn through(
     }
 }
 
+/// Returns the largest error of a matrix, relative to its largest number.
+fn error(ours: &Matrix, theirs: &Matrix) -> f64 {
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+    let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| a - b);
+    largest(&mut { differences }) / largest(&mut theirs.as_slice().iter().copied())
+}
+
 /// Prints the errors of A and B by each method.
 fn print_accuracy(name: &str, data: &mut Data) {
     let truth = oracle::linear_system(data);
@@ -56,11 +70,6 @@ fn print_accuracy(name: &str, data: &mut Data) {
         let mut lineariser = Lineariser::new(data.model().clone(), options).expect("there is memory");
         let (system, used) = lineariser.linear_system(data).expect("the state is stable");
         assert_eq!(used.fallback, None);
-        let error = |ours: &Matrix, theirs: &Matrix| {
-            let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
-            let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| a - b);
-            largest(&mut { differences }) / largest(&mut theirs.as_slice().iter().copied())
-        };
         println!(
             "{name}: {method:?} errs by {:.1e} in A, {:.1e} in B",
             error(&system.a, &truth.a),
@@ -184,6 +193,79 @@ fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Resul
     Ok(())
 }
 
+/// Derivatives of inverse dynamics of one simulation.
+struct Inverse {
+    data: Data,
+    jacobians: InverseJacobians,
+    lineariser: Lineariser,
+}
+
+/// Returns the outputs except for those of sensors.
+fn without_sensors(jacobians: &mut InverseJacobians) -> InverseOutputs<'_> {
+    let InverseJacobians { df_dq, df_dv, df_da, dm_dq, .. } = jacobians;
+    InverseOutputs {
+        df_dq: Some(df_dq),
+        df_dv: Some(df_dv),
+        df_da: Some(df_da),
+        dm_dq: Some(dm_dq),
+        ..Default::default()
+    }
+}
+
+/// Calls `mjd_inverseFD` without the outputs of sensors.
+#[cfg(engine_since = "2.3.7")]
+fn difference_inverse(state: &mut Inverse) {
+    let InverseJacobians { df_dq, df_dv, df_da, dm_dq, .. } = &mut state.jacobians;
+    let [df_dq, df_dv, df_da, dm_dq] = [df_dq, df_dv, df_da, dm_dq].map(|matrix| matrix.as_mut_slice().as_mut_ptr());
+    let (model, data) = (state.data.model().as_ptr(), state.data.as_mut_ptr());
+    // SAFETY: the data and its own model, matrices of the shapes that the engine writes, and NULL for those of the sensors.
+    unsafe {
+        sys::mjd_inverseFD(model, data, INVERSE_EPS, 0, df_dq, df_dv, df_da, null_mut(), null_mut(), null_mut(), dm_dq)
+    }
+}
+
+#[cfg(not(engine_since = "2.3.7"))]
+fn difference_inverse(state: &mut Inverse) {
+    let outputs = without_sensors(&mut state.jacobians);
+    state.data.inverse_fd_into(INVERSE_EPS, InverseForce::Total, outputs).expect("the state is stable");
+}
+
+/// Step of the differences of inverse dynamics.
+const INVERSE_EPS: f64 = 1e-6;
+
+/// Times the derivatives of inverse dynamics at the accelerations of the present state.
+fn compare_inverse(criterion: &mut Criterion, name: &str, data: Data, calls: u32) -> Result<()> {
+    let lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
+    let mut state = Inverse { jacobians: InverseJacobians::zeros(data.model()), data, lineariser };
+    state.data.forward()?;
+    let truth = inverse_oracle::Oracle::new(&state.data, InverseForce::Total).jacobians(2e-5, 2e-3);
+    for method in [TransitionMethod::Engine, TransitionMethod::Analytic] {
+        let options = TransitionOptions::default().with_method(method);
+        let mut lineariser = Lineariser::new(state.data.model().clone(), options)?;
+        let (found, report) = lineariser.inverse_jacobians(&mut state.data, InverseForce::Total)?;
+        assert_eq!(report.fallback, None);
+        println!(
+            "{name}: {method:?} errs by {:.1e} in DfDq, {:.1e} in DfDv, {:.1e} in DfDa, {:.1e} in DmDq",
+            error(&found.df_dq, &truth.df_dq),
+            error(&found.df_dv, &truth.df_dv),
+            error(&found.df_da, &truth.df_da),
+            error(&found.dm_dq, &truth.dm_dq)
+        );
+    }
+    let analytic = |state: &mut Inverse| {
+        for _ in 0..calls {
+            let Inverse { data, jacobians, lineariser } = state;
+            let outputs = without_sensors(jacobians);
+            let report = lineariser.inverse_jacobians_into(data, InverseForce::Total, outputs);
+            assert_eq!(report.expect("the state is stable").fallback, None);
+        }
+    };
+    let reference = |state: &mut Inverse| (0..calls).for_each(|_| difference_inverse(state));
+    let reference_name = if cfg!(engine_since = "2.3.7") { "mjd_inverseFD" } else { "inverse_fd_into" };
+    common::compare(criterion, name, &mut state, calls, &[("analytic", &analytic), (reference_name, &reference)]);
+    Ok(())
+}
+
 /// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two joints that are coupled.
 fn constrained_humanoid() -> Result<Data> {
     let equality = r#"<equality>
@@ -203,6 +285,8 @@ fn main() -> Result<()> {
     compare(&mut criterion, "transition_fd/humanoid with equalities, elliptic", constrained_humanoid()?, 1);
     compare_along(&mut criterion, "transition_fd/humanoid along a trajectory", Balance::humanoid()?.data)?;
     compare(&mut criterion, "transition_fd/cartpole", Balance::cartpole()?.data, 100);
+    compare_inverse(&mut criterion, "inverse_jacobians/humanoid", Balance::humanoid()?.data, 1)?;
+    compare_inverse(&mut criterion, "inverse_jacobians/cartpole", Balance::cartpole()?.data, 100)?;
     criterion.final_summary();
     Ok(())
 }

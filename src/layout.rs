@@ -108,6 +108,18 @@ impl Data {
         is_known.then_some(row)
     }
 
+    /// Returns the address of the first stored element of a row of the inertia matrix, and the row as by
+    /// [`inertia_row`](Self::inertia_row).
+    pub(crate) fn inertia_place(&self, dof: usize) -> (usize, Option<Row<'_>>) {
+        let row = self.inertia_row(dof);
+        let start = match &row {
+            // The row is a part of the elements.
+            Some(row) => (row.values.as_ptr().addr() - self.inertia_elements().as_ptr().addr()) / size_of::<f64>(),
+            None => ffi::size(self.model().dof_Madr()[dof]),
+        };
+        (start, row)
+    }
+
     /// Returns the stored elements of the inertia matrix.
     pub(crate) fn inertia_elements(&self) -> &[f64] {
         // SAFETY: the engine allocated the array with this length.

@@ -1,5 +1,7 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
+use std::sync::Arc;
+
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::work_queue::for_each_item;
@@ -11,7 +13,7 @@ use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::id::SensorId;
 use crate::matrix::Matrix;
-use crate::model::IntoModel;
+use crate::model::{IntoModel, Model};
 
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
@@ -43,9 +45,11 @@ const MAX_THREADS: usize = 1024;
 #[derive(Debug)]
 pub struct Lineariser {
     options: TransitionOptions,
-    workers: Vec<Worker>,
+    pub(super) workers: Vec<Worker>,
     /// Buffer for the base point: [`StateSpec::INTEGRATION`].
-    base: Vec<f64>,
+    pub(super) base: Vec<f64>,
+    /// Method for the model of the workers, which is never changed in place while they share it.
+    method: (TransitionMethod, Option<Fallback>),
 }
 
 impl Lineariser {
@@ -65,7 +69,8 @@ impl Lineariser {
             return Err(Error::invalid("threads of TransitionOptions", options.threads, expected));
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
-        Ok(Self { options, workers, base: vec![0.0; model.state_size(StateSpec::INTEGRATION)] })
+        let base = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
+        Ok(Self { options, workers, base, method: select_method(&model, options.method) })
     }
 
     /// Returns the options that the lineariser was created with.
@@ -74,18 +79,19 @@ impl Lineariser {
     }
 
     /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C and D
-    /// are differenced. These are force and torque sensors, rangefinders, user sensors, velocities of limits of ball joints, lengths
+    /// are differenced. These are force and torque sensors of sites of the world, user sensors, velocities of limits of ball joints, lengths
     /// of actuators of ball and free joints, frames of cameras that track or face a body, sensors that 2.2.2 does not have, and all sensors with a
     /// cutoff.
     ///
-    /// A sensor at a state where its derivative is not finite is also differenced.
+    /// A sensor at a state where its derivative is not finite is also differenced, and so is a rangefinder that meets a mesh, a height
+    /// field or a signed distance field.
     ///
     /// ```
     /// use mujoco_safe::{Lineariser, Model};
     ///
     /// let model = Model::from_xml_str(
     ///     r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/><site name="imu"/></body></worldbody>
-    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><force name="load" site="imu"/></sensor></mujoco>"#,
+    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><user name="load" dim="1"/></sensor></mujoco>"#,
     /// )?;
     /// let lineariser = Lineariser::new(model.clone(), Default::default())?;
     /// let load = model.sensor("load")?.id();
@@ -243,39 +249,46 @@ impl Lineariser {
     }
 
     /// Adopts the model of a simulation, which may have been edited since.
-    fn adopt_model(&mut self, data: &Data) -> Result<()> {
+    pub(super) fn adopt_model(&mut self, data: &Data) -> Result<()> {
         data.check_usable()?;
         data.check_inputs()?;
         if !self.workers[0].point.data.model().is_same_structure(data.model()) {
             return Err(Error::OtherModel { what: "the data to linearise" });
         }
-        self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
+        if !Arc::ptr_eq(self.workers[0].point.data.model(), data.model()) {
+            self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
+            self.method = select_method(data.model(), self.options.method);
+        }
         Ok(())
     }
 
     /// Selects the method, as far as it is known before the linearisation.
     fn method(&self, data: &Data) -> (TransitionMethod, Option<Fallback>) {
-        let requested = self.options.method;
         if data.has_callbacks() {
-            return (TransitionMethod::Engine, (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks));
+            let is_other = self.options.method != TransitionMethod::Engine;
+            return (TransitionMethod::Engine, is_other.then_some(Fallback::Callbacks));
         }
-        let model = data.model();
-        let obstacle = match requested {
-            TransitionMethod::Implicit | TransitionMethod::Analytic => implicit::obstacle(model),
-            TransitionMethod::Engine if model.options().integrator == Integrator::Rk4 => Some(Fallback::RungeKutta),
-            _ => None,
+        self.method
+    }
+}
+
+/// Selects the method for a model without callbacks.
+fn select_method(model: &Model, requested: TransitionMethod) -> (TransitionMethod, Option<Fallback>) {
+    let obstacle = match requested {
+        TransitionMethod::Implicit | TransitionMethod::Analytic => implicit::obstacle(model),
+        TransitionMethod::Engine if model.options().integrator == Integrator::Rk4 => Some(Fallback::RungeKutta),
+        _ => None,
+    };
+    if requested == TransitionMethod::Analytic && matches!(obstacle, None | Some(Fallback::ImplicitIntegrator)) {
+        return match (analytic::obstacle(model), obstacle) {
+            (None, _) => (requested, None),
+            // Inverse dynamics does not invert the implicit integrator.
+            (_, Some(_)) => (TransitionMethod::Columns, obstacle),
+            (reason, None) => (TransitionMethod::Implicit, reason),
         };
-        if requested == TransitionMethod::Analytic && matches!(obstacle, None | Some(Fallback::ImplicitIntegrator)) {
-            return match (analytic::obstacle(model), obstacle) {
-                (None, _) => (requested, None),
-                // Inverse dynamics does not invert the implicit integrator.
-                (_, Some(_)) => (TransitionMethod::Columns, obstacle),
-                (reason, None) => (TransitionMethod::Implicit, reason),
-            };
-        }
-        match obstacle {
-            Some(_) => (TransitionMethod::Columns, obstacle),
-            None => (requested, None),
-        }
+    }
+    match obstacle {
+        Some(_) => (TransitionMethod::Columns, obstacle),
+        None => (requested, None),
     }
 }

@@ -92,8 +92,8 @@ pub enum Fallback {
     RungeKutta,
     /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), or [`ImplicitFast`](crate::enums::Integrator::ImplicitFast) or
     /// [`Discrete`](crate::enums::Integrator::Discrete) of newer engines, whose step depends on derivatives of forces that the engine
-    /// does not expose. The analytic method has formulas for those of `Implicit`, except for those of a medium, muscles and spatial
-    /// tendons. The method is [`Columns`](TransitionMethod::Columns).
+    /// does not expose. The analytic method has formulas for those of `Implicit`, except for those of a medium, muscles, spatial
+    /// tendons and actuators on sites. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
     /// method is [`Columns`](TransitionMethod::Columns).
@@ -118,7 +118,7 @@ pub enum Fallback {
     /// constraint acts on it. The method is [`Implicit`](TransitionMethod::Implicit).
     SpatialTendon,
     /// The analytic method has no formula for an actuator: it covers motors, servos, other affine gains and biases, and muscles
-    /// on hinges, slides and tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
+    /// on hinges, slides, tendons and sites without a reference site, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
     Actuator,
     /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
     /// collision function iterates, or with engines from 3.7 a `connect` or `weld` constraint. The method is [`Implicit`](TransitionMethod::Implicit).

@@ -99,13 +99,31 @@ impl Newton {
         sensors: SensorUpdate,
         value: &mut [f64],
     ) -> Result<Option<Residual>> {
-        data.forward_skip(Stage::Nothing, sensors)?;
-        if !data.qacc().iter().all(|value| value.abs() <= mjMAXVAL) {
+        if !has_accelerations(data, sensors)? {
             return Ok(None);
         }
-        let has_external_forces = data.xfrc_applied().as_flattened().iter().any(|&value| value != 0.0);
-        let residual = Residual { has_external_forces };
+        let residual = Residual::of(data);
         Ok(self.refine(data, residual, value)?.then_some(residual))
+    }
+
+    /// Does the same as [`solve`](Self::solve) without sensors, for a caller that does not read the residual: `value` is a buffer. Returns
+    /// `false` if the constraint solver has not converged.
+    pub(super) fn solve_accelerations(&mut self, data: &mut Data, value: &mut [f64]) -> Result<bool> {
+        if !has_accelerations(data, SensorUpdate::Skip)? {
+            return Ok(false);
+        }
+        if data.nefc() == 0 {
+            // The engine has solved a linear system.
+            return self.factorise(data);
+        }
+        let residual = Residual::of(data);
+        self.refine(data, residual, value)
+    }
+
+    /// Computes the Cholesky factor of H. Returns `false` if H is singular.
+    fn factorise(&mut self, data: &Data) -> Result<bool> {
+        self.assemble(data)?;
+        Ok(math::chol_factor(&mut self.factor, MIN_PIVOT)? >= data.model().nv())
     }
 
     /// Refines `qacc`, the result of the constraint solver, to the accuracy of the arithmetic.
@@ -115,8 +133,7 @@ impl Newton {
     fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
         self.update(data, residual, value)?;
         for step in 0..MAX_STEPS {
-            self.assemble(data)?;
-            if math::chol_factor(&mut self.factor, MIN_PIVOT)? < data.model().nv() {
+            if !self.factorise(data)? {
                 return Ok(false);
             }
             if data.nefc() == 0 {
@@ -145,8 +162,21 @@ impl Newton {
         Ok(false)
     }
 
+    /// Computes the constraint forces for the present `qacc`, and leaves H in the lower triangle of [`factor`](Self::factor).
+    pub(super) fn hessian(&mut self, data: &mut Data) -> Result<&Matrix> {
+        self.update_constraints(data)?;
+        self.assemble(data)?;
+        Ok(&self.factor)
+    }
+
     /// Updates the constraint forces for the present `qacc`, and evaluates the residual.
     fn update(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<()> {
+        self.update_constraints(data)?;
+        residual.evaluate(data, value)
+    }
+
+    /// Updates the constraint forces for the present `qacc`.
+    fn update_constraints(&mut self, data: &mut Data) -> Result<()> {
         let jar = &mut self.jar;
         jar.clear();
         jar.resize(data.nefc(), 0.0);
@@ -155,8 +185,14 @@ impl Newton {
             jar.iter_mut().zip(data.efc_aref()).for_each(|(jar, aref)| *jar -= aref);
         }
         data.constraint_update(jar, ConeHessian::Compute)?;
-        residual.evaluate(data, value)
+        Ok(())
     }
+}
+
+/// Computes the accelerations of the present state, and the sensors as requested. Returns `false` if they are beyond the engine's limit.
+fn has_accelerations(data: &mut Data, sensors: SensorUpdate) -> Result<bool> {
+    data.forward_skip(Stage::Nothing, sensors)?;
+    Ok(data.qacc().iter().all(|value| value.abs() <= mjMAXVAL))
 }
 
 /// Returns the contacts, as the engine stores them.

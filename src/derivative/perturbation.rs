@@ -127,8 +127,14 @@ impl PerturbedData {
         }
     }
 
-    /// Moves the simulation to a base point.
+    /// Moves the simulation to a base point that later calls restore.
     pub(super) fn set_base(&mut self, base: BasePoint<'_>) -> Result<()> {
+        self.move_to(base)?;
+        self.data.state_into(SAVED, &mut self.saved)
+    }
+
+    /// Moves the simulation to a point.
+    pub(super) fn move_to(&mut self, base: BasePoint<'_>) -> Result<()> {
         if self.data.check_usable().is_err() {
             self.data.reset()?;
         }
@@ -138,7 +144,7 @@ impl PerturbedData {
             self.data.ctrl_mut().copy_from_slice(controls);
             self.data.check_inputs()?;
         }
-        self.data.state_into(SAVED, &mut self.saved)
+        Ok(())
     }
 
     /// Restores the base point after a step or a perturbation.

@@ -31,6 +31,11 @@ pub(super) struct Residual {
 }
 
 impl Residual {
+    /// Returns the quantities of the present state.
+    pub(super) fn of(data: &Data) -> Self {
+        Self { has_external_forces: data.xfrc_applied().as_flattened().iter().any(|&value| value != 0.0) }
+    }
+
     /// Computes all forces at the present `qacc`, and the preceding stages that depend on the changed quantities: positions if
     /// `positions_changed`, else velocities.
     pub(super) fn update_forces(self, data: &mut Data, positions_changed: bool, sensors: bool) -> Result<()> {

@@ -19,7 +19,7 @@ pub(super) struct Worker {
     pub(super) point: PerturbedData,
     differences: StepDifferences,
     implicit: Linearisation,
-    analytic: Analytic,
+    pub(super) analytic: Analytic,
     /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
     prepared: Option<bool>,
     /// Result of this worker's share of the columns.
@@ -115,7 +115,7 @@ pub(super) fn linearise(
         return difference(workers, base, options, (method, fallback), &[], outputs);
     }
     let worker = &mut workers[0];
-    worker.point.set_base(base)?;
+    worker.point.move_to(base)?;
     match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
         Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
         Err(reason) => {

@@ -64,8 +64,9 @@
 //! | [`Data::transition_fd`] | differences of steps, by the engine |
 //! | [`Lineariser::linear_system_into`] | by default derivatives in closed form, which are faster and more accurate; without allocation |
 //! | [`Lineariser::along`] | the systems of all steps of a trajectory |
+//! | [`Lineariser::inverse_jacobians_into`] | derivatives of inverse dynamics, by default in closed form |
 //!
-//! All return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
+//! The first three return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
 //! features that have no formula, such as contacts of meshes or tendons around geoms, fall back to implicit differentiation or to differences of steps.
 //!
 //! # LQR

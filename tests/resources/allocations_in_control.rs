@@ -61,6 +61,22 @@ fn linearising_in_a_workspace_does_not_allocate() {
 }
 
 #[test]
+fn derivatives_of_inverse_dynamics_by_a_lineariser_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let mut jacobians = InverseJacobians::zeros(data.model());
+    for method in [TransitionMethod::Engine, TransitionMethod::Analytic] {
+        let options = TransitionOptions::default().with_method(method);
+        let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+        for force in [InverseForce::Total, InverseForce::WithoutActuators] {
+            allocates_nothing(&format!("derivatives of inverse dynamics by {method:?}, {force:?}"), || {
+                lineariser.inverse_jacobians_into(&mut data, force, &mut jacobians).unwrap();
+            });
+        }
+    }
+}
+
+#[test]
 fn controllers_do_not_allocate() {
     let _lock = lock_process();
     let mut data = Data::new(sample::cartpole()).unwrap();

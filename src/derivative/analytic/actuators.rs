@@ -2,12 +2,14 @@
 //!
 //! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an actuator with activation, the
 //! activation. Its length l depends on the position by its moment arms m: `∂l/∂q = ∂l̇/∂v = m`. They are constant except for spatial
-//! tendons (`tendon.rs`).
+//! tendons (`tendon.rs`) and sites (`site_transmission.rs`).
 
 use super::super::linear_algebra::add;
 use super::super::method::Fallback;
 use super::muscle;
+use super::site_transmission::{for_each_change, site_of};
 use super::tendon::{Tendons, tendon_of};
+use super::tree::Tree;
 use crate::data::Data;
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, TransmissionType};
 use crate::ffi;
@@ -52,6 +54,7 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
     match transmission {
         // `tendon.rs` differentiates the moment arms of spatial tendons.
         Some(TransmissionType::Tendon) => true,
+        Some(TransmissionType::Site) => site_of(model, actuator).is_some(),
         Some(TransmissionType::Joint | TransmissionType::JointInParent) => {
             match JointType::of_field(model.jnt_type()[object]) {
                 JointType::Hinge | JointType::Slide => true,
@@ -65,12 +68,15 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns `true` if an actuator acts on a ball or a free joint, whose length is not linear.
-pub(super) fn is_on_quaternion(model: &Model, actuator: usize) -> bool {
-    let transmission = TransmissionType::from_raw(model.actuator_trntype()[actuator]);
-    matches!(transmission, Some(TransmissionType::Joint | TransmissionType::JointInParent)) && {
-        let joint = ffi::size(model.actuator_trnid()[actuator][0]);
-        matches!(JointType::of_field(model.jnt_type()[joint]), JointType::Ball | JointType::Free)
+/// Returns `true` if the moment arms of an actuator are the derivatives of its length, which is that of a hinge, a slide or a tendon.
+pub(super) fn has_differentiable_length(model: &Model, actuator: usize) -> bool {
+    match TransmissionType::from_raw(model.actuator_trntype()[actuator]) {
+        Some(TransmissionType::Tendon) => true,
+        Some(TransmissionType::Joint | TransmissionType::JointInParent) => {
+            let joint = ffi::size(model.actuator_trnid()[actuator][0]);
+            matches!(JointType::of_field(model.jnt_type()[joint]), JointType::Hinge | JointType::Slide)
+        }
+        _ => false,
     }
 }
 
@@ -141,8 +147,10 @@ impl ForceSlopes {
         if model.actuator_forcelimited()[actuator] != 0 && !(low..=high).contains(&force) {
             return None;
         }
+        // That of an actuator on a site is constant.
+        let changes_length = f64::from(u8::from(site_of(model, actuator).is_none()));
         Some(Self {
-            by_length: gain.by_length * input + bias.by_length,
+            by_length: changes_length * (gain.by_length * input + bias.by_length),
             by_velocity: gain.by_velocity * input + bias.by_velocity,
             by_input: gain.value * input_slope,
             input_column,
@@ -183,15 +191,23 @@ pub(super) fn velocity_gain(data: &Data, actuator: usize) -> VelocityGain {
 }
 
 /// Adds the derivative of the velocity of an actuator by the position.
-pub(super) fn add_velocity_change(data: &Data, tendons: &Tendons, actuator: usize, factor: f64, row: &mut [f64]) {
+pub(super) fn add_velocity_change(
+    data: &Data,
+    tree: &Tree,
+    tendons: &Tendons,
+    actuator: usize,
+    factor: f64,
+    row: &mut [f64],
+) {
     let model = data.model();
     if let Some(tendon) = tendon_of(model, actuator) {
         add(row, tendons.velocity_change(tendon), factor * model.actuator_gear()[actuator][0]);
     }
+    for_each_change(data, tree, actuator, |k, j, change| row[j] += factor * change * data.qvel()[k]);
 }
 
 /// Writes the derivatives of the force of an actuator by positions, velocities, activations and controls to a row of zeros.
-pub(super) fn write_force(data: &Data, tendons: &Tendons, actuator: usize, row: &mut [f64]) {
+pub(super) fn write_force(data: &Data, tree: &Tree, tendons: &Tendons, actuator: usize, row: &mut [f64]) {
     let model = data.model();
     let nv = model.nv();
     if actuation_is_disabled(model) {
@@ -202,7 +218,7 @@ pub(super) fn write_force(data: &Data, tendons: &Tendons, actuator: usize, row: 
         row[dof] = slopes.by_length * arm;
         row[nv + dof] = slopes.by_velocity * arm;
     }
-    add_velocity_change(data, tendons, actuator, slopes.by_velocity, &mut row[..nv]);
+    add_velocity_change(data, tree, tendons, actuator, slopes.by_velocity, &mut row[..nv]);
     row[slopes.input_column] = slopes.by_input;
 }
 
@@ -214,9 +230,15 @@ pub(super) struct NextActivation {
     pub(super) by_control: f64,
 }
 
-/// Subtracts the derivatives of the actuator forces, at constant moment arms, from those of the residual, by positions,
+/// Subtracts the derivatives of the actuator forces, at constant moment arms of tendons, from those of the residual, by positions,
 /// velocities, activations and controls, and writes those of the next activations, `(na)`.
-pub(super) fn differentiate(data: &Data, tendons: &Tendons, residual: &mut Matrix, next: &mut [NextActivation]) {
+pub(super) fn differentiate(
+    data: &Data,
+    tree: &Tree,
+    tendons: &Tendons,
+    residual: &mut Matrix,
+    next: &mut [NextActivation],
+) {
     let model = data.model();
     let nv = model.nv();
     if actuation_is_disabled(model) {
@@ -226,6 +248,8 @@ pub(super) fn differentiate(data: &Data, tendons: &Tendons, residual: &mut Matri
         if let Some(activation) = model.activation_of(actuator) {
             next[activation] = next_activation(data, actuator, activation);
         }
+        let force = data.actuator_force()[actuator];
+        for_each_change(data, tree, actuator, |k, j, change| residual[(k, j)] -= force * change);
         let Some(slopes) = ForceSlopes::new(data, actuator) else { continue };
         let moment = data.moment_row(actuator);
         for (dof, arm) in moment.iter() {
@@ -236,7 +260,7 @@ pub(super) fn differentiate(data: &Data, tendons: &Tendons, residual: &mut Matri
                 }
                 if slopes.by_velocity != 0.0 {
                     moment.add_to(&mut row[nv..2 * nv], -arm * slopes.by_velocity);
-                    add_velocity_change(data, tendons, actuator, -arm * slopes.by_velocity, &mut row[..nv]);
+                    add_velocity_change(data, tree, tendons, actuator, -arm * slopes.by_velocity, &mut row[..nv]);
                 }
                 row[slopes.input_column] -= arm * slopes.by_input;
             }

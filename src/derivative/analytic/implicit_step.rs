@@ -22,6 +22,7 @@
 
 use super::actuators::velocity_gain;
 use super::rigid_body::RigidBodies;
+use super::site_transmission::site_of;
 use super::tendon::{is_fixed, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;
@@ -56,7 +57,7 @@ pub(super) fn is_used(model: &Model) -> bool {
 }
 
 /// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
-/// formula: forces of a medium, muscles, and spatial tendons.
+/// formula: forces of a medium, muscles, spatial tendons, and actuators on sites.
 pub(super) fn is_obstacle(model: &Model) -> bool {
     let integrator = Integrator::of_field(model.raw().opt.integrator);
     if matches!(integrator, Integrator::ImplicitFast | Integrator::Discrete) {
@@ -69,7 +70,8 @@ pub(super) fn is_obstacle(model: &Model) -> bool {
         || options.viscosity > 0.0
         || has_muscle
         || (0..model.ntendon()).any(|tendon| is_spatial(tendon) && model.tendon_damping()[tendon] > 0.0)
-        || (0..model.nu()).any(|actuator| tendon_of(model, actuator).is_some_and(is_spatial));
+        || (0..model.nu())
+            .any(|actuator| tendon_of(model, actuator).is_some_and(is_spatial) || site_of(model, actuator).is_some());
     is_used(model) && has_terms
 }
 

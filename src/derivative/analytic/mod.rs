@@ -13,11 +13,14 @@
 //! | springs and dampers of joints and tendons | `passive.rs` |
 //! | forces of a medium | `fluid.rs` |
 //! | moment arms of spatial tendons | `tendon.rs` |
-//! | actuators | `actuators.rs`, `muscle.rs` |
+//! | actuators | `actuators.rs`, `muscle.rs`, `site_transmission.rs` |
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
 //! | sensors | `sensors/` |
 //! | step of the integrator | `euler.rs`, `damped_inertia.rs`, `implicit_step.rs` |
+//! | inertia matrix | `inertia.rs` |
+//!
+//! The derivatives of inverse dynamics (`inverse.rs`) consist of the same terms.
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
 //! by the twist `cdof[j]`. This holds for all joints: for a free joint `cdof` has the world's axes for translations and the axes of
@@ -34,10 +37,13 @@ mod damped_inertia;
 mod euler;
 mod fluid;
 mod implicit_step;
+mod inertia;
+mod inverse;
 mod muscle;
 mod passive;
 mod rigid_body;
 mod sensors;
+mod site_transmission;
 mod tendon;
 mod tree;
 
@@ -45,6 +51,8 @@ use self::actuators::NextActivation;
 use self::constraint::Constraints;
 use self::euler::Euler;
 use self::implicit_step::ImplicitStep;
+use self::inverse::Inverse;
+pub(super) use self::inverse::obstacle as inverse_obstacle;
 use self::rigid_body::RigidBodies;
 use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
@@ -53,7 +61,7 @@ use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback};
 use super::newton::Newton;
 use super::{TransitionOutputs, sizes, spatial};
-use crate::data::{Data, SensorUpdate};
+use crate::data::Data;
 use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, EnableFlags, Model};
@@ -73,6 +81,8 @@ pub(super) struct Analytic {
     /// Created when the integrator is first used.
     implicit_step: Option<ImplicitStep>,
     sensors: Sensors,
+    /// Created when inverse dynamics is first differentiated.
+    inverse: Option<Inverse>,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
     /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions, velocities, activations and controls.
@@ -108,6 +118,12 @@ fn has_newer_feature(model: &Model) -> bool {
         || (0..model.neq()).any(|equality| model.couples_sites(equality))
 }
 
+/// Returns the acceleration of gravity, zero if it is disabled.
+fn gravity(model: &Model) -> [f64; 3] {
+    let options = &model.raw().opt;
+    if options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0 { options.gravity } else { [0.0; 3] }
+}
+
 /// Returns `true` if the rows of C and D of a sensor have a closed form.
 pub(super) fn is_sensor_covered(model: &Model, sensor: usize) -> bool {
     sensors::is_covered(model, sensor)
@@ -125,7 +141,8 @@ impl Analytic {
             newton: Newton::new(model),
             euler: Euler::new(model, nx + nu),
             implicit_step: None,
-            sensors: Sensors::new(model),
+            sensors: Sensors::new(model, nx + nu),
+            inverse: None,
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],
@@ -135,10 +152,9 @@ impl Analytic {
     /// Writes A and B of the present state, and the rows of C and D [in closed form](Self::sensors_in_closed_form), as far as they
     /// are wanted.
     pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
-        if self.newton.solve(data, SensorUpdate::Skip, &mut self.row)?.is_none() {
+        if !self.newton.solve_accelerations(data, &mut self.row)? {
             return Ok(Err(Fallback::NotConverged));
         }
-        let options = data.model().raw().opt;
         let Self {
             tree,
             bodies,
@@ -151,19 +167,18 @@ impl Analytic {
             row,
             derivative,
             next_activation,
+            ..
         } = self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
-        let has_gravity = options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
-        let gravity = if has_gravity { options.gravity } else { [0.0; 3] };
-        bodies.differentiate(data, tree, gravity, (data.qvel(), data.qacc()), derivative);
+        bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
         applied::differentiate(data, tree, derivative);
         fluid::differentiate(data, tree, bodies, derivative);
-        if !tendons.differentiate(data, tree, derivative) {
+        if !tendons.differentiate(data, tree, true, derivative) {
             return Ok(Err(Fallback::SpatialTendon));
         }
         passive::differentiate(data, tendons, row, derivative);
-        actuators::differentiate(data, tendons, derivative, next_activation);
+        actuators::differentiate(data, tree, tendons, derivative, next_activation);
         let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
         let Some(differenced) = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)? else {
             return Ok(Err(Fallback::Constraint));
@@ -176,7 +191,9 @@ impl Analytic {
                 bodies,
                 tendons,
                 forces: &constraints.force_sensors,
+                interactions: &constraints.interactions,
                 deceleration: derivative,
+                has_actuators: true,
             });
         }
         if implicit_step::is_used(data.model()) {

@@ -144,7 +144,18 @@ impl RigidBodies {
         &self.after[tree.group[dof]].acceleration
     }
 
-    /// Returns the inertia of a subtree. The world's is unused.
+    /// Returns the sum F of the forces on the bodies of a subtree.
+    pub(super) fn subtree_force(&self, body: usize) -> &Spatial {
+        &self.subtrees[body].force
+    }
+
+    /// Returns the change of F by changes of the acceleration and the velocity of all bodies of a subtree, `I ∂a + B ∂v`.
+    pub(super) fn subtree_change(&self, body: usize, acceleration: &Spatial, velocity: &Spatial) -> Spatial {
+        let subtree = &self.subtrees[body];
+        add(&momentum(&subtree.inertia, acceleration), &subtree.bias.map(|row| dot(&row, velocity)))
+    }
+
+    /// Returns the inertia of a subtree. That of the world is unused.
     pub(super) fn subtree_inertia(&self, body: usize) -> &Inertia {
         &self.subtrees[body].inertia
     }

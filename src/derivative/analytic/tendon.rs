@@ -68,8 +68,14 @@ impl Tendons {
     }
 
     /// Computes the derivatives of the moment arms, and subtracts those of the forces of all tensions at constant tension from the
-    /// derivatives of the residual. Returns `false` if a tendon has no formula.
-    pub(super) fn differentiate(&mut self, data: &Data, tree: &Tree, residual: &mut Matrix) -> bool {
+    /// derivatives of the residual. Those of actuators count if the residual contains them. Returns `false` if a tendon has no formula.
+    pub(super) fn differentiate(
+        &mut self,
+        data: &Data,
+        tree: &Tree,
+        has_actuators: bool,
+        residual: &mut Matrix,
+    ) -> bool {
         let model = data.model();
         let nv = model.nv();
         for tendon in (0..model.ntendon()).filter(|&tendon| !is_fixed(model, tendon)) {
@@ -77,7 +83,7 @@ impl Tendons {
             if !self.add_path(data, tree, tendon) {
                 return false;
             }
-            let Some(tension) = self.tension(data, tendon) else { return false };
+            let Some(tension) = self.tension(data, tendon, has_actuators) else { return false };
             for (rates, values) in [(&mut self.velocity, data.qvel()), (&mut self.acceleration, data.qacc())] {
                 rates.row_mut(tendon).fill(0.0);
                 add_product(rates.row_mut(tendon), &self.curvature, values, 1.0);
@@ -159,9 +165,10 @@ impl Tendons {
         true
     }
 
-    /// Returns the sum of all tensions of a tendon: of its spring and damper, its actuators and its constraints. Returns `None` for
+    /// Returns the sum of all tensions of a tendon: of its spring and damper, its actuators as requested, and its
+    /// constraints. Returns `None` for
     /// an equality constraint, which has no formula.
-    fn tension(&mut self, data: &Data, tendon: usize) -> Option<f64> {
+    fn tension(&mut self, data: &Data, tendon: usize, has_actuators: bool) -> Option<f64> {
         let model = data.model();
         let mut tension = 0.0;
         if model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0 {
@@ -169,7 +176,7 @@ impl Tendons {
             tension -= model.tendon_damping()[tendon] * data.ten_velocity()[tendon];
         }
         for (actuator, &force) in data.actuator_force().iter().enumerate() {
-            if tendon_of(model, actuator) == Some(tendon) {
+            if has_actuators && tendon_of(model, actuator) == Some(tendon) {
                 tension += model.actuator_gear()[actuator][0] * force;
             }
         }

@@ -1,8 +1,10 @@
 //! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulas. The
 //! simulation is restored.
 
+mod analytic;
 mod contract;
 mod numbers;
+mod oracle;
 
 use std::sync::{Arc, LazyLock};
 

@@ -4,15 +4,8 @@ use mujoco_safe::derivative::{InverseForce, InverseJacobians};
 use mujoco_safe::model::DisableFlags;
 use mujoco_safe::{Data, Matrix, Model, StateSpec, sample, sys};
 
+use super::oracle::inertia;
 use super::{EPS, assert_near, subjects};
-
-/// Returns the stored elements of the inertia matrix.
-fn inertia(data: &Data) -> &[f64] {
-    #[cfg(not(engine_since = "3.10.0"))]
-    return data.qM();
-    #[cfg(engine_since = "3.10.0")]
-    return data.M();
-}
 
 /// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a modified copy.
 fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {

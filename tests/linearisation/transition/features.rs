@@ -6,7 +6,7 @@ use mujoco_safe::{Data, Lineariser, Model, StateSpace};
 use super::{assert_near, oracle};
 
 /// Returns a chain of three links, with the feature's additions to the options, the world, the links and the model.
-pub(super) fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
+pub(crate) fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>
              <option timestep="0.003" {option}/>
@@ -48,7 +48,7 @@ pub(super) fn ball(option: &str, joint: &str, geom: &str, rest: &str) -> String 
 }
 
 /// Returns a simulation in motion, with controls and activations.
-pub(super) fn moving(xml: &str, steps: usize) -> Data {
+pub(crate) fn moving(xml: &str, steps: usize) -> Data {
     let mut data = Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap();
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.3 + 0.1 * i as f64);
     data.act_mut().iter_mut().enumerate().for_each(|(i, act)| *act = 0.4 + 0.1 * i as f64);

@@ -1,9 +1,9 @@
 //! Linear systems of steps by every method: against extrapolated differences of the engine's `mj_step`, against its
 //! `mjd_transitionFD`, and against each other. The simulation is restored.
 
-mod analytic;
+pub(crate) mod analytic;
 mod contract;
-mod features;
+pub(crate) mod features;
 mod oracle;
 
 use mujoco_safe::{Data, Matrix, StateSpace, sample};

@@ -18,7 +18,7 @@ use mujoco_sys::mjContact;
 use super::Constraints;
 use super::chains::{multiply, multiply_transposed};
 use super::contact_geometry::ContactGeometry;
-use super::rows::{Rows, Slopes};
+use super::rows::{MAX_ROWS, Rows, Slopes};
 use crate::data::Data;
 use crate::derivative::analytic::spatial::{
     Spatial, Vec3, add, add_scaled, angular, cross, dot, scale, spatial, sub, velocity_at, wrench,
@@ -56,7 +56,7 @@ pub(super) fn differentiate(
     let bodies = [contact.geom1, contact.geom2].map(|geom| ffi::size(model.geom_bodyid()[ffi::size(geom)]));
     let arms = bodies.map(|body| sub(&contact.pos, &data.subtree_com()[ffi::size(model.body_rootid()[body])]));
 
-    let Constraints { chains, rows, .. } = constraints;
+    let Constraints { chains, rows, interactions, .. } = constraints;
     let damping = data.efc_KBIP()[row][1];
     chains.set(tree, data.cdof(), bodies, |dof| data.qacc()[dof] + damping * data.qvel()[dof]);
     rows.load(data, row, count, Some(chains.span()));
@@ -70,6 +70,14 @@ pub(super) fn differentiate(
     let force = multiply_transposed(&frame.axes, &base_force);
     let torque = multiply_transposed(&frame.axes, &base_torque);
     let wrenches = arms.map(|arm| wrench(&torque, &force, &arm));
+
+    let is_measured = interactions.begin(bodies, SIGNS);
+    if is_measured {
+        for row in 0..count {
+            let [force, torque] = cone.unit_force(row).map(|base| multiply_transposed(&frame.axes, &base));
+            interactions.set_direction(row, arms.map(|arm| wrench(&torque, &force, &arm)));
+        }
+    }
 
     for moving in &chains.dofs {
         // Both arms are the same if the degree of freedom moves both bodies.
@@ -93,9 +101,12 @@ pub(super) fn differentiate(
 
         let force_change = multiply_transposed(&change.frame, &base_force);
         let torque_change = add(&multiply_transposed(&change.frame, &base_torque), &cross(&change.position, &force));
+        let wrench_changes = arms.map(|arm| wrench(&torque_change, &force_change, &arm));
         for side in 0..2 {
-            let wrench_change = wrench(&torque_change, &force_change, &arms[side]);
-            chains.subtract_force(tree, moving, side, SIGNS[side], (&wrenches[side], &wrench_change), residual);
+            chains.subtract_force(tree, moving, side, SIGNS[side], (&wrenches[side], &wrench_changes[side]), residual);
+        }
+        if is_measured {
+            interactions.add_change(moving.dof, wrench_changes);
         }
     }
     true
@@ -189,6 +200,17 @@ impl Cone<'_> {
             }
         }
         [0, 3].map(|start| std::array::from_fn(|i| base[start + i]))
+    }
+
+    /// Returns force and torque along the base rows of a unit force of a row.
+    fn unit_force(&self, row: usize) -> [Vec3; 2] {
+        let mut forces = [0.0; MAX_ROWS];
+        forces[row] = 1.0;
+        self.base_force(&forces[..self.row_count()])
+    }
+
+    fn row_count(&self) -> usize {
+        if self.dim == 1 || !self.is_pyramidal { self.dim } else { 2 * (self.dim - 1) }
     }
 
     /// Writes a column of the derivatives of the rows' residuals from those of the base rows and of the reference.

@@ -14,7 +14,7 @@ use super::Constraints;
 use super::chains::{multiply, multiply_transposed};
 use super::rows::Rows;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Vec3, add, add_scaled, angular, cross, sub, velocity_at, wrench};
+use crate::derivative::analytic::spatial::{Vec3, add, add_scaled, angular, cross, spatial, sub, velocity_at, wrench};
 use crate::derivative::analytic::tree::Tree;
 use crate::derivative::linear_algebra::add as add_to;
 use crate::enums::EqualityType;
@@ -146,7 +146,7 @@ fn differentiate_bodies(
         let point = add(&data.xpos()[body], &math::rot_vec_mat(&anchors[side], &data.xmat()[body]));
         sub(&point, &data.subtree_com()[ffi::size(model.body_rootid()[body])])
     });
-    let Constraints { chains, rows, .. } = constraints;
+    let Constraints { chains, rows, interactions, .. } = constraints;
     let damping = data.efc_KBIP()[row][1];
     chains.set(tree, data.cdof(), bodies, |dof| data.qacc()[dof] + damping * data.qvel()[dof]);
     rows.load(data, row, if is_weld { 6 } else { 3 }, Some(chains.span()));
@@ -162,6 +162,17 @@ fn differentiate_bodies(
     });
     let torque = rotation.as_ref().map_or([0.0; 3], |(rotation, force)| multiply_transposed(&rotation.rows(), force));
     let wrenches = arms.map(|arm| wrench(&torque, &force, &arm));
+    let is_measured = interactions.begin(bodies, SIGNS);
+    if is_measured {
+        for component in 0..rows.count {
+            let mut unit = [0.0; 3];
+            unit[component % 3] = 1.0;
+            // The engine's sensors take the forces of the rotational rows as torques in the axes of the world.
+            let direction =
+                |arm| if component < 3 { wrench(&[0.0; 3], &unit, &arm) } else { spatial(&unit, &[0.0; 3]) };
+            interactions.set_direction(component, arms.map(direction));
+        }
+    }
     let turn = sub(&angular(&chains.velocities[0]), &angular(&chains.velocities[1]));
     for moving in &chains.dofs {
         let (mut linear_change, mut angular_change) = ([0.0; 3], [0.0; 3]);
@@ -192,6 +203,10 @@ fn differentiate_bodies(
             let torque_change = add(&torque_change, &cross(&shifts[side], &force));
             let change = wrench(&torque_change, &[0.0; 3], &arms[side]);
             chains.subtract_force(tree, moving, side, SIGNS[side], (&wrenches[side], &change), residual);
+        }
+        if is_measured {
+            let changes = shifts.map(|shift| spatial(&cross(&shift, &force), &[0.0; 3]));
+            interactions.add_change(moving.dof, changes);
         }
     }
 }

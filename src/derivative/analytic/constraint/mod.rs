@@ -10,6 +10,7 @@ mod contact_differences;
 mod contact_geometry;
 mod equality;
 mod force_sensors;
+mod interactions;
 mod limit;
 mod rows;
 mod tendon;
@@ -23,6 +24,7 @@ use mujoco_sys::{
 pub(super) use self::chains::Chains;
 use self::contact_geometry::ContactGeometry;
 pub(super) use self::force_sensors::ForceSensors;
+pub(super) use self::interactions::Interactions;
 use self::rows::Rows;
 use super::tendon::Tendons;
 use super::tree::Tree;
@@ -42,13 +44,14 @@ pub(super) struct Constraints {
     /// `(nv)`: Jacobian of the second object of an equality constraint.
     row: Vec<f64>,
     pub(super) force_sensors: ForceSensors,
+    pub(super) interactions: Interactions,
 }
 
 impl Constraints {
     pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
-        let force_sensors = ForceSensors::new(model);
-        Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv], force_sensors }
+        let (force_sensors, interactions) = (ForceSensors::new(model), Interactions::new(model));
+        Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv], force_sensors, interactions }
     }
 
     /// Subtracts the derivatives of the constraint forces from those of the residual, by positions and velocities. Returns the
@@ -64,6 +67,7 @@ impl Constraints {
     ) -> Result<Option<DifferencedTerms>> {
         let mut differenced = DifferencedTerms::empty();
         self.force_sensors.clear();
+        self.interactions.clear(wants_sensors);
         let mut row = 0;
         while row < data.nefc() {
             let count = row_count(data, row);
@@ -99,6 +103,7 @@ impl Constraints {
                 self.rows.subtract_from(data, residual);
                 if wants_sensors {
                     self.force_sensors.add(data, &mut self.rows);
+                    self.interactions.finish(data, &mut self.rows);
                 }
             }
             row += count;

@@ -24,7 +24,7 @@ use crate::ffi;
 use crate::matrix::Matrix;
 
 /// Maximum number of rows of a constraint: a contact with a pyramidal cone and five friction components.
-const MAX_ROWS: usize = 10;
+pub(super) const MAX_ROWS: usize = 10;
 
 /// Rows of a constraint, with columns for all degrees of freedom.
 #[derive(Debug)]

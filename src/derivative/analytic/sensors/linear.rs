@@ -38,10 +38,12 @@ pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>
         }
         Some(SensorType::ActuatorPosition) => data.moment_row(object).write_into(positions),
         Some(SensorType::ActuatorVelocity) => {
-            actuators::add_velocity_change(data, tendons, object, 1.0, positions);
+            actuators::add_velocity_change(data, point.tree, tendons, object, 1.0, positions);
             data.moment_row(object).write_into(velocities);
         }
-        Some(SensorType::ActuatorForce) => actuators::write_force(data, tendons, object, rows.row_mut(0)),
+        Some(SensorType::ActuatorForce) if point.has_actuators => {
+            actuators::write_force(data, point.tree, tendons, object, rows.row_mut(0));
+        }
         Some(SensorType::JointLimitPosition) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, positions),
         Some(SensorType::JointLimitVelocity) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, velocities),
         Some(SensorType::TendonLimitPosition) => add_limit(data, mjCNSTR_LIMIT_TENDON, object, positions),
@@ -58,7 +60,7 @@ pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>
             (0..3).for_each(|axis| rows.row_mut(axis)[nv + dof + axis] = 1.0);
         }
         Some(SensorType::BallQuaternion) => add_ball(data, object, rows),
-        // The time is not a part of the linear system's state.
+        // The time is not an input.
         _ => {}
     }
 }

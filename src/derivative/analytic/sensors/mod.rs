@@ -12,28 +12,34 @@
 //! | poses and velocities of frames, magnetometer | `frame.rs`, `pose.rs` |
 //! | accelerations of frames | `acceleration.rs`, `pose.rs` |
 //! | touch, forces of limits | `force.rs`, `../constraint/force_sensors.rs` |
+//! | force and torque between a body and its parent | `interaction.rs`, `../constraint/interactions.rs` |
+//! | distance along a ray | `ray.rs` |
 //! | centre of mass and momentum of subtrees | `subtree.rs` |
 //!
-//! Forces between bodies, distances along rays, and sensors with a cutoff have no formula here.
+//! Distances to meshes, height fields and signed distance fields, and sensors with a cutoff have no formula here.
 
 mod acceleration;
 mod force;
 mod frame;
+mod interaction;
 mod linear;
 mod pose;
+mod ray;
 mod subtree;
 
-use mujoco_sys::mjMINVAL;
+use std::ops::Range;
+
+use mujoco_sys::{mjMINVAL, mjOBJ_SITE};
 
 use self::pose::Pose;
 use super::actuators;
-use super::constraint::ForceSensors;
+use super::constraint::{ForceSensors, Interactions};
 use super::rigid_body::RigidBodies;
 use super::spatial::{Spatial, Vec3};
 use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::{TransitionOutputs, sizes};
+use crate::derivative::TransitionOutputs;
 use crate::enums::SensorType;
 use crate::ffi;
 use crate::matrix::Matrix;
@@ -42,7 +48,7 @@ use crate::model::{DisableFlags, Model};
 /// Derivatives of the sensors, with their buffers.
 #[derive(Debug)]
 pub(super) struct Sensors {
-    /// `(nsensordata, nx + nu)`: derivatives by positions, velocities, activations and controls.
+    /// `(nsensordata, columns)`: derivatives by the inputs, of which positions and velocities are the first.
     rows: Matrix,
     /// `(nsensordata)`: true for rows in closed form.
     in_closed_form: Vec<bool>,
@@ -58,8 +64,11 @@ pub(super) struct Point<'a> {
     pub(super) bodies: &'a RigidBodies,
     pub(super) tendons: &'a Tendons,
     pub(super) forces: &'a ForceSensors,
-    /// `(nv, nx + nu)`: `H⁻¹ ∂g`, the negated derivatives of the accelerations.
+    pub(super) interactions: &'a Interactions,
+    /// `(nv, columns)`: negated derivatives of the accelerations by the inputs, `H⁻¹ ∂g` in forward dynamics.
     pub(super) deceleration: &'a Matrix,
+    /// True if the forces of actuators follow the inputs, false for inverse dynamics, which does not compute them.
+    pub(super) has_actuators: bool,
 }
 
 /// Group of sensors with common formulas.
@@ -69,6 +78,8 @@ enum Formula {
     Frame,
     Acceleration,
     Force,
+    Interaction,
+    Ray,
     Subtree,
 }
 
@@ -98,7 +109,7 @@ fn formula(model: &Model, sensor: usize) -> Option<Formula> {
         | SensorType::ActuatorForce
         | SensorType::Clock => (Formula::Linear, true),
         SensorType::ActuatorPosition | SensorType::ActuatorVelocity => {
-            (Formula::Linear, !actuators::is_on_quaternion(model, object))
+            (Formula::Linear, actuators::has_differentiable_length(model, object))
         }
         // The axis of a ball's limit turns.
         SensorType::JointLimitVelocity => (Formula::Linear, !linear::is_ball(model, object)),
@@ -114,6 +125,13 @@ fn formula(model: &Model, sensor: usize) -> Option<Formula> {
             (Formula::Acceleration, has_pose())
         }
         SensorType::Touch | SensorType::JointLimitForce | SensorType::TendonLimitForce => (Formula::Force, true),
+        // Cameras have rangefinders for each pixel.
+        SensorType::Rangefinder => {
+            let is_site = model.sensor_objtype()[sensor] as u32 == mjOBJ_SITE;
+            (Formula::Ray, is_site && model.sensor_dim()[sensor] == 1)
+        }
+        // The bodies below the world have different reference points.
+        SensorType::Force | SensorType::Torque => (Formula::Interaction, has_pose() && model.site_bodyid()[object] > 0),
         // The engine has other formulas for a subtree without mass.
         SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum => {
             (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL)
@@ -124,16 +142,16 @@ fn formula(model: &Model, sensor: usize) -> Option<Formula> {
 }
 
 impl Sensors {
-    pub(super) fn new(model: &Model) -> Self {
-        let (nx, nu, ny) = sizes(model);
+    pub(super) fn new(model: &Model, columns: usize) -> Self {
+        let ny = model.nsensordata();
         Self {
-            rows: Matrix::zeros(ny, nx + nu),
+            rows: Matrix::zeros(ny, columns),
             in_closed_form: vec![false; ny],
             momenta: vec![[0.0; 6]; model.nbody()],
         }
     }
 
-    /// Returns the flags of the rows of C and D that [`write`](Self::write) has written, `(nsensordata)`.
+    /// Returns the flags of the rows in closed form, `(nsensordata)`.
     pub(super) fn in_closed_form(&self) -> &[bool] {
         &self.in_closed_form
     }
@@ -155,6 +173,8 @@ impl Sensors {
                 Formula::Frame => frame::differentiate(point, sensor, output),
                 Formula::Acceleration => acceleration::differentiate(point, sensor, output),
                 Formula::Force => force::differentiate(point, sensor, output),
+                Formula::Interaction => interaction::differentiate(point, sensor, output),
+                Formula::Ray => ray::differentiate(point, sensor, output),
                 Formula::Subtree => {
                     if !has_momenta {
                         subtree::sum_momenta(point.data, momenta);
@@ -165,6 +185,15 @@ impl Sensors {
             }
             for (row, flag) in in_closed_form.iter_mut().enumerate().skip(first).take(count) {
                 *flag = rows.row(row).iter().all(|value| value.is_finite());
+            }
+        }
+    }
+
+    /// Writes a block of columns of the rows in closed form to a matrix, transposed.
+    pub(super) fn write_transposed(&self, columns: Range<usize>, output: &mut Matrix) {
+        for row in (0..self.in_closed_form.len()).filter(|&row| self.in_closed_form[row]) {
+            for (input, value) in self.rows.row(row)[columns.clone()].iter().enumerate() {
+                output[(input, row)] = *value;
             }
         }
     }
@@ -187,7 +216,7 @@ impl Sensors {
 
 /// Rows of one sensor.
 struct Rows<'a> {
-    /// `(nsensordata, nx + nu)`
+    /// `(nsensordata, columns)`
     matrix: &'a mut Matrix,
     first: usize,
 }

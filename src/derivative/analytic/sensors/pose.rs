@@ -4,7 +4,7 @@ use mujoco_sys::{mjCAMLIGHT_FIXED, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_S
 
 use super::Point;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Spatial, Vec3, angular, spatial, sub, velocity_at};
+use crate::derivative::analytic::spatial::{Spatial, Vec3, angular, cross, linear, spatial, sub, velocity_at};
 use crate::ffi;
 use crate::math;
 use crate::model::Model;
@@ -84,6 +84,11 @@ impl Pose {
     /// Returns a motion vector about the reference point of the tree as one about the origin of the frame.
     pub(super) fn at_origin(&self, motion: &Spatial) -> Spatial {
         spatial(&angular(motion), &velocity_at(motion, &self.arm))
+    }
+
+    /// Returns the torque, about the origin of the frame, of a force vector about the reference point of the tree.
+    pub(super) fn torque(&self, force: &Spatial) -> Vec3 {
+        sub(&angular(force), &cross(&self.arm, &linear(force)))
     }
 
     /// Returns the velocity of the frame, about its origin, in the world's axes.

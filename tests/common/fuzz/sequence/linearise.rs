@@ -6,7 +6,7 @@ use mujoco_safe::callback::Callbacks;
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
-use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::derivative::{InverseForce, TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{
     Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Model, Result, StateSpace, StateSpec,
@@ -209,5 +209,14 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         black_box((recursion.k().shape(), recursion.p().shape()));
         Ok(())
+    }),
+    ("Lineariser::inverse_jacobians", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let (row, number) = (bytes.below(data.model().nv().max(1)), bytes.number());
+            data.qacc_mut().iter_mut().skip(row).take(1).for_each(|qacc| *qacc = number);
+            let force = bytes.either(InverseForce::WithoutActuators, InverseForce::Total);
+            let result = transition.inverse_jacobians(data, force);
+            result.map(|(_, report)| drop(black_box(format!("{report:?}"))))
+        })
     }),
 ];

@@ -52,7 +52,7 @@ pub(super) const MIXED: &str = r#"<mujoco>
 </mujoco>"#;
 
 /// Returns a model with all constraints that have a formula: those between bodies have none since 3.7.
-pub(super) fn constrained(option: &str) -> String {
+pub(crate) fn constrained(option: &str) -> String {
     let bodies = if cfg!(engine_since = "3.7.0") { "" } else { BODIES };
     MIXED.replace("CONE", option).replace("ROWS", &format!("{bodies}{ROWS}"))
 }
@@ -75,7 +75,7 @@ const ROWS: &str = r#"<equality>
   </tendon>"#;
 
 /// Simulates with random controls until the model has contacts.
-pub(super) fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+pub(crate) fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
     data.reset().unwrap();
     data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.5..0.5));
     for _ in 0..random.random_range(50..300) {

@@ -101,6 +101,14 @@ fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
     }
 }
 
+/// Returns a simulation with an active contact whose collision function iterates.
+pub(crate) fn without_formula() -> Data {
+    let geoms = [r#"sphere" size="0.1"#, r#"cylinder" size="0.1 0.1"#];
+    let mut data = Data::new(pair("", 3, geoms)).unwrap();
+    data.forward().unwrap();
+    data
+}
+
 #[test]
 fn contacts_by_iteration_and_of_singular_capsules_fall_back_to_the_implicit_method() {
     let capsule = r#"capsule" size="0.08 0.15"#;

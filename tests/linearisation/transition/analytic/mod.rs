@@ -1,13 +1,12 @@
 //! The analytic method, one term at a time: A and B against extrapolated differences of the engine's `mj_step`.
 
-mod constraints;
-mod contacts;
+pub(crate) mod constraints;
+pub(crate) mod contacts;
 mod integrator;
-mod random_models;
-mod sensors;
-
-mod smooth;
-mod tendons;
+pub(crate) mod random_models;
+pub(crate) mod sensors;
+pub(crate) mod smooth;
+pub(crate) mod tendons;
 
 use mujoco_safe::derivative::{DifferencedTerms, LinearisationReport, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model, StateSpace};
@@ -36,7 +35,7 @@ const NOISY_TOLERANCE: f64 = 1e-5;
 const IMPLICIT_STEPS: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-8];
 
 /// Options: cones, and formats of the Jacobian.
-const OPTIONS: [&str; 4] =
+pub(crate) const OPTIONS: [&str; 4] =
     ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
 
 /// Returns the flag that disables springs and dampers, which are two flags since 3.3.6.
@@ -154,12 +153,12 @@ fn deviation(one: &[f64], other: &[f64]) -> f64 {
 /// Largest number of a matrix below which the rounding of the differences is not small any more: of a B whose controls are clamped.
 const SMALL: f64 = 1e-6;
 
-fn model(xml: &str) -> Data {
+pub(crate) fn model(xml: &str) -> Data {
     Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap()
 }
 
 /// Moves to a random state, with random controls and activations.
-fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+pub(crate) fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
     let mut value = || random.random_range(-1.0..1.0);
     data.reset().unwrap();
     let model = data.model().clone();

@@ -143,6 +143,11 @@ impl Generator {
     }
 }
 
+/// Returns a random model.
+pub(crate) fn xml(seed: u64) -> String {
+    Generator { random: Xoshiro256PlusPlus::seed_from_u64(seed), joints: 0, bodies: 0 }.model()
+}
+
 /// Compares `states` states of each of `models` random models.
 fn compare_models(seed: u64, models: usize, states: usize) {
     let (mut compared, mut noisy, mut without_formula, mut failures) = (0, 0, 0, Vec::new());

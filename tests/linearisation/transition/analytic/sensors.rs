@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mujoco_safe::derivative::{DifferencedTerms, TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::{Data, Lineariser, Matrix, StateSpace, sys};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{CONTROL_FACTOR, TOLERANCE, WIDTHS, analytic, model, randomise};
@@ -13,7 +13,7 @@ use crate::transition::features::{ball, chain, moving};
 use crate::transition::{deviation, oracle};
 
 /// All joints in two trees, limits, tendons and actuators, with a floor that the first tree touches.
-fn machine(sensors: &str) -> String {
+pub(crate) fn machine(sensors: &str) -> String {
     format!(
         r#"<mujoco><option timestep="0.002" magnetic="0.2 -0.1 0.5" OPTION/>
           <worldbody>
@@ -137,6 +137,22 @@ fn frames(kinds: &[&str], references: &[&str]) -> String {
     sensors
 }
 
+/// Returns sensors of the [`machine`]: one of each kind with a formula.
+pub(crate) fn all_kinds() -> String {
+    let mut sensors = frames(&["framepos", "framequat", "framexaxis"], &REFERENCES[..2]);
+    sensors += &frames(&["framelinvel", "frameangvel"], &REFERENCES[..3]);
+    sensors += &frames(&["framelinacc", "frameangacc"], &[""]);
+    sensors
+        + r#"<magnetometer site="tip"/><gyro site="tip"/><velocimeter site="tip"/><accelerometer site="tip"/>
+             <subtreecom body="arm"/><subtreelinvel body="base"/><subtreeangmom body="arm"/>
+             <jointpos joint="hinge"/><jointvel joint="slide"/><tendonpos tendon="mix"/><tendonvel tendon="mix"/><clock/>
+             <ballquat joint="ball"/><ballangvel joint="ball"/><jointlimitpos joint="hinge"/><jointlimitvel joint="slide"/>
+             <tendonlimitpos tendon="mix"/><tendonlimitvel tendon="mix"/><actuatorpos actuator="servo"/>
+             <actuatorvel actuator="affine"/><actuatorfrc actuator="servo"/><touch site="tip"/>
+             <jointlimitfrc joint="hinge"/><jointlimitfrc joint="ball"/><tendonlimitfrc tendon="mix"/>
+             <force site="tip"/><torque site="grip"/><rangefinder site="grip"/>"#
+}
+
 #[test]
 fn poses_of_frames_agree_with_differences() {
     let sensors = frames(&["framepos", "framequat", "framexaxis", "frameyaxis", "framezaxis"], &REFERENCES);
@@ -203,6 +219,124 @@ fn forces_of_contacts_and_limits_agree_with_differences() {
     assert!(data.sensordata()[3..].iter().any(|&force| force > 0.0));
 }
 
+/// Sensors of the forces between bodies of the [`machine`] and their parents. That on the free body is always zero.
+const FORCES: &str = r#"<force site="tip"/><torque site="tip"/><force site="grip"/><torque site="grip"/><force site="swinging"/>
+    <torque site="swinging"/>"#;
+
+/// Returns the [`machine`] with force and torque sensors.
+fn loaded(rest: &str) -> String {
+    let site = r#"<site name="swinging" pos="0 0.1 -0.1" euler="-70 10 5"/><body name="bob""#;
+    machine(FORCES).replace(r#"<body name="bob""#, site).replace("<actuator>", &format!("{rest}<actuator>"))
+}
+
+#[test]
+fn forces_between_bodies_agree_with_differences() {
+    check(&loaded(""), 26);
+}
+
+#[test]
+fn forces_between_bodies_with_applied_forces_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(27);
+    let mut data = model(&loaded("").replace("OPTION", ""));
+    for state in 0..2 {
+        randomise(&mut data, &mut random);
+        data.xfrc_applied_mut()[3] = [3.0, -2.0, 1.0, 0.3, 0.2, -0.5];
+        data.xfrc_applied_mut()[5] = [-1.0, 2.0, 4.0, -0.3, 0.1, 0.2];
+        let (ours, report) = analytic(&mut data);
+        assert!(report.differenced.is_empty());
+        compare(&format!("state {state}"), &data, &ours);
+    }
+}
+
+#[test]
+fn forces_of_equality_constraints_between_bodies_agree_with_differences() {
+    // These constraints have no formula since 3.7.
+    if cfg!(engine_since = "3.7.0") {
+        return;
+    }
+    for equality in [
+        r#"<connect body1="hand" body2="bob" anchor="0.1 0.05 0.02"/>"#,
+        r#"<weld body1="arm" body2="pendulum" torquescale="0.6"/>"#,
+        r#"<weld body1="hand" body2="base"/>"#,
+    ] {
+        check(&loaded(&format!("<equality>{equality}</equality>")), 28);
+    }
+}
+
+#[test]
+fn contact_forces_of_each_cone_and_dimension_between_bodies_agree_with_differences() {
+    for cone in ["pyramidal", "elliptic"] {
+        for dim in [1, 3, 4, 6] {
+            let sensors = r#"<sensor><force site="mark"/><torque site="mark"/></sensor>"#;
+            let geom = format!(r#"type="sphere" size="0.1" condim="{dim}""#);
+            let joints = r#"<joint type="slide" axis="0 0.2 1"/><joint axis="1 0 0.3"/>"#;
+            let xml = ball(&format!(r#"cone="{cone}" impratio="2""#), joints, &geom, sensors);
+            let mut data = moving(&xml, 4);
+            data.forward().unwrap();
+            assert!(data.nefc() > 0);
+            let (ours, report) = analytic(&mut data);
+            assert!(report.differenced.is_empty());
+            compare(&format!("{cone}, {dim}"), &data, &ours);
+        }
+    }
+}
+
+#[test]
+fn distances_to_each_shape_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(29);
+    for shape in [
+        r#"type="plane" size="3 3 1" pos="0 0 -0.6" euler="10 20 0""#,
+        r#"type="sphere" size="0.3" pos="0 0 -0.6""#,
+        r#"type="ellipsoid" size="0.5 0.3 0.2" pos="0 0 -0.6" euler="10 20 30""#,
+        r#"type="capsule" size="0.2 0.4" pos="0 0 -0.6" euler="70 20 30""#,
+        r#"type="capsule" size="0.2 0.2" pos="0 0 -0.6" euler="10 20 30""#,
+        r#"type="cylinder" size="0.2 0.4" pos="0 0 -0.6" euler="70 20 30""#,
+        r#"type="cylinder" size="0.4 0.1" pos="0 0 -0.6" euler="10 20 30""#,
+        r#"type="box" size="0.5 0.3 0.2" pos="0 0 -0.6" euler="10 20 30""#,
+    ] {
+        // The ray points down from a moving site to a geom that moves too, except for the plane.
+        let target = if shape.contains("plane") {
+            format!("<geom {shape}/>")
+        } else {
+            format!(r#"<body pos="0 0 0"><joint type="ball" pos="1 0 0"/><geom {shape}/></body>"#)
+        };
+        let mut data = super::model(&format!(
+            r#"<mujoco><default><geom contype="0" conaffinity="0"/></default><worldbody>{target}
+                 <body pos="0 0 0.3"><freejoint/><geom size="0.1"/><site name="eye" pos="0.01 0.02 0" euler="180 0 0"/></body>
+               </worldbody><sensor><rangefinder site="eye"/></sensor></mujoco>"#
+        ));
+        let mut hits = 0;
+        for state in 0..6 {
+            randomise(&mut data, &mut random);
+            let model = data.model().clone();
+            data.qpos_mut().copy_from_slice(model.qpos0());
+            let shift: Vec<f64> = (0..model.nv()).map(|_| random.random_range(-0.15..0.15)).collect();
+            model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
+            data.forward().unwrap();
+            let (ours, report) = analytic(&mut data);
+            assert!(report.differenced.is_empty(), "{shape}");
+            compare(&format!("{shape}, state {state}"), &data, &ours);
+            hits += usize::from(data.sensordata()[0] > 0.0);
+        }
+        assert!(hits > 0, "{shape}: no state in which the ray meets the geom");
+    }
+}
+
+#[test]
+fn a_distance_to_a_mesh_is_differenced() {
+    let mut data = moving(
+        r#"<mujoco><asset><mesh name="m" vertex="1 1 0  -1 1 0  1 -1 0  -1 -1 0  0 0 1"/></asset>
+             <worldbody><geom type="mesh" mesh="m" pos="0 0 -3"/>
+               <body><joint axis="0 1 0"/><geom size="0.1"/><site name="eye" euler="180 0 0"/></body>
+             </worldbody><sensor><rangefinder site="eye"/></sensor></mujoco>"#,
+        5,
+    );
+    let (system, report) = analytic(&mut data);
+    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
+    assert!(system.c.as_slice().iter().all(|value| value.is_finite()));
+    assert_ne!(system.c[(0, 0)], 0.0);
+}
+
 #[test]
 fn touch_sensors_of_each_cone_and_dimension_agree_with_differences() {
     for cone in ["pyramidal", "elliptic"] {
@@ -232,9 +366,14 @@ fn a_sensor_with_a_cutoff_is_differenced() {
 
 #[test]
 fn only_sensors_without_a_formula_are_differenced() {
-    let sensors = r#"<sensor><jointpos joint="a"/><force site="tip"/><gyro site="tip"/></sensor>"#;
+    let sensors =
+        r#"<sensor><jointpos joint="a"/><framepos objtype="camera" objname="eye"/><gyro site="tip"/></sensor>"#;
     let motors = r#"<actuator><motor joint="a"/></actuator>"#;
-    let mut data = moving(&chain("", "", r#"damping="0.1""#, &format!("{motors}{sensors}")), 5);
+    let xml = chain("", "", r#"damping="0.1""#, &format!("{motors}{sensors}")).replace(
+        r#"<site name="tip""#,
+        r#"<camera name="eye" mode="targetbody" target="upper" pos="0.1 0 0"/><site name="tip""#,
+    );
+    let mut data = moving(&xml, 5);
     let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     assert_eq!(lineariser.differenced_sensors().map(|sensor| sensor.index()).collect::<Vec<_>>(), [1]);
     let (system, report) = lineariser.linear_system(&mut data).unwrap();
@@ -244,8 +383,8 @@ fn only_sensors_without_a_formula_are_differenced() {
     let (other, report) = implicit.linear_system(&mut data).unwrap();
     assert!(report.differenced.is_empty());
     for row in 0..7 {
-        let is_force = (1..4).contains(&row);
-        assert_eq!(system.c.row(row) == other.c.row(row), is_force, "row {row} of C");
+        let is_camera = (1..4).contains(&row);
+        assert_eq!(system.c.row(row) == other.c.row(row), is_camera, "row {row} of C");
         // D of the joint and of the gyro are zero by either method.
         assert_eq!(system.d.row(row), other.d.row(row));
     }
@@ -254,10 +393,13 @@ fn only_sensors_without_a_formula_are_differenced() {
 
 #[test]
 fn sensors_are_written_to_each_of_c_and_d_alone() {
-    let sensors = r#"<sensor><accelerometer site="tip"/><force site="tip"/></sensor>"#;
+    let sensors = r#"<sensor><accelerometer site="tip"/><framepos objtype="camera" objname="eye"/></sensor>"#;
     let motors = r#"<actuator><motor joint="a"/></actuator>"#;
-    let mut data = moving(&chain("", "", "", &format!("{motors}{sensors}")), 5);
-    let (system, _) = analytic(&mut data);
+    let xml = chain("", "", "", &format!("{motors}{sensors}"))
+        .replace(r#"<site name="tip""#, r#"<camera name="eye" mode="targetbody" target="upper"/><site name="tip""#);
+    let mut data = moving(&xml, 5);
+    let (system, report) = analytic(&mut data);
+    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
     let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let (mut c, mut d) = (Matrix::zeros(6, 6), Matrix::zeros(6, 1));
     lineariser.linear_system_into(&mut data, TransitionOutputs { c: Some(&mut c), ..Default::default() }).unwrap();

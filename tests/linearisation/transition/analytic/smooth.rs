@@ -29,7 +29,7 @@ const JOINTS: &str = r#"<mujoco>
     REST
   </mujoco>"#;
 
-pub(super) fn joints(rest: &str) -> String {
+pub(crate) fn joints(rest: &str) -> String {
     JOINTS
         .replace("REST", rest)
         .replace("<worldbody>", r#"<default><geom contype="0" conaffinity="0"/></default><worldbody>"#)
@@ -140,6 +140,28 @@ fn affine_actuators_agree_with_differences() {
 }
 
 #[test]
+fn actuators_on_sites_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    for actuator in [
+        r#"<motor site="s" gear="1 2 3 0.1 0.2 0.3"/><motor site="t" gear="0 0 1 0 0 0.2"/>"#,
+        r#"<velocity site="s" kv="0.7" gear="1 2 3 0.1 0.2 0.3"/>"#,
+        r#"<general site="s" gear="0 2 0 0.1 0 0" gaintype="affine" gainprm="2 0.5 0.3" biastype="affine" biasprm="0.1 -3 -0.4"/>"#,
+        r#"<motor site="t" gear="0 2 0" forcelimited="true" forcerange="-0.1 0.1"/>"#,
+        r#"<general site="t" gear="0 2 0 0.1" dyntype="filter" dynprm="0.1" gainprm="3"/>"#,
+    ] {
+        // A site at the end of a chain with all kinds of joints, and another on a body with a ball joint.
+        let xml = joints(&format!("<actuator>{actuator}</actuator>"))
+            .replace(r#"<geom size="0.05"/>"#, r#"<geom size="0.05"/><site name="s" pos="0.1 0 0" euler="10 50 20"/>"#)
+            .replace(r#"<geom size="0.1""#, r#"<site name="t" pos="0 0.1 0" euler="30 0 20"/><geom size="0.1""#);
+        let mut data = model(&xml);
+        for state in 0..2 {
+            randomise(&mut data, &mut random);
+            check(&format!("{actuator}, state {state}"), &mut data);
+        }
+    }
+}
+
+#[test]
 fn muscles_agree_with_differences_on_each_piece_of_their_curves() {
     let tendon =
         r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
@@ -192,7 +214,7 @@ fn terms_without_a_formula_fall_back_with_the_reason() {
     for (fallback, xml) in [
         (Fallback::Fluid, ellipsoid),
         (Fallback::SpatialTendon, chain("", drum, "", wound)),
-        (Fallback::Actuator, chain("", "", "", r#"<actuator><motor site="tip"/></actuator>"#)),
+        (Fallback::Actuator, chain("", "", "", r#"<actuator><adhesion body="lower" ctrlrange="0 1"/></actuator>"#)),
         (
             Fallback::Actuator,
             joints(r#"<actuator><position joint="h" kp="1"/><position joint="ball" kp="1"/></actuator>"#).replacen(

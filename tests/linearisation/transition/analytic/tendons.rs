@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::{analytic, check, model, randomise, sensors, without_passive_forces};
 
 /// Tendons between a free body, its arm, a pendulum and the world, one of them with a pulley and one along a geom that it may touch.
-fn strings(tendon: &str, rest: &str) -> String {
+pub(crate) fn strings(tendon: &str, rest: &str) -> String {
     format!(
         r#"<mujoco><option timestep="0.002" OPTION/>
           <default><geom contype="0" conaffinity="0"/><tendon {tendon}/></default>

@@ -1,0 +1,141 @@
+//! Derivatives of inverse dynamics in closed form.
+//!
+//! The forces of inverse dynamics are
+//!
+//! ```text
+//! f = M a + c − passive − Jᵀ f(J a − aref)    [− actuator],
+//! ```
+//!
+//! the residual of the equations of motion (`mod.rs`) without applied forces. Here q, v and a are independent, and the constraint
+//! forces are explicit functions of them, so no system of equations is solved: `∂f/∂q` and `∂f/∂v` are sums of the same terms, and
+//! `∂f/∂a = M + Jᵀ 𝒦 J` is the matrix H of `newton.rs`. Sensors have the derivatives of `sensors/` with a as a third input.
+
+use super::sensors::{Point, Sensors};
+use super::{Analytic, Fallback, Outcome};
+use super::{actuators, fluid, gravity, has_newer_feature, inertia, passive};
+use crate::data::{Data, SensorUpdate, Stage};
+use crate::derivative::{InverseForce, InverseOutputs};
+use crate::error::Result;
+use crate::matrix::Matrix;
+use crate::model::{EnableFlags, Model};
+
+/// Buffers for the derivatives of inverse dynamics.
+#[derive(Debug)]
+pub(super) struct Inverse {
+    /// Derivatives by positions, velocities and accelerations.
+    sensors: Sensors,
+    /// `(nv, 3 nv)`: minus the derivatives of the accelerations by these inputs.
+    deceleration: Matrix,
+}
+
+impl Inverse {
+    fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        let mut deceleration = Matrix::zeros(nv, 3 * nv);
+        (0..nv).for_each(|dof| deceleration[(dof, 2 * nv + dof)] = -1.0);
+        Self { sensors: Sensors::new(model, 3 * nv), deceleration }
+    }
+}
+
+/// Returns the reason why inverse dynamics of this model has no closed form here, if there is one.
+pub(in crate::derivative) fn obstacle(model: &Model, force: InverseForce) -> Option<Fallback> {
+    let has_actuators = force == InverseForce::WithoutActuators;
+    let is_newer = has_newer_feature(model)
+        || model.options().enable.intersects(EnableFlags::INVDISCRETE | EnableFlags::SPECULATIVE)
+        || (has_actuators && model.limits_actuator_forces());
+    if is_newer {
+        Some(Fallback::NewerFeature)
+    } else if fluid::is_obstacle(model) {
+        Some(Fallback::Fluid)
+    } else if has_actuators {
+        actuators::obstacle(model)
+    } else {
+        None
+    }
+}
+
+impl Analytic {
+    /// Differentiates inverse dynamics at the present positions, velocities and accelerations, and the sensors that have a formula, if they
+    /// are wanted.
+    pub(in crate::derivative) fn differentiate_inverse(
+        &mut self,
+        data: &mut Data,
+        force: InverseForce,
+        wants_sensors: bool,
+    ) -> Result<Outcome> {
+        let has_actuators = force == InverseForce::WithoutActuators;
+        data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;
+        if has_actuators {
+            data.fwd_actuation()?;
+        }
+        self.newton.hessian(data)?;
+        let Self { tree, bodies, tendons, constraints, inverse, row, derivative, next_activation, .. } = self;
+        derivative.as_mut_slice().fill(0.0);
+        bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
+        fluid::differentiate(data, tree, bodies, derivative);
+        if !tendons.differentiate(data, tree, has_actuators, derivative) {
+            return Ok(Err(Fallback::SpatialTendon));
+        }
+        passive::differentiate(data, tendons, row, derivative);
+        if has_actuators {
+            actuators::differentiate(data, tree, tendons, derivative, next_activation);
+        }
+        let constrained = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)?;
+        let Some(differenced) = constrained else { return Ok(Err(Fallback::Constraint)) };
+        if !derivative.as_slice().iter().all(|value| value.is_finite()) {
+            return Ok(Err(Fallback::Singular));
+        }
+        if wants_sensors {
+            let inverse = inverse.get_or_insert_with(|| Inverse::new(data.model()));
+            inverse.sensors.differentiate(Point {
+                data,
+                tree,
+                bodies,
+                tendons,
+                forces: &constraints.force_sensors,
+                interactions: &constraints.interactions,
+                deceleration: &inverse.deceleration,
+                has_actuators: false,
+            });
+        }
+        Ok(Ok(differenced))
+    }
+
+    /// Returns `true` if the last call of [`differentiate_inverse`](Self::differentiate_inverse) has differentiated all sensors.
+    pub(in crate::derivative) fn has_all_inverse_sensors(&self) -> bool {
+        self.inverse.as_ref().is_some_and(|inverse| inverse.sensors.in_closed_form().iter().all(|&closed| closed))
+    }
+
+    /// Writes the derivatives that [`differentiate_inverse`](Self::differentiate_inverse) has computed, except for sensors without a
+    /// formula.
+    pub(in crate::derivative) fn write_inverse(&self, data: &Data, outputs: &mut InverseOutputs<'_>) {
+        let nv = data.model().nv();
+        let InverseOutputs { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = outputs;
+        for (output, first) in [(df_dq, 0), (df_dv, nv)] {
+            if let Some(output) = output {
+                for dof in 0..nv {
+                    let values = &self.derivative.row(dof)[first..first + nv];
+                    values.iter().enumerate().for_each(|(input, value)| output[(input, dof)] = *value);
+                }
+            }
+        }
+        if let Some(df_da) = df_da {
+            for row in 0..nv {
+                for column in 0..=row {
+                    let value = self.newton.factor[(row, column)];
+                    (df_da[(row, column)], df_da[(column, row)]) = (value, value);
+                }
+            }
+        }
+        if let Some(inverse) = &self.inverse {
+            for (output, first) in [(ds_dq, 0), (ds_dv, nv), (ds_da, 2 * nv)] {
+                if let Some(output) = output {
+                    inverse.sensors.write_transposed(first..first + nv, output);
+                }
+            }
+        }
+        if let Some(dm_dq) = dm_dq {
+            inertia::differentiate(data, &self.tree, &self.bodies, dm_dq);
+        }
+    }
+}
