@@ -53,11 +53,12 @@ fn through(
     }
 }
 
-/// Returns the largest error of a matrix, relative to its largest number.
+/// Returns the largest error of a matrix, relative to its largest number, or absolute for a matrix of zeros.
 fn error(ours: &Matrix, theirs: &Matrix) -> f64 {
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
     let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| a - b);
-    largest(&mut { differences }) / largest(&mut theirs.as_slice().iter().copied())
+    let scale = largest(&mut theirs.as_slice().iter().copied());
+    largest(&mut { differences }) / if scale > 0.0 { scale } else { 1.0 }
 }
 
 /// Prints the errors of A and B by each method.

@@ -80,7 +80,8 @@ pub(super) struct Step {
 /// Reason why another method than the requested one was used.
 ///
 /// Each variant names the method that is used. With the implicit integrator it is [`Columns`](TransitionMethod::Columns) also for variants
-/// that name [`Implicit`](TransitionMethod::Implicit).
+/// that name [`Implicit`](TransitionMethod::Implicit). For [inverse dynamics](super::Lineariser::inverse_jacobians) it always is
+/// [`Engine`](TransitionMethod::Engine).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fallback {
