@@ -1,6 +1,7 @@
 #include "collision.h"
 
 #include "compat.h"
+#include "interpose.h"
 
 #include <math.h>
 
@@ -32,8 +33,7 @@ static int is_iterated(int type1, int type2) {
 // errors make libccd's portal search cycle for ever.
 static const mjtNum largest_size = 1e6;
 
-// Raises an engine error for a pose that is not a rotation and a bounded position, and for an unbounded size: the iteration may not end.
-static void check_pose(const mjModel* m, const mjData* d, int geom) {
+void mujoco_sys_check_pose(const mjModel* m, const mjData* d, int geom) {
   const mjtNum* x = d->geom_xmat + 9 * geom;
   const mjtNum determinant = x[0] * (x[4] * x[8] - x[5] * x[7]) - x[1] * (x[3] * x[8] - x[5] * x[6]) +
                              x[2] * (x[3] * x[7] - x[4] * x[6]);
@@ -52,22 +52,27 @@ static void check_pose(const mjModel* m, const mjData* d, int geom) {
   }
 }
 
+// Raises an engine error for geoms with which the collision function of their types may not end or may write to a wrong address.
+static void check_pair(const mjModel* m, const mjData* d, int type1, int type2, int g1, int g2, mjtNum margin) {
+  if (is_point_and_box(type1, type2)) {
+    check_box(m, g2);
+  }
+  if (is_iterated(type1, type2)) {
+    mujoco_sys_check_pose(m, d, g1);
+    mujoco_sys_check_pose(m, d, g2);
+    if (!(fabs(margin) <= largest_size)) {
+      compat_error_i("the contact margin of geom %d is not finite or exceeds 1e6 m", g1);
+    }
+  }
+}
+
 int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
                           int g2, mjtNum margin) {
   const mjfCollision function = original[type1][type2];
   if (!function) {
     return -1;
   }
-  if (is_point_and_box(type1, type2)) {
-    check_box(m, g2);
-  }
-  if (is_iterated(type1, type2)) {
-    check_pose(m, d, g1);
-    check_pose(m, d, g2);
-    if (!(fabs(margin) <= largest_size)) {
-      compat_error_i("the contact margin of geom %d is not finite or exceeds 1e6 m", g1);
-    }
-  }
+  check_pair(m, d, type1, type2, g1, g2, margin);
   return function(m, d, con, g1, g2, margin);
 }
 
@@ -76,6 +81,15 @@ int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_con
 static int overflows_row(const mjModel* m, int g1, int g2) {
   const int body = m->geom_bodyid[g1];
   return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
+}
+
+int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collision_data* d, compat_contact* con, int g1,
+                          int g2, mjtNum margin) {
+  if (overflows_row(m, g1, g2)) {
+    return 0;
+  }
+  check_pair(m, d, m->geom_type[g1], m->geom_type[g2], g1, g2, margin);
+  return function(m, d, con, g1, g2, margin);
 }
 
 // These engines recognise their function for two boxes by its address in the table, and then remove contacts.
@@ -122,12 +136,9 @@ static unsigned char unchecked_types[mjNGEOMTYPES][mjNGEOMTYPES];
 
 static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_collision_data* d, compat_contact* con,
                                                        int g1, int g2, mjtNum margin) {
-  if (overflows_row(m, g1, g2)) {
-    return 0;
-  }
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
-  const int count = mujoco_sys_collide_as(m, d, con, type1, type2, g1, g2, margin);
+  const int count = mujoco_sys_collide_by(original[type1][type2], m, d, con, g1, g2, margin);
 #if REMOVES_CONTACTS_OF_BOXES
   if (type1 == mjGEOM_BOX && type2 == mjGEOM_BOX) {
     return remove_contacts(m, d, con, count, (const int[2]){g1, g2}, margin);
@@ -182,7 +193,10 @@ void mujoco_sys_forget_collision(void) {}
 void mujoco_sys_check_collisions(void) {
   for (int i = 0; i < mjNGEOMTYPES; i++) {
     for (int j = 0; j < mjNGEOMTYPES; j++) {
-      if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != collide) {
+      const mjfCollision replaced = mujoco_sys_replaced(mjCOLLISIONFUNC[i][j]);
+      if (replaced) {
+        original[i][j] = replaced;
+      } else if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != collide) {
         original[i][j] = mjCOLLISIONFUNC[i][j];
         unchecked_types[i][j] = !is_point_and_box(i, j) && !is_iterated(i, j);
         mjCOLLISIONFUNC[i][j] = collide;
@@ -192,5 +206,6 @@ void mujoco_sys_check_collisions(void) {
 #if REMOVES_CONTACTS_OF_BOXES
   unchecked_types[mjGEOM_BOX][mjGEOM_BOX] = 0;
 #endif
+  mujoco_sys_check_interposed();
   compile_touching();
 }

@@ -11,6 +11,15 @@ void mujoco_sys_check_collisions(void);
 int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
                           int g2, mjtNum margin);
 
+// Calls a collision function of the engine for two geoms, after the checks. Returns 0 without a call for contacts that would overflow a row of
+// the Jacobian.
+int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collision_data* d, compat_contact* con, int g1,
+                          int g2, mjtNum margin);
+
+// Raises an engine error for a pose that is not a rotation and a bounded position, and for an unbounded size: the iteration of a collision or
+// of a distance may not end.
+void mujoco_sys_check_pose(const mjModel* m, const mjData* d, int geom);
+
 // Resets the pointer to the memory of a collision stage that an error has ended. Call it in the thread of the error, behind a guard.
 void mujoco_sys_forget_collision(void);
 

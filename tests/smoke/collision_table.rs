@@ -70,35 +70,95 @@ fn contacts_of_boxes_equal_those_of_the_engines_functions() {
     }
 }
 
-/// Returns a model of two separate geoms.
-#[cfg(engine_since = "4.0.0")]
-fn pair(a: &str, b: &str) -> String {
+/// Shapes of the geoms of [`pair`].
+#[cfg(engine_since = "3.5.0")]
+const SHAPES: [&str; 7] = [
+    r#"type="plane" size="1 1 1""#,
+    r#"size=".1""#,
+    r#"type="capsule" size=".05 .1""#,
+    r#"type="ellipsoid" size=".1 .2 .3""#,
+    r#"type="cylinder" size=".1 .2""#,
+    r#"type="box" size=".1 .2 .3""#,
+    r#"type="mesh" mesh="mesh""#,
+];
+
+/// Returns a model of two separate geoms, with sensors of their distance.
+#[cfg(engine_since = "3.5.0")]
+fn pair(a: &str, b: &str, sensors: &str) -> String {
     format!(
         r#"<mujoco><asset><mesh name="mesh" vertex="0 0 0  .2 0 0  0 .3 0  0 0 .4"/></asset><worldbody>
              <geom name="a" {a}/><body pos=".03 .04 1.2" euler="20 30 40"><freejoint/><geom name="b" {b}/></body>
-           </worldbody></mujoco>"#
+           </worldbody><sensor>{sensors}</sensor></mujoco>"#
     )
 }
 
-#[cfg(engine_since = "4.0.0")]
+/// Returns the models of all pairs of shapes, except two planes.
+#[cfg(engine_since = "3.5.0")]
+fn pairs(sensors: &str) -> impl Iterator<Item = String> {
+    let pairs = (0..SHAPES.len()).flat_map(|a| (a.max(1)..SHAPES.len()).map(move |b| (a, b)));
+    pairs.map(move |(a, b)| pair(SHAPES[a], SHAPES[b], sensors))
+}
+
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn sensors_of_distances_equal_those_of_c() {
+    if !child::is_child() {
+        return child::passes("collision_table::sensors_of_distances_equal_those_of_c");
+    }
+    let texts = || {
+        pairs(concat!(
+            r#"<distance geom1="a" geom2="b" cutoff="3"/><normal geom1="b" geom2="a" cutoff="3"/>"#,
+            r#"<fromto geom1="a" geom2="b" cutoff="3"/>"#,
+        ))
+    };
+    // Heights from overlapping to separate.
+    let heights = [0.0, 0.1, 0.2, 0.35, 0.5, 1.2];
+    let mut expected = Vec::new();
+    for text in texts() {
+        let (model, raw) = of_c(&text);
+        for height in heights {
+            // SAFETY: the model has the seven positions of a free joint.
+            unsafe { *(*raw.0).qpos.add(2) = height };
+            c!(mj_forward(model, raw.0));
+            // SAFETY: the sensors have 1, 3 and 6 numbers.
+            expected.push(unsafe { std::slice::from_raw_parts((*raw.0).sensordata, 10) }.to_vec());
+        }
+        drop(raw);
+        c!(mj_deleteModel(model));
+    }
+    assert!(expected.iter().any(|values| values[0] < 0.0) && expected.iter().any(|values| values[0] > 0.5));
+    let mut expected = expected.into_iter();
+    for text in texts() {
+        let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+        for height in heights {
+            data.qpos_mut()[2] = height;
+            data.forward().unwrap();
+            assert_eq!(data.sensordata(), expected.next().unwrap(), "height {height} {text}");
+        }
+    }
+}
+
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn a_sensor_of_the_distance_of_a_geom_whose_pose_is_no_rotation_is_an_error() {
+    for (a, b) in [(3, 4), (5, 5), (1, 6)] {
+        let text = pair(SHAPES[a], SHAPES[b], r#"<distance geom1="a" geom2="b" cutoff="3"/>"#);
+        let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+        data.edit_model(|model| model.geom_quat_mut()[1] = [2.0, 0.0, 0.0, 0.0]).unwrap();
+        let error = data.forward().unwrap_err().to_string();
+        assert!(error.contains("the pose of geom 1"), "{error}");
+    }
+}
+
+#[cfg(engine_since = "3.5.0")]
 #[test]
 fn geom_distance_equals_the_engines_function_for_separate_geoms() {
     if !child::is_child() {
         return child::passes("collision_table::geom_distance_equals_the_engines_function_for_separate_geoms");
     }
-    let shapes = [
-        r#"type="plane" size="1 1 1""#,
-        r#"size=".1""#,
-        r#"type="capsule" size=".05 .1""#,
-        r#"type="ellipsoid" size=".1 .2 .3""#,
-        r#"type="cylinder" size=".1 .2""#,
-        r#"type="box" size=".1 .2 .3""#,
-        r#"type="mesh" mesh="mesh""#,
-    ];
-    let texts = || {
-        let pairs = (0..shapes.len()).flat_map(|a| (a.max(1)..shapes.len()).map(move |b| (a, b)));
-        pairs.map(|(a, b)| pair(shapes[a], shapes[b]))
-    };
+    // The nearest points of two ellipsoids are up to 4 cm wrong in 3.5.0.
+    let is_right = |text: &String| cfg!(engine_since = "3.6.0") || text.matches("ellipsoid").count() < 2;
+    let texts = || pairs("").filter(is_right);
     let expected: Vec<f64> = texts()
         .map(|text| {
             let (model, raw) = of_c(&text);
