@@ -14,9 +14,9 @@
 //! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
 //! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone,
-//! the images per second of two threads (by wall time), and the CPU time to prepare a frame for up to 10,000 geoms.
+//! the cost of images of many simulations relative to single calls, the images per second of two threads (by wall time), and the CPU time to prepare a frame for up to 10,000 geoms.
 //!
-//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`, `grains`, `meshes`, `lights`, `small`,
+//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`, `grains`, `meshes`, `lights`, `small`, `batch`,
 //! `threads`, `outputs` and `prepare`. Processor time comes from `/proc` (Linux).
 //!
 //! The argument `pictures` compares the images of all scenes with the engine's instead: those of the tests, and those of
@@ -25,6 +25,8 @@
 
 #[path = "render/arm.rs"]
 mod arm;
+#[path = "render/batch.rs"]
+mod batch;
 #[path = "../tests/render/pictures/difference.rs"]
 mod difference;
 #[path = "render/engine.rs"]
@@ -109,6 +111,9 @@ fn main() -> Result<()> {
     if wanted("small") {
         let options = RendererOptions::default();
         compare("small 84×84", scenes::named("humanoid"), [84; 2], options, rounds, engine.as_mut())?;
+    }
+    if wanted("batch") {
+        batch::compare(rounds)?;
     }
     if wanted("threads") {
         threads(rounds)?;

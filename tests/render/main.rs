@@ -3,6 +3,7 @@
 #[path = "../common/child.rs"]
 mod child;
 
+mod batch;
 mod content;
 mod extreme_scenes;
 mod optics;

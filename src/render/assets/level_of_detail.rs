@@ -73,6 +73,18 @@ impl RoundShape {
         })
     }
 
+    /// Generates the triangles of all levels for colour images without lighting: the surfaces of
+    /// [`color_levels`](Self::color_levels) with one stack if they are straight. `None` for curved surfaces, which need all stacks.
+    pub(super) fn unlit_levels(self, tessellation: Tessellation) -> Option<[Triangles; COLOR_LEVELS]> {
+        let generate = match self {
+            Self::Sphere | Self::Hemisphere => return None,
+            Self::Cylinder | Self::LongCylinder => shape::cylinder,
+            Self::Disk => shape::disk,
+            Self::Cone => shape::cone,
+        };
+        Some(COLOR.map(|limits| generate(tessellation.limited(limits.slices, limits.stacks).slices, 1)))
+    }
+
     /// Generates the triangles of all levels for depth and segmentation images. Doubly curved surfaces have cells of
     /// equal width and height. Straight surfaces may have long cells because no vertex is lit.
     pub(super) fn depth_levels(self) -> [Triangles; DEPTH_LEVELS.len()] {

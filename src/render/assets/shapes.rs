@@ -32,6 +32,8 @@ pub(crate) struct Shapes {
     square: u32,
     cuboid: u32,
     line: u32,
+    /// Shapes with the same surface as the first shapes, and as few triangles as possible.
+    unlit: Vec<u32>,
     /// First mesh; each mesh is followed by its convex hull.
     meshes: u32,
     nmesh: u32,
@@ -63,6 +65,7 @@ impl Shapes {
             square: 0,
             cuboid: 0,
             line: 0,
+            unlit: Vec::new(),
             meshes: 0,
             nmesh: model.nmesh() as u32,
             height_fields: 0,
@@ -81,6 +84,14 @@ impl Shapes {
         shapes.square = shapes.push(gpu, &shape::plane(tessellation.quads))?;
         shapes.cuboid = shapes.push(gpu, &shape::cuboid(tessellation.quads))?;
         shapes.line = shapes.push(gpu, &line())?;
+        shapes.unlit = (0..=shapes.cuboid).collect();
+        for shape in RoundShape::ALL {
+            for (level, triangles) in shape.unlit_levels(tessellation).into_iter().flatten().enumerate() {
+                let lit = shapes.round(shape, DetailLevel::Color(level));
+                shapes.unlit[lit as usize] = shapes.push(gpu, &triangles)?;
+            }
+        }
+        shapes.unlit[shapes.cuboid as usize] = shapes.push(gpu, &shape::cuboid(1))?;
         shapes.add_planes(gpu, model, settings, lighting)?;
         shapes.meshes = shapes.buffers.len() as u32;
         for mesh in model.meshes() {
@@ -231,6 +242,11 @@ impl Shapes {
             (DetailLevel::Depth(level), Some(_)) => at(FIRST_DEPTH_LEVEL, DEPTH_LEVELS.len(), level),
             (DetailLevel::Depth(_), None) => at(0, COLOR_LEVELS, 0),
         }
+    }
+
+    /// Returns a shape with the same surface for a pass without lighting, which needs no vertices on straight surfaces.
+    pub(crate) fn unlit(&self, shape: u32) -> u32 {
+        self.unlit.get(shape as usize).copied().unwrap_or(shape)
     }
 
     /// Returns a plane of the model by its index among the model's planes.

@@ -1,5 +1,7 @@
 //! GPU buffers: a buffer that grows on demand, and a staging buffer for texture read-back.
 
+use std::slice::ChunksExact;
+
 use crate::render::{Gpu, RenderError};
 
 /// GPU buffer that is rewritten every frame. It grows by half and never shrinks.
@@ -83,14 +85,17 @@ impl ReadBackBuffer {
 
     /// Waits for the copy and passes each row to `each`, last row first: images are rendered upside down.
     pub(crate) fn rows(&self, gpu: &Gpu, mut each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let used = (self.size[0] * self.bytes_per_pixel) as usize;
+        self.mapped(gpu, |rows| rows.rev().for_each(|row| each(&row[..used])))
+    }
+
+    /// Waits for the copy and passes the rows, with their padding, to `read`.
+    pub(crate) fn mapped(&self, gpu: &Gpu, read: impl FnOnce(ChunksExact<'_, u8>)) -> Result<(), RenderError> {
         let slice = self.buffer.slice(..);
         slice.map_async(wgpu::MapMode::Read, |_| {});
         gpu.wait()?;
         let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
-        let used = (self.size[0] * self.bytes_per_pixel) as usize;
-        for row in mapped.chunks_exact(self.bytes_per_row as usize).rev() {
-            each(&row[..used]);
-        }
+        read(mapped.chunks_exact(self.bytes_per_row as usize));
         drop(mapped);
         self.buffer.unmap();
         Ok(())

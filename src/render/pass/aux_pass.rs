@@ -43,37 +43,35 @@ pub(crate) enum AuxLayer {
     Transparent,
 }
 
-/// Encodes a pass for geom ids and depths, rendered upside down.
-pub(crate) fn encode_ids(
-    encoder: &mut wgpu::CommandEncoder,
+/// Draws geom ids and depths in a pass, upside down.
+pub(crate) fn draw_ids(
+    pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
     list: &DrawList,
     view: &wgpu::BindGroup,
-    target: &AuxTarget,
     (layer, cull): (AuxLayer, bool),
 ) {
-    let pass = begin(encoder, &target.color, &target.depth, layer);
     // The order of the transparent geoms does not matter.
     let batches =
         if layer == AuxLayer::Transparent { &list.transparent[..list.front_to_back] } else { &list.opaque[..] };
-    encode(pass, draw, batches, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
+    draw_batches(pass, draw, batches, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
 }
 
-/// Encodes the pass for segmentation colours, to a target without multisampling.
-pub(crate) fn encode_segment_colors(
-    encoder: &mut wgpu::CommandEncoder,
+/// Draws segmentation colours in a pass without multisampling.
+pub(crate) fn draw_segment_colors(
+    pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
     list: &DrawList,
     view: &wgpu::BindGroup,
-    (target, color): (&Target, &wgpu::TextureView),
+    target: &Target,
     [cull, flip_y]: [bool; 2],
 ) {
-    let pass = begin(encoder, color, &target.depth, AuxLayer::Only);
-    encode(pass, draw, &list.opaque, view, &PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y));
+    let key = PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y);
+    draw_batches(pass, draw, &list.opaque, view, &key);
 }
 
-fn encode(
-    mut pass: wgpu::RenderPass<'_>,
+fn draw_batches(
+    pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
     batches: &[Batch],
     view: &wgpu::BindGroup,
@@ -81,14 +79,14 @@ fn encode(
 ) {
     pass.set_bind_group(0, view, &[]);
     for batch in batches.iter().filter(|batch| batch.visibility.in_frustum) {
-        draw.batch(&mut pass, batch, key);
+        draw.batch(pass, batch, key);
     }
 }
 
-fn begin<'e>(
+/// Begins a pass for geom ids and depths.
+pub(crate) fn begin_ids<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
-    color: &wgpu::TextureView,
-    depth: &wgpu::TextureView,
+    target: &AuxTarget,
     layer: AuxLayer,
 ) -> wgpu::RenderPass<'e> {
     let is_first = layer != AuxLayer::Transparent;
@@ -96,7 +94,7 @@ fn begin<'e>(
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("auxiliary output"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: color,
+            view: &target.color,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
@@ -105,7 +103,7 @@ fn begin<'e>(
             },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth,
+            view: &target.depth,
             depth_ops: Some(wgpu::Operations {
                 load: if is_first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
                 store,

@@ -89,22 +89,21 @@ impl MainPass {
         mirrored.get_or_insert_with(|| group(mirror_uniform, &[]));
     }
 
-    /// Encodes the pass.
-    pub(crate) fn encode(
+    /// Draws all geoms, the sky and the labels in a pass.
+    pub(crate) fn draw(
         &mut self,
-        encoder: &mut wgpu::CommandEncoder,
+        pass: &mut wgpu::RenderPass<'_>,
         draw: &DrawContext<'_>,
         frame: &FrameInputs<'_>,
         list: &DrawList,
         (shadows, sky, labels): (&ShadowMaps, &Sky, &Labels),
-        (target, color): (&Target, &wgpu::TextureView),
+        target: &Target,
     ) {
         self.create_bind_groups(draw, shadows);
         let (Some(shadowed), Some(unshadowed), Some(mirrored)) = (&self.shadowed, &self.unshadowed, &self.mirrored)
         else {
             return;
         };
-        let mut pass = begin(encoder, target, color, list);
         let flags = frame.flags;
         // Transparent geoms and mirror images receive no shadows.
         let pipelines = draw.gpu.pipelines();
@@ -130,22 +129,22 @@ impl MainPass {
         if list.mirror.is_some() {
             pass.set_bind_group(0, mirrored, &[]);
             let key = PipelineKey { light_set: unshadowed_light_set, ..key };
-            draw_mirror_images(&mut pass, draw, list, unshadowed, mirrored, &key);
+            draw_mirror_images(pass, draw, list, unshadowed, mirrored, &key);
         }
         pass.set_bind_group(0, shadowed, &[]);
         for batch in list.reflector.iter().filter(|batch| batch.visibility.in_frustum) {
-            draw.batch(&mut pass, batch, &PipelineKey { pass_kind: PassKind::Reflector, ..key });
+            draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::Reflector, ..key });
         }
         for batch in list.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
-            draw.batch(&mut pass, batch, &key);
+            draw.batch(pass, batch, &key);
         }
         pass.set_bind_group(0, unshadowed, &[]);
         if flags.contains(RenderFlags::SKYBOX) && sky.is_visible {
-            draw_sky(&mut pass, draw, sky, &key);
+            draw_sky(pass, draw, sky, &key);
         }
         let transparent_key = PipelineKey { pass_kind: PassKind::Transparent, light_set: unshadowed_light_set, ..key };
         for batch in transparent_batches(list, &key).iter().filter(|batch| batch.visibility.in_frustum) {
-            draw.batch(&mut pass, batch, &transparent_key);
+            draw.batch(pass, batch, &transparent_key);
         }
         if let Some(atlas) = labels.atlas.as_ref().filter(|_| labels.count > 0) {
             let key = PipelineKey { fog: false, ..unlit_key(PassKind::Label, &key) };
@@ -158,22 +157,18 @@ impl MainPass {
 }
 
 /// Begins the pass with cleared attachments.
-fn begin<'e>(
+pub(crate) fn begin_main<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     target: &Target,
     color: &wgpu::TextureView,
-    list: &DrawList,
 ) -> wgpu::RenderPass<'e> {
     // Multisampled colours are discarded after the MSAA resolve.
     let (view, resolve_target, store) = match &target.multisampled {
         Some(multisampled) => (multisampled, Some(color), wgpu::StoreOp::Discard),
         None => (color, None, wgpu::StoreOp::Store),
     };
-    // Without a stencil mark, the mirror covers the whole image.
-    let stencil = u32::from(list.mirror.as_ref().is_none_or(|mirror| mirror.stencil_mark.is_none()));
-    let stencil_ops = target
-        .stencil
-        .then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(stencil), store: wgpu::StoreOp::Discard });
+    let stencil_ops =
+        target.stencil.then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Discard });
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("main"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

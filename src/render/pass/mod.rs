@@ -12,9 +12,9 @@ mod target;
 
 use std::ops::Range;
 
-pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, encode_ids, encode_segment_colors};
+pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, begin_ids, draw_ids, draw_segment_colors};
 pub(crate) use self::label::Labels;
-pub(crate) use self::main_pass::{FrameInputs, MainPass};
+pub(crate) use self::main_pass::{FrameInputs, MainPass, begin_main};
 pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines};
 pub(crate) use self::screen_pipeline::screen_pipeline;
 pub(crate) use self::shadow_map::ShadowMaps;

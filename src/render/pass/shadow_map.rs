@@ -168,7 +168,8 @@ impl ShadowMaps {
             let casts = |batch: &&Batch| batch.visibility.shadow_mask & 1 << light != 0;
             for batch in opaque.chain(&list.transparent[..list.front_to_back]).filter(casts) {
                 // The side of a plane that the camera sees does not matter for the light.
-                let batch = Batch { key: BatchKey { back_faces: false, ..batch.key }, ..batch.clone() };
+                let shape = draw.shapes.unlit(batch.key.shape);
+                let batch = Batch { key: BatchKey { shape, back_faces: false, ..batch.key }, ..batch.clone() };
                 draw.batch(&mut pass, &batch, &key);
             }
         }

@@ -55,7 +55,7 @@ impl Renderer {
     /// As for [`rgb`](Self::rgb).
     pub fn images_into(&mut self, scene: &Scene, images: &mut Images) -> Result<(), RenderError> {
         let Images { rgb, depth, segmentation } = images;
-        let (gpu, size) = (self.gpu.clone(), self.size);
+        let (gpu, size) = (self.assets.gpu.clone(), self.size);
         gpu.guarded(|| {
             self.submit_color(scene)?;
             let is_opaque_separate = self.submit_aux(scene, AuxOutput::DepthAndIds)?;
@@ -70,6 +70,6 @@ impl Renderer {
                 write_ids(row);
             })
         })
-        .inspect_err(|_| self.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.shadow_maps.invalidate())
     }
 }

@@ -1,26 +1,33 @@
 //! Renderer of the scenes of one model.
 
+mod assets;
+mod batch;
 mod encode;
+mod frame;
 mod images;
 mod read_back;
 mod snapshot;
+mod tiled;
 
 use std::fmt;
 use std::sync::Arc;
 
+use self::assets::Assets;
+use self::frame::Frame;
 pub use self::images::Images;
 use self::read_back::{ReadBack, depth_rows, id_rows, rgb_rows};
 pub use self::snapshot::Snapshot;
+use self::tiled::TiledImages;
 use super::assets::{Shapes, Textures};
 use super::bounding_volume::AssetBounds;
-use super::draw_list::{AuxOutput, DrawList};
+use super::draw_list::AuxOutput;
 use super::gpu::DropUse;
-use super::gpu::buffer::{GrowableBuffer, ReadBackBuffer};
-use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, ShadowMaps, Sky, Target, check_size};
+use super::gpu::buffer::ReadBackBuffer;
+use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size};
 use super::settings::VisualSettings;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
-use crate::id::{Key, Lineage};
+use crate::id::Key;
 use crate::kind;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -51,28 +58,17 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 pub struct Renderer {
-    gpu: Gpu,
-    lineage: Lineage,
-    settings: VisualSettings,
-    options: RendererOptions,
+    assets: Assets,
     samples: u32,
+    /// Width and height of full shadow maps, texels.
+    shadow_size: u32,
     size: [u32; 2],
-    bounds: AssetBounds,
-    shapes: Shapes,
-    textures: Textures,
-    list: DrawList,
-    instances: GrowableBuffer,
-    main_pass: MainPass,
-    shadow_maps: ShadowMaps,
-    sky: Sky,
-    labels: Labels,
-    /// Uniform buffer and bind group of the view for auxiliary output.
-    aux_uniform: GrowableBuffer,
-    aux_view: Option<wgpu::BindGroup>,
+    frame: Frame,
     aux_target: Option<AuxTarget>,
     target: Option<Target>,
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     read_back: [Option<ReadBackBuffer>; ReadBack::COUNT],
+    tiled: TiledImages,
     /// Scene of snapshots. Shared only during a call of a snapshot.
     snapshot_scene: Arc<Scene>,
     /// Last, because the drop of the other fields uses the driver.
@@ -126,28 +122,26 @@ impl Renderer {
             let settings = VisualSettings::new(model);
             let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
             let shadow_size = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
-            Ok(Self {
+            let assets = Assets {
                 gpu: gpu.clone(),
                 lineage: model.lineage(),
-                options,
-                samples: gpu.samples(samples),
-                size,
                 bounds: AssetBounds::new(model),
                 shapes: Shapes::new(gpu, model, &settings, options.lighting)?,
                 textures: Textures::new(gpu, model),
                 settings,
-                list: DrawList::default(),
-                instances: GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX),
-                main_pass: MainPass::new(gpu),
-                shadow_maps: ShadowMaps::new(shadow_size),
-                sky: Sky::new(gpu)?,
-                labels: Labels::new(gpu),
-                aux_uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
-                aux_view: None,
+                options,
+            };
+            Ok(Self {
+                assets,
+                samples: gpu.samples(samples),
+                shadow_size,
+                size,
+                frame: Frame::new(gpu, shadow_size)?,
                 aux_target: None,
                 target: None,
                 color: None,
                 read_back: [const { None }; ReadBack::COUNT],
+                tiled: TiledImages::default(),
                 snapshot_scene: Arc::new(Scene::new(model, SNAPSHOT_CAPACITY)?),
                 drop_use: DropUse::default(),
             })
@@ -161,13 +155,13 @@ impl Renderer {
 
     /// Returns the graphics adapter.
     pub fn gpu(&self) -> &Gpu {
-        &self.gpu
+        &self.assets.gpu
     }
 
     /// Returns the requested options. The actual number of samples and size of shadow maps may be smaller, due to
     /// limits of the adapter.
     pub fn options(&self) -> &RendererOptions {
-        &self.options
+        &self.assets.options
     }
 
     /// Changes the size of the images, pixels.
@@ -177,7 +171,7 @@ impl Renderer {
     /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if it is 0. The size is
     /// then unchanged.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
-        check_size(&self.gpu, [width, height])?;
+        check_size(&self.assets.gpu, [width, height])?;
         self.size = [width, height];
         Ok(())
     }
@@ -196,7 +190,7 @@ impl Renderer {
     pub fn update_mesh(&mut self, model: &Model, mesh: impl Key<kind::Mesh>) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = mesh.id(model)?;
-        let Self { gpu, shapes, bounds, .. } = self;
+        let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
         *bounds = AssetBounds::new(model);
         Ok(())
@@ -220,7 +214,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = field.id(model)?;
-        let Self { gpu, shapes, bounds, .. } = self;
+        let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_height_field(gpu, model, id))?;
         bounds.update_height_field(model, id);
         Ok(())
@@ -240,7 +234,7 @@ impl Renderer {
     pub fn update_texture(&mut self, model: &Model, texture: impl Key<kind::Texture>) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = texture.id(model)?;
-        let Self { gpu, textures, .. } = self;
+        let Assets { gpu, textures, .. } = &mut self.assets;
         gpu.guarded(|| {
             textures.update(gpu, model, id);
             Ok(())
@@ -335,17 +329,17 @@ impl Renderer {
 
     /// Renders a colour image and passes its rows to `each`: four bytes per pixel.
     fn render_color(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
-        let gpu = self.gpu.clone();
+        let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
             self.submit_color(scene)?;
             self.read_rows(ReadBack::Color, each)
         })
-        .inspect_err(|_| self.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.shadow_maps.invalidate())
     }
 
     /// Renders geom ids and depths, and passes the rows to `each`: eight bytes per pixel.
     fn render_aux(&mut self, scene: &Scene, output: AuxOutput, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
-        let gpu = self.gpu.clone();
+        let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
             self.submit_aux(scene, output)?;
             self.read_rows(ReadBack::Aux, each)
@@ -361,29 +355,29 @@ impl Renderer {
         target: &wgpu::TextureView,
         size: [u32; 2],
     ) -> Result<(), RenderError> {
-        let gpu = self.gpu.clone();
+        let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
             let encoder = self.encode(scene, target, target.texture().format(), size, false)?;
             gpu.queue().submit([encoder.finish()]);
             Ok(())
         })
-        .inspect_err(|_| self.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.shadow_maps.invalidate())
     }
 
     /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on the CPU.
     #[doc(hidden)]
     pub fn prepare(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let gpu = self.gpu.clone();
+        let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
             let (_, view) = self.color_texture();
             let encoded = self.encode(scene, &view, COLOR_FORMAT, self.size, true);
-            self.shadow_maps.invalidate();
+            self.frame.shadow_maps.invalidate();
             encoded.map(drop)
         })
     }
 
     fn check_model(&self, model: &Model) -> Result<(), RenderError> {
-        if model.lineage() == self.lineage {
+        if model.lineage() == self.assets.lineage {
             Ok(())
         } else {
             Err(Error::OtherModel { what: "the edited model" }.into())
@@ -407,7 +401,7 @@ fn shadow_size(gpu: &Gpu, requested: Option<u32>, of_model: usize) -> Result<u32
 impl fmt::Debug for Renderer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.size;
-        write!(f, "Renderer: {width} x {height} pixels, {} samples, on {:?}", self.samples, self.gpu)
+        write!(f, "Renderer: {width} x {height} pixels, {} samples, on {:?}", self.samples, self.assets.gpu)
     }
 }
 

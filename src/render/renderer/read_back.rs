@@ -33,14 +33,14 @@ impl Renderer {
     pub(super) fn read_back_buffer(&mut self, wanted: ReadBack) -> Result<&ReadBackBuffer, RenderError> {
         let buffer = &mut self.read_back[wanted as usize];
         if !buffer.as_ref().is_some_and(|buffer| buffer.matches(self.size, wanted.bytes_per_pixel())) {
-            *buffer = Some(ReadBackBuffer::new(&self.gpu, self.size, wanted.bytes_per_pixel())?);
+            *buffer = Some(ReadBackBuffer::new(&self.assets.gpu, self.size, wanted.bytes_per_pixel())?);
         }
         buffer.as_ref().ok_or(RenderError::OutOfMemory)
     }
 
     /// Waits for the submitted copy to a read-back buffer, and passes the rows to `each`, first row first.
     pub(super) fn read_rows(&mut self, from: ReadBack, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
-        let gpu = self.gpu.clone();
+        let gpu = self.assets.gpu.clone();
         self.read_back_buffer(from)?.rows(&gpu, each)
     }
 }

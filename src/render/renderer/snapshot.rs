@@ -102,7 +102,7 @@ impl Renderer {
         options: &SceneOptions,
     ) -> Result<Snapshot<'_>, RenderError> {
         let model = data.model().clone();
-        if model.lineage() != self.lineage {
+        if model.lineage() != self.assets.lineage {
             return Err(Error::OtherModel { what: "the data to show" }.into());
         }
         let mut snapshot = Snapshot { renderer: self };

@@ -1,0 +1,28 @@
+//! Resources of a model that all images of a renderer share.
+
+use crate::id::Lineage;
+use crate::render::assets::{Shapes, Textures};
+use crate::render::bounding_volume::AssetBounds;
+use crate::render::gpu::buffer::GrowableBuffer;
+use crate::render::pass::DrawContext;
+use crate::render::settings::VisualSettings;
+use crate::render::{Gpu, RendererOptions};
+
+/// Resources of a model, and the options of its renderer.
+pub(super) struct Assets {
+    pub(super) gpu: Gpu,
+    pub(super) lineage: Lineage,
+    pub(super) settings: VisualSettings,
+    pub(super) options: RendererOptions,
+    pub(super) bounds: AssetBounds,
+    pub(super) shapes: Shapes,
+    pub(super) textures: Textures,
+}
+
+impl Assets {
+    /// Returns the resources of draw calls, without tile culling.
+    pub(super) fn draw_context<'a>(&'a self, instances: &'a GrowableBuffer) -> DrawContext<'a> {
+        let Self { gpu, shapes, textures, .. } = self;
+        DrawContext { gpu, shapes, textures, instances: instances.buffer(), tile_culling: None }
+    }
+}

@@ -1,0 +1,136 @@
+//! Images of many simulations, several per submission.
+
+use std::sync::Arc;
+
+use super::Renderer;
+use super::tiled::Tiles;
+use crate::error::{Error, Result};
+use crate::render::RenderError;
+use crate::render::draw_list::AuxOutput;
+use crate::scene::Scene;
+
+impl Renderer {
+    /// Renders a colour image of each of many simulations, several per submission, into one array `(image, height, width, 3)`, row-major
+    /// from the upper left. The number of images follows from the length of `rgb`.
+    ///
+    /// `update` is called for each image, in order, and updates the scene to the simulation of this index. The scene initially is that of
+    /// the previous image.
+    ///
+    /// The images equal those of [`rgb`](Self::rgb) up to rounding, which can change single pixels at edges.
+    ///
+    /// With a software rasteriser, rasterising dominates the cost, and the images take about as much processor time as with single calls:
+    /// the benchmark `render`, argument `batch`, prints the ratio. Smaller shadow maps and fewer samples save more
+    /// ([`RendererOptions`](crate::render::RendererOptions)).
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb), [`Error::Shape`] unless `rgb` has a multiple of `3 * width * height` bytes, and the errors of `update`.
+    ///
+    /// ```no_run
+    /// use mujoco_safe::render::Renderer;
+    /// use mujoco_safe::scene::{Camera, Categories, SceneOptions};
+    /// use mujoco_safe::{Batch, Data, sample};
+    ///
+    /// let batch = Batch::new(sample::humanoid(), 256)?;
+    /// let mut data = Data::new(batch.model())?;
+    /// let mut camera = Camera::fixed(batch.model(), "side")?;
+    /// let mut renderer = Renderer::new(batch.model(), 84, 84)?;
+    /// let mut rgb = vec![0; batch.len() * 84 * 84 * 3];
+    /// let options = SceneOptions::default();
+    /// renderer.rgb_batch_into(
+    ///     |index, scene| {
+    ///         batch.load(index, &mut data)?;
+    ///         data.forward()?;
+    ///         scene.update(&mut data, &options, None, &mut camera, Categories::all())
+    ///     },
+    ///     &mut rgb,
+    /// )?;
+    /// # Ok::<(), mujoco_safe::render::RenderError>(())
+    /// ```
+    #[doc(alias = "batch_render")]
+    pub fn rgb_batch_into(
+        &mut self,
+        update: impl FnMut(usize, &mut Scene) -> Result<()>,
+        rgb: &mut [u8],
+    ) -> Result<(), RenderError> {
+        self.batch_into(None, update, ("rgb", 3), rgb, |row, out| {
+            for (to, from) in out.as_chunks_mut::<3>().0.iter_mut().zip(row.as_chunks::<4>().0) {
+                *to = [from[0], from[1], from[2]];
+            }
+        })
+    }
+
+    /// Renders a depth image of each of many simulations, as [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one array
+    /// `(image, height, width)`, m. See [`depth`](Self::depth).
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb_batch_into`](Self::rgb_batch_into), for a multiple of `width * height` numbers.
+    pub fn depth_batch_into(
+        &mut self,
+        update: impl FnMut(usize, &mut Scene) -> Result<()>,
+        metres: &mut [f32],
+    ) -> Result<(), RenderError> {
+        self.batch_into(Some(AuxOutput::Depth), update, ("metres", 1), metres, |row, out| {
+            for (to, from) in out.iter_mut().zip(row.as_chunks::<8>().0) {
+                let [id, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = if id == 0 { f32::INFINITY } else { f32::from_bits(depth) };
+            }
+        })
+    }
+
+    /// Renders a segmentation image of each of many simulations, as [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one
+    /// array `(image, height, width)`: 0 for the background, or the index of the visible geom in its scene plus 1. The geoms of a model
+    /// come first in each scene and have the same indices in all scenes with equal [`SceneOptions`](crate::scene::SceneOptions).
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb_batch_into`](Self::rgb_batch_into), for a multiple of `width * height` numbers.
+    pub fn segmentation_batch_into(
+        &mut self,
+        update: impl FnMut(usize, &mut Scene) -> Result<()>,
+        ids: &mut [u32],
+    ) -> Result<(), RenderError> {
+        self.batch_into(Some(AuxOutput::Ids), update, ("ids", 1), ids, |row, out| {
+            for (to, from) in out.iter_mut().zip(row.as_chunks::<8>().0) {
+                let [id, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = id;
+            }
+        })
+    }
+
+    /// Renders images of many simulations. `convert` converts a row of the texture to a row of the array, which has `channels` numbers per
+    /// pixel. `aux` is `None` for colours.
+    fn batch_into<T>(
+        &mut self,
+        aux: Option<AuxOutput>,
+        mut update: impl FnMut(usize, &mut Scene) -> Result<()>,
+        (name, channels): (&'static str, usize),
+        array: &mut [T],
+        convert: impl Fn(&[u8], &mut [T]),
+    ) -> Result<(), RenderError> {
+        let Self { assets, tiled, snapshot_scene, size, samples, shadow_size, .. } = self;
+        let [width, height] = size.map(|length| length as usize);
+        let (row, image) = (channels * width, channels * width * height);
+        let count = array.len() / image;
+        Error::check_length(name, array.len(), count * image)?;
+        let scene = Arc::get_mut(snapshot_scene).expect("Bug: the scene of snapshots is shared");
+        let gpu = assets.gpu.clone();
+        let tiles = Tiles::new(&gpu, *size, count);
+        let mut images = array.chunks_exact_mut(image);
+        let mut read = |tile: &mut dyn Iterator<Item = &[u8]>| {
+            let rows = images.next().unwrap_or_default().chunks_exact_mut(row);
+            tile.zip(rows).for_each(|(from, to)| convert(from, to));
+        };
+        tiled.discard();
+        for index in 0..count {
+            update(index, scene)?;
+            gpu.guarded(|| {
+                let is_full = tiled.add(assets, scene, &tiles, (aux, *samples, *shadow_size), &mut read)?;
+                if is_full || index + 1 == count { tiled.render(assets, &tiles, aux, &mut read) } else { Ok(()) }
+            })
+            .inspect_err(|_| tiled.invalidate())?;
+        }
+        Ok(())
+    }
+}
