@@ -3,6 +3,7 @@
 //! Each call is an entry of a table: a name, and a function of the scene and of the bytes that decide its arguments. A new
 //! function of the crate is a new entry in the table of a suitable file, or in a new file that [`TABLES`] lists.
 
+mod batches;
 mod callback;
 mod control;
 mod edit;
@@ -74,6 +75,7 @@ const TABLES: &[Table] = &[
     Table { weight: 2, needs_step: false, calls: linearise::CALLS },
     Table { weight: 1, needs_step: false, calls: rollouts::CALLS },
     Table { weight: 1, needs_step: false, calls: environments::CALLS },
+    Table { weight: 1, needs_step: false, calls: batches::CALLS },
     Table { weight: 3, needs_step: true, calls: scene_view::CALLS },
     Table { weight: 1, needs_step: false, calls: files::CALLS },
 ];
