@@ -104,7 +104,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[("Batch against simulations", |scene
     for row in batch.parameters().rows() {
         all.push(Alone::new(&model, [row[0], row[1]])?);
     }
-    for _ in 0..1 + bytes.below(8) {
+    for _ in 0..=bytes.below(8) {
         let (number, which, kind, reset) = (bytes.number(), bytes.below(4), bytes.below(8), bytes.once_in(2));
         let selected = |index: usize| index != which;
         let call = bytes.below(4);
