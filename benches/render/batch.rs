@@ -1,6 +1,6 @@
 //! Images of many simulations, relative to single calls.
 
-use mujoco_safe::render::{Gpu, Renderer, RendererOptions};
+use mujoco_safe::render::{DepthImage, Gpu, RenderError, Renderer, RendererOptions, RgbImage, SegmentationImage};
 use mujoco_safe::scene::{Categories, SceneOptions};
 use mujoco_safe::{Data, Scene};
 
@@ -73,7 +73,7 @@ impl<'a> Both<'a> {
     /// Draws each simulation by itself.
     fn each<T>(
         &mut self,
-        mut draw: impl FnMut(&mut Renderer, &Scene) -> std::result::Result<T, mujoco_safe::render::RenderError>,
+        mut draw: impl FnMut(&mut Renderer, &Scene) -> std::result::Result<T, RenderError>,
     ) -> Result<()> {
         let (options, mut camera) = (SceneOptions::default(), self.setting.camera(self.simulations[0].model()));
         for data in &mut *self.simulations {
@@ -84,17 +84,17 @@ impl<'a> Both<'a> {
     }
 
     fn single_colours(&mut self) -> Result<()> {
-        let mut image = Default::default();
+        let mut image = RgbImage::default();
         self.each(|renderer, scene| renderer.rgb_into(scene, &mut image))
     }
 
     fn single_depths(&mut self) -> Result<()> {
-        let mut image = Default::default();
+        let mut image = DepthImage::default();
         self.each(|renderer, scene| renderer.depth_into(scene, &mut image))
     }
 
     fn single_segments(&mut self) -> Result<()> {
-        let mut image = Default::default();
+        let mut image = SegmentationImage::default();
         self.each(|renderer, scene| renderer.segmentation_into(scene, &mut image))
     }
 
