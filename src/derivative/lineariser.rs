@@ -91,11 +91,11 @@ impl Lineariser {
     ///
     /// let model = Model::from_xml_str(
     ///     r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/><site name="imu"/></body></worldbody>
-    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><user name="load" dim="1"/></sensor></mujoco>"#,
+    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><gyro name="limited" site="imu" cutoff="9"/></sensor></mujoco>"#,
     /// )?;
     /// let lineariser = Lineariser::new(model.clone(), Default::default())?;
-    /// let load = model.sensor("load")?.id();
-    /// assert!(lineariser.differenced_sensors().any(|sensor| sensor == load));
+    /// let limited = model.sensor("limited")?.id();
+    /// assert!(lineariser.differenced_sensors().any(|sensor| sensor == limited));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn differenced_sensors(&self) -> impl Iterator<Item = SensorId> {
