@@ -54,6 +54,21 @@ bitflags! {
     }
 }
 
+/// Repeats a block for each component that is set in `$spec`, with `$part` as a constant, so that each copy of the block is compiled for
+/// one component.
+macro_rules! for_each_component {
+    ($spec:expr, $part:ident => $body:block) => {
+        for_each_component!($spec, $part => $body; TIME QPOS QVEL ACT WARMSTART CTRL QFRC_APPLIED XFRC_APPLIED
+            MOCAP_POS MOCAP_QUAT USERDATA PLUGIN PLASTIC)
+    };
+    ($spec:expr, $part:ident => $body:block; $($component:ident)*) => {
+        $(if $spec.contains(StateSpec::$component) {
+            const $part: StateSpec = StateSpec::$component;
+            $body
+        })*
+    };
+}
+
 /// # State vectors
 impl Model {
     /// Returns the length of a state vector.
@@ -66,7 +81,9 @@ impl Model {
     /// ```
     #[doc(alias = "mj_stateSize")]
     pub fn state_size(&self, spec: StateSpec) -> usize {
-        spec.iter().map(|part| self.part_size(part)).sum()
+        let mut size = 0;
+        for_each_component!(spec, PART => { size += self.part_size(PART) });
+        size
     }
 
     /// Returns the indices of `part` in a state vector of `spec`.
@@ -91,6 +108,8 @@ impl Model {
         start..start + self.state_size(part)
     }
 
+    #[allow(clippy::inline_always, reason = "the constant component selects one arm")]
+    #[inline(always)]
     fn part_size(&self, part: StateSpec) -> usize {
         match part {
             StateSpec::TIME => 1,
@@ -179,12 +198,13 @@ impl Data {
     pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;
         let mut rest = state;
-        for part in spec.iter() {
-            let target = self.part_mut(part);
+        for_each_component!(spec, PART => {
+            let target = self.part_mut(PART);
             let (values, after) = rest.split_at(target.len());
             target.copy_from_slice(values);
             rest = after;
-        }
+        });
+        debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
         Ok(())
     }
 
@@ -214,14 +234,17 @@ impl Data {
 
     fn read_state(&self, spec: StateSpec, state: &mut [f64]) {
         let mut rest = state;
-        for part in spec.iter() {
-            let source = self.part(part);
+        for_each_component!(spec, PART => {
+            let source = self.part(PART);
             let (target, after) = rest.split_at_mut(source.len());
             target.copy_from_slice(source);
             rest = after;
-        }
+        });
+        debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
     }
 
+    #[allow(clippy::inline_always, reason = "the constant component selects one arm")]
+    #[inline(always)]
     fn part(&self, part: StateSpec) -> &[f64] {
         match part {
             StateSpec::TIME => std::slice::from_ref(&self.raw().time),
@@ -241,6 +264,8 @@ impl Data {
         }
     }
 
+    #[allow(clippy::inline_always, reason = "the constant component selects one arm")]
+    #[inline(always)]
     fn part_mut(&mut self, part: StateSpec) -> &mut [f64] {
         match part {
             StateSpec::TIME => std::slice::from_mut(&mut self.raw_mut().time),
