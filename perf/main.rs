@@ -116,6 +116,11 @@ fn tasks() -> Vec<Task> {
     tasks
 }
 
+/// Returns the Riccati equation of the LQR of a model.
+fn riccati_problem(name: &str) -> Outcome<RiccatiProblem> {
+    RiccatiProblem::new(if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? })
+}
+
 fn main() -> Outcome<()> {
     let arguments = Arguments::parse();
     let (pairs, threads) = (arguments.pairs.max(3), arguments.threads.clamp(1, 64));
@@ -191,14 +196,12 @@ fn main() -> Outcome<()> {
         }
 
         if let Some(slycot) = &arguments.slycot {
-            let balance = if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? };
-            let problem = RiccatiProblem::new(balance)?;
+            let problem = riccati_problem(name)?;
             slicot::compare(&mut report, (slycot, &arguments.out), (&one, pairs), (name, &path), problem)?;
         }
 
         if let Some(python) = &mut python {
-            let balance = if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? };
-            let mut riccati = RiccatiProblem::new(balance)?;
+            let mut riccati = riccati_problem(name)?;
             fs::create_dir_all(&arguments.out)?;
             let file = std::path::absolute(arguments.out.join("riccati.txt"))?;
             fs::write(&file, riccati.text())?;

@@ -220,13 +220,14 @@
 //! let velocity = Term::new("velocity", JointVelocity::all(&model)).with_weight(0.1);
 //! let cost = ResidualCost::new(&model, [position, velocity])?;
 //! let options = SamplingOptions::default().with_samples(16).with_knots(3);
-//! let planner = SamplingPlanner::new(data.model(), 40, options)?.with_regulator(lqr)?;
+//! let planner = SamplingPlanner::new(data.model(), 80, options)?.with_regulator(lqr)?;
 //! let mut controller = PredictiveController::new(&data, planner, cost, 4)?;
 //! data.qpos_mut()[1] = 0.15;
 //! for _ in 0..200 {
 //!     controller.control(&mut data)?;
 //!     data.step()?;
 //! }
+//! assert!(data.qpos()[1].abs() < 0.1, "the pole is upright");
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!

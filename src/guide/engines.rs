@@ -9,9 +9,9 @@
 //! | 2.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 2.3.7` |
 //! | 3.0.1 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.0.1` |
 //! | 3.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.3.7` |
-//! | 3.5.0 | committed | unit tests, all programs except `coverage`: `scripts/test --engine 3.5.0` |
-//! | 3.17.0 | committed | unit tests, all programs except `coverage`: `scripts/test --engine 3.17.0` |
-//! | 4.0.0 | committed | unit tests, all programs except `coverage`: `scripts/test --engine 4.0.0` |
+//! | 3.5.0 | committed | all except the program `coverage`: `scripts/test --engine 3.5.0` |
+//! | 3.17.0 | committed | all except the program `coverage`: `scripts/test --engine 3.17.0` |
+//! | 4.0.0 | committed | all except the program `coverage`: `scripts/test --engine 4.0.0` |
 //! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
 //!
 //! The crate links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither

@@ -161,7 +161,7 @@ fn examples_report_invalid_arguments() {
         ("humanoid_predictive", ["--newtons", "hard"], "'hard' for '--newtons"),
         ("humanoid_predictive", ["--threads", "-1"], "unexpected argument '-1'"),
         ("humanoid_predictive", ["--first-seed", "7"], "--pushes <N>"),
-        ("humanoid_stand_up", ["--seconds", "-1"], "'-1' for '--seconds"),
+        ("humanoid_stand_up", ["--seconds", "-1"], "unexpected argument '-1'"),
         ("arm_tracking", ["--seconds", "long"], "'long' for '--seconds"),
         ("learn_gait", ["--iterations", "all"], "'all' for '--iterations"),
     ] {

@@ -16,7 +16,7 @@ fn table() -> String {
         let tests = match engine.tests {
             Tests::All => "all".to_owned(),
             Tests::Most => {
-                format!("unit tests, all programs except `coverage`: `scripts/test --engine {}`", engine.version)
+                format!("all except the program `coverage`: `scripts/test --engine {}`", engine.version)
             }
             Tests::Smoke => format!("`mujoco-sys`, `smoke`: `scripts/test --engine {}`", engine.version),
         };
@@ -32,7 +32,7 @@ fn the_script_runs_the_listed_tests() {
     let script = fs::read_to_string(root().join("scripts/test")).unwrap();
     let most: Vec<&str> =
         ENGINES.iter().filter(|engine| engine.tests == Tests::Most).map(|engine| engine.version).collect();
-    let pattern = format!("    {})\n", most.join(" | "));
+    let pattern = format!("\n    {}) ", most.join(" | "));
     assert!(script.contains(&pattern), "scripts/test has no pattern{pattern}");
 }
 

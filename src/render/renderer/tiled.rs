@@ -9,8 +9,7 @@ use crate::render::pass::{AuxLayer, AuxTarget, COLOR_FORMAT, Target, begin_ids, 
 use crate::render::{Gpu, RenderError};
 use crate::scene::{Scene, SceneGeomType};
 
-/// Largest number of images in a submission. A software rasteriser keeps the triangles of a pass in memory: with 16 images they exceed the
-/// caches, and depth images took longer than with single calls.
+/// Largest number of images in a submission. With 16, depth images took longer than with single calls on a software rasteriser.
 const MAX_IMAGES: usize = 4;
 
 /// Largest number of pixels in a submission, unless one image has more.
@@ -137,7 +136,9 @@ impl TiledImages {
         let (texture, bytes_per_pixel) = if aux.is_none() {
             let (texture, view) = color_texture(gpu, color, size);
             let target = matching_target(gpu, target, size, COLOR_FORMAT, needs)?;
-            frames.iter_mut().for_each(|frame| frame.encode_shadows(&mut encoder, assets));
+            for frame in frames.iter_mut() {
+                frame.encode_shadows(&mut encoder, assets);
+            }
             let mut pass = begin_main(&mut encoder, target, &view);
             for (index, frame) in frames.iter_mut().enumerate() {
                 tiles.select(&mut pass, index);

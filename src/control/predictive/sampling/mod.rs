@@ -65,6 +65,7 @@ use crate::model::IntoModel;
 ///     controller.control(&mut data)?;
 ///     data.step()?;
 /// }
+/// assert!(data.qpos()[1].abs() < 0.1, "the pole is upright");
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "MPPI")]
