@@ -20,9 +20,9 @@
 //! The engine omits entries of Q for two degrees of freedom of which neither moves the other. In 2.2.2 it takes
 //! neither limits of controls nor limits of forces into account, since 3.5 the latter, and in 3.17 both.
 
+use super::actuators::site_of;
 use super::actuators::velocity_gain;
 use super::rigid_body::RigidBodies;
-use super::site_transmission::site_of;
 use super::tendon::{is_fixed, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;

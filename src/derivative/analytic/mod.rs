@@ -13,7 +13,7 @@
 //! | springs and dampers of joints and tendons | `passive.rs` |
 //! | forces of a medium | `fluid.rs` |
 //! | moment arms of spatial tendons | `tendon.rs` |
-//! | actuators | `actuators.rs`, `muscle.rs`, `site_transmission.rs` |
+//! | actuators | `actuators/` |
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
 //! | sensors | `sensors/` |
@@ -39,11 +39,9 @@ mod fluid;
 mod implicit_step;
 mod inertia;
 mod inverse;
-mod muscle;
 mod passive;
 mod rigid_body;
 mod sensors;
-mod site_transmission;
 mod tendon;
 mod tree;
 

@@ -2,12 +2,15 @@
 //!
 //! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an actuator with activation, the
 //! activation. Its length l depends on the position by its moment arms m: `∂l/∂q = ∂l̇/∂v = m`. They are constant except for spatial
-//! tendons (`tendon.rs`) and sites (`site_transmission.rs`).
+//! tendons (`tendon.rs`) and sites (`site.rs`).
 
+mod muscle;
+mod site;
+
+use self::site::for_each_change;
+pub(super) use self::site::site_of;
 use super::super::linear_algebra::add;
 use super::super::method::Fallback;
-use super::muscle;
-use super::site_transmission::{for_each_change, site_of};
 use super::tendon::{Tendons, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;

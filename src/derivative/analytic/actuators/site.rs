@@ -10,15 +10,15 @@
 //!
 //! and zero for all others. The length of the actuator is zero. With a reference site, the actuator has no formula here.
 
-use super::spatial::{Vec3, cross_force, dot, sub, wrench};
-use super::tree::Tree;
+use super::super::spatial::{Vec3, cross_force, dot, sub, wrench};
+use super::super::tree::Tree;
 use crate::data::Data;
 use crate::enums::TransmissionType;
 use crate::ffi;
 use crate::model::Model;
 
 /// Returns the site on which an actuator acts without a reference site.
-pub(super) fn site_of(model: &Model, actuator: usize) -> Option<usize> {
+pub(in crate::derivative::analytic) fn site_of(model: &Model, actuator: usize) -> Option<usize> {
     let is_site = model.actuator_trntype()[actuator] == TransmissionType::Site.raw();
     let [site, reference] = model.actuator_trnid()[actuator];
     (is_site && reference < 0).then(|| ffi::size(site))

@@ -6,7 +6,7 @@
 //! and S. Delp, "Flexing computational muscle", Journal of Biomechanical Engineering 2013; "Muscle actuators" in the engine's
 //! documentation.)
 
-use super::actuators::{Curve, MIN_TIME_CONSTANT};
+use super::{Curve, MIN_TIME_CONSTANT};
 use crate::model::Model;
 
 /// Smallest divisor, as in the engine.
