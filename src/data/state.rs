@@ -69,6 +69,13 @@ macro_rules! for_each_component {
     };
 }
 
+/// A component that the macro lacks would be absent from all state vectors.
+const _: () = {
+    let mut rest = StateSpec::all();
+    for_each_component!(StateSpec::all(), PART => { rest = rest.difference(PART) });
+    assert!(rest.is_empty());
+};
+
 /// # State vectors
 impl Model {
     /// Returns the length of a state vector.

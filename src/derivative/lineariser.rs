@@ -256,9 +256,9 @@ impl Lineariser {
             return Err(Error::OtherModel { what: "the data to linearise" });
         }
         if !Arc::ptr_eq(self.workers[0].point.data.model(), data.model()) {
-            self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
             self.method = select_method(data.model(), self.options.method);
         }
+        self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
         Ok(())
     }
 

@@ -12,7 +12,7 @@
 
 use super::sensors::{Point, Sensors};
 use super::{Analytic, Fallback, Outcome};
-use super::{actuators, fluid, gravity, has_newer_feature, inertia, passive};
+use super::{actuators, fluid, has_newer_feature, inertia};
 use crate::data::{Data, SensorUpdate, Stage};
 use crate::derivative::{InverseForce, InverseOutputs};
 use crate::error::Result;
@@ -63,25 +63,16 @@ impl Analytic {
         force: InverseForce,
         wants_sensors: bool,
     ) -> Result<Outcome> {
-        let has_actuators = force == InverseForce::WithoutActuators;
         data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;
-        if has_actuators {
+        if force == InverseForce::WithoutActuators {
             data.fwd_actuation()?;
         }
         self.newton.hessian(data)?;
-        let Self { tree, bodies, tendons, constraints, inverse, row, derivative, next_activation, .. } = self;
-        derivative.as_mut_slice().fill(0.0);
-        bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
-        fluid::differentiate(data, tree, bodies, derivative);
-        if !tendons.differentiate(data, tree, has_actuators, derivative) {
-            return Ok(Err(Fallback::SpatialTendon));
-        }
-        passive::differentiate(data, tendons, row, derivative);
-        if has_actuators {
-            actuators::differentiate(data, tree, tendons, derivative, next_activation);
-        }
-        let constrained = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)?;
-        let Some(differenced) = constrained else { return Ok(Err(Fallback::Constraint)) };
+        let differenced = match self.differentiate_forces(data, Some(force), wants_sensors)? {
+            Ok(differenced) => differenced,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        let Self { tree, bodies, tendons, constraints, inverse, derivative, .. } = self;
         if !derivative.as_slice().iter().all(|value| value.is_finite()) {
             return Ok(Err(Fallback::Singular));
         }

@@ -58,7 +58,7 @@ use self::tree::Tree;
 use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback};
 use super::newton::Newton;
-use super::{TransitionOutputs, sizes, spatial};
+use super::{InverseForce, TransitionOutputs, sizes, spatial};
 use crate::data::Data;
 use crate::error::Result;
 use crate::matrix::Matrix;
@@ -153,34 +153,12 @@ impl Analytic {
         if !self.newton.solve_accelerations(data, &mut self.row)? {
             return Ok(Err(Fallback::NotConverged));
         }
-        let Self {
-            tree,
-            bodies,
-            tendons,
-            constraints,
-            newton,
-            euler,
-            implicit_step,
-            sensors,
-            row,
-            derivative,
-            next_activation,
-            ..
-        } = self;
-        derivative.as_mut_slice().fill(0.0);
-        next_activation.fill(NextActivation::default());
-        bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
-        applied::differentiate(data, tree, derivative);
-        fluid::differentiate(data, tree, bodies, derivative);
-        if !tendons.differentiate(data, tree, true, derivative) {
-            return Ok(Err(Fallback::SpatialTendon));
-        }
-        passive::differentiate(data, tendons, row, derivative);
-        actuators::differentiate(data, tree, tendons, derivative, next_activation);
         let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
-        let Some(differenced) = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)? else {
-            return Ok(Err(Fallback::Constraint));
+        let differenced = match self.differentiate_forces(data, None, wants_sensors)? {
+            Ok(differenced) => differenced,
+            Err(reason) => return Ok(Err(reason)),
         };
+        let Self { tree, bodies, tendons, constraints, newton, euler, implicit_step, sensors, derivative, .. } = self;
         solve_cholesky(&newton.factor, derivative);
         if wants_sensors {
             sensors.differentiate(Point {
@@ -209,6 +187,34 @@ impl Analytic {
         }
         self.write(data.model(), outputs);
         Ok(Ok(differenced))
+    }
+
+    /// Writes the derivatives of the equations of motion, at fixed accelerations, to `derivative`: with all forces, or with those that
+    /// inverse dynamics subtracts. The sums that sensors need are updated if sensors are wanted.
+    fn differentiate_forces(
+        &mut self,
+        data: &mut Data,
+        inverse: Option<InverseForce>,
+        wants_sensors: bool,
+    ) -> Result<Outcome> {
+        let has_actuators = inverse != Some(InverseForce::Total);
+        let Self { tree, bodies, tendons, constraints, row, derivative, next_activation, .. } = self;
+        derivative.as_mut_slice().fill(0.0);
+        next_activation.fill(NextActivation::default());
+        bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
+        if inverse.is_none() {
+            applied::differentiate(data, tree, derivative);
+        }
+        fluid::differentiate(data, tree, bodies, derivative);
+        if !tendons.differentiate(data, tree, has_actuators, derivative) {
+            return Ok(Err(Fallback::SpatialTendon));
+        }
+        passive::differentiate(data, tendons, row, derivative);
+        if has_actuators {
+            actuators::differentiate(data, tree, tendons, derivative, next_activation);
+        }
+        let differenced = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)?;
+        Ok(differenced.ok_or(Fallback::Constraint))
     }
 
     /// Returns the flags of the rows of C and D that the last linearisation has written, `(nsensordata)`.

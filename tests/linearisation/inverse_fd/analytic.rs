@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::oracle::Oracle;
-use super::{EPS, subjects};
+use super::{EPS, computed_alone, subjects};
 use crate::transition::analytic::{
     OPTIONS, constraints, contacts, model, random_models, randomise, sensors, smooth, tendons,
 };
@@ -274,20 +274,9 @@ fn the_simulation_is_unchanged_and_each_output_is_independent() {
         let before = (data.state(StateSpec::all()), data.qacc().to_vec(), data.qfrc_inverse().to_vec());
         let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
         let (all, _) = lineariser.inverse_jacobians(&mut data, InverseForce::Total).unwrap();
-        let mut alone = InverseJacobians::zeros(data.model());
-        let none = InverseOutputs::default;
-        for outputs in [
-            InverseOutputs { df_dq: Some(&mut alone.df_dq), ..none() },
-            InverseOutputs { df_dv: Some(&mut alone.df_dv), ..none() },
-            InverseOutputs { df_da: Some(&mut alone.df_da), ..none() },
-            InverseOutputs { ds_dq: Some(&mut alone.ds_dq), ..none() },
-            InverseOutputs { ds_dv: Some(&mut alone.ds_dv), ..none() },
-            InverseOutputs { ds_da: Some(&mut alone.ds_da), ..none() },
-            InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
-            none(),
-        ] {
+        let alone = computed_alone(&data.model().clone(), |outputs| {
             lineariser.inverse_jacobians_into(&mut data, InverseForce::Total, outputs).unwrap();
-        }
+        });
         assert_eq!(alone, all);
         assert_eq!((data.state(StateSpec::all()), data.qacc().to_vec(), data.qfrc_inverse().to_vec()), before);
     }

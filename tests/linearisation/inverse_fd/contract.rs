@@ -1,10 +1,10 @@
 //! Restored state, optional outputs, and rejected arguments.
 #![deny(unsafe_code)]
 
-use mujoco_safe::derivative::{InverseForce, InverseJacobians, InverseOutputs};
+use mujoco_safe::derivative::{InverseForce, InverseJacobians};
 use mujoco_safe::{Data, Error, Matrix, Model, Stage, StateSpec, sample};
 
-use super::{EPS, subjects};
+use super::{EPS, computed_alone, subjects};
 
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
@@ -62,20 +62,9 @@ fn each_output_is_independent_of_the_other_outputs() {
         for force in [InverseForce::Total, InverseForce::WithoutActuators] {
             // A call computes the forces of the actuators, which the sensors of the next call would read.
             let all = data.clone().inverse_fd(EPS, force).unwrap();
-            let mut alone = InverseJacobians::zeros(data.model());
-            let none = InverseOutputs::default;
-            for outputs in [
-                InverseOutputs { df_dq: Some(&mut alone.df_dq), ..none() },
-                InverseOutputs { df_dv: Some(&mut alone.df_dv), ..none() },
-                InverseOutputs { df_da: Some(&mut alone.df_da), ..none() },
-                InverseOutputs { ds_dq: Some(&mut alone.ds_dq), ..none() },
-                InverseOutputs { ds_dv: Some(&mut alone.ds_dv), ..none() },
-                InverseOutputs { ds_da: Some(&mut alone.ds_da), ..none() },
-                InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
-                none(),
-            ] {
+            let alone = computed_alone(data.model(), |outputs| {
                 data.clone().inverse_fd_into(EPS, force, outputs).unwrap();
-            }
+            });
             for (name, alone, all) in [
                 ("df_dq", &alone.df_dq, &all.df_dq),
                 ("df_dv", &alone.df_dv, &all.df_dv),

@@ -8,6 +8,7 @@ mod oracle;
 
 use std::sync::{Arc, LazyLock};
 
+use mujoco_safe::derivative::{InverseJacobians, InverseOutputs};
 use mujoco_safe::{Data, Model, sample};
 
 static ZOO: LazyLock<Arc<Model>> =
@@ -31,6 +32,25 @@ fn subjects() -> impl Iterator<Item = Data> {
         }
         data
     })
+}
+
+/// Returns the results of calls that request one output each. The last call requests none.
+fn computed_alone(model: &Model, mut compute: impl FnMut(InverseOutputs<'_>)) -> InverseJacobians {
+    let mut alone = InverseJacobians::zeros(model);
+    let none = InverseOutputs::default;
+    for outputs in [
+        InverseOutputs { df_dq: Some(&mut alone.df_dq), ..none() },
+        InverseOutputs { df_dv: Some(&mut alone.df_dv), ..none() },
+        InverseOutputs { df_da: Some(&mut alone.df_da), ..none() },
+        InverseOutputs { ds_dq: Some(&mut alone.ds_dq), ..none() },
+        InverseOutputs { ds_dv: Some(&mut alone.ds_dv), ..none() },
+        InverseOutputs { ds_da: Some(&mut alone.ds_da), ..none() },
+        InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
+        none(),
+    ] {
+        compute(outputs);
+    }
+    alone
 }
 
 #[track_caller]

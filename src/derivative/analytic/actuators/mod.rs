@@ -150,7 +150,7 @@ impl ForceSlopes {
         if model.actuator_forcelimited()[actuator] != 0 && !(low..=high).contains(&force) {
             return None;
         }
-        // That of an actuator on a site is constant.
+        // The length of an actuator on a site is constant.
         let changes_length = f64::from(u8::from(site_of(model, actuator).is_none()));
         Some(Self {
             by_length: changes_length * (gain.by_length * input + bias.by_length),
