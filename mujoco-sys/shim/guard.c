@@ -341,27 +341,38 @@ ADAPTED_RESULT(mj, ray, NO_DATA,
 
 static int print_data(const mjModel* m, mjData* d, const char* filename) { GUARDED_RUN(d, mj_printData(m, d, filename)) }
 
+// Since 3.0 some arrays that the engine prints can be NULL. They are replaced while it prints. The replacements are not on the stack,
+// because the engine does not print while the stack is in use.
 int mujoco_sys_mj_printData(const mjModel* m, mjData* d, const char* filename) {
-  int* rows = NULL;
-#if mjVERSION_HEADER >= 300 && mjVERSION_HEADER < 3017000
-  // These engines print the first row of the constraints of each tendon (-1 for none). The array is NULL if constraints are disabled, or do not
-  // fit into the arena. The replacement is not on the stack, because the engine does not print while the stack is in use.
-  if (m->ntendon && !d->tendon_efcadr) {
-    rows = malloc(sizeof(int) * (size_t)m->ntendon);
-    if (!rows) {
-      mujoco_sys_set_message("out of memory");
-      return MUJOCO_SYS_OUT_OF_MEMORY;
-    }
-    for (int i = 0; i < m->ntendon; i++) rows[i] = -1;
-    d->tendon_efcadr = rows;
+#if mjVERSION_HEADER < 300
+  return print_data(m, d, filename);
+#else
+  // The matrix of the dual solver, which inverse dynamics does not compute. Here it has no nonzeros.
+  const int no_dual = d->nefc && mj_isDual(m) && !d->efc_AR_rownnz;
+  const size_t dual_rows = no_dual ? (size_t)d->nefc : 0;
+  // The first row of the constraints of each tendon, -1 for none. It is NULL if constraints are disabled, or do not fit into the arena.
+  size_t tendons = 0;
+#if mjVERSION_HEADER < 3017000
+  if (!d->tendon_efcadr) tendons = (size_t)m->ntendon;
+#endif
+  int* rows = calloc(dual_rows + tendons + 1, sizeof(int));
+  if (!rows) {
+    mujoco_sys_set_message("out of memory");
+    return MUJOCO_SYS_OUT_OF_MEMORY;
   }
+  if (no_dual) d->efc_AR_rownnz = d->efc_AR_rowadr = rows;
+#if mjVERSION_HEADER < 3017000
+  for (size_t i = 0; i < tendons; i++) rows[dual_rows + i] = -1;
+  if (tendons) d->tendon_efcadr = rows + dual_rows;
 #endif
   const int status = print_data(m, d, filename);
-#if mjVERSION_HEADER >= 300
-  if (rows) d->tendon_efcadr = NULL;
+  if (no_dual) d->efc_AR_rownnz = d->efc_AR_rowadr = NULL;
+#if mjVERSION_HEADER < 3017000
+  if (tendons) d->tendon_efcadr = NULL;
 #endif
   free(rows);
   return status;
+#endif
 }
 
 // Calls a collision function and converts its contacts.
