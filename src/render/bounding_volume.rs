@@ -3,7 +3,8 @@
 use crate::element::HeightField;
 use crate::id::HeightFieldId;
 use crate::model::Model;
-use crate::scene::{SceneGeom, SceneGeomType, SceneObject};
+use crate::render::settings::is_drawable;
+use crate::scene::{Scene, SceneGeom, SceneGeomType, SceneObject};
 
 /// Bounding sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,11 +51,12 @@ impl AssetBounds {
         }
     }
 
-    /// Computes the bounding volume of a geom.
-    pub(crate) fn volume(&self, geom: SceneGeom<'_>) -> BoundingVolume {
+    /// Computes the bounding volume of a geom of a scene.
+    pub(crate) fn volume(&self, scene: &Scene, geom: SceneGeom<'_>) -> BoundingVolume {
         let [x, y, z] = geom.size();
         let local = match geom.geom_type() {
-            SceneGeomType::Skin | SceneGeomType::Flex => return BoundingVolume::Unbounded,
+            SceneGeomType::Skin => return skin_volume(scene, geom),
+            SceneGeomType::Flex => return BoundingVolume::Unbounded,
             SceneGeomType::LineBox | SceneGeomType::Triangle | SceneGeomType::Label | SceneGeomType::None => {
                 return BoundingVolume::Empty;
             }
@@ -133,6 +135,25 @@ fn bounding_sphere(points: impl Iterator<Item = [f32; 3]> + Clone) -> Option<Sph
     Some(Sphere { centre, radius })
 }
 
+/// Returns the sphere around the bounding box of a skin, whose vertices are in the world frame.
+fn skin_volume(scene: &Scene, geom: SceneGeom<'_>) -> BoundingVolume {
+    let Some(SceneObject::Skin(skin)) = geom.object() else { return BoundingVolume::Empty };
+    let Some(skin) = scene.skins().nth(skin.index()) else { return BoundingVolume::Empty };
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for vertex in skin.vertices {
+        if !vertex.iter().all(|&coordinate| is_drawable(coordinate)) {
+            return BoundingVolume::Unbounded;
+        }
+        for axis in 0..3 {
+            low[axis] = low[axis].min(vertex[axis]);
+            high[axis] = high[axis].max(vertex[axis]);
+        }
+    }
+    let centre = [0, 1, 2].map(|axis| low[axis].midpoint(high[axis]));
+    let [x, y, z] = [0, 1, 2].map(|axis| high[axis] - centre[axis]);
+    to_world(Sphere { centre, radius: x.hypot(y).hypot(z) }, [0.0; 3], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+}
+
 fn height_field_sphere(field: HeightField<'_>) -> Option<Sphere> {
     let [x, y, height, depth] = field.size().map(|length| length as f32);
     let (low, high) = field
@@ -182,7 +203,7 @@ mod tests {
     fn pushed(model: &Model, geom: &NewGeom) -> BoundingVolume {
         let mut scene = Scene::new(model, 1).unwrap();
         scene.add_geom(geom).unwrap();
-        AssetBounds::new(model).volume(scene.geom(0))
+        AssetBounds::new(model).volume(&scene, scene.geom(0))
     }
 
     /// Asserts that the sphere encloses all points and is at most 10 % too large.
@@ -226,7 +247,9 @@ mod tests {
         let mut scene = Scene::new(&model, 1).unwrap();
         scene.add_geom(&NewGeom::height_field(id)).unwrap();
         let encloses = |bounds: &AssetBounds, z: f32| {
-            let BoundingVolume::Sphere(Sphere { centre, radius }) = bounds.volume(scene.geom(0)) else { panic!() };
+            let BoundingVolume::Sphere(Sphere { centre, radius }) = bounds.volume(&scene, scene.geom(0)) else {
+                panic!()
+            };
             centre[2] + radius >= z
         };
         assert!(!encloses(&bounds, 10.0));

@@ -64,6 +64,9 @@
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights, which
 //!   [`max_lights`](RendererOptions::max_lights) imitates.
 //! - Round shapes that cover few pixels have fewer vertices.
+//! - A shadow map is rendered with half, a quarter, … of its width and height while a texel on the nearest visible surface is at
+//!   most a quarter of a pixel wide. Small images thus take less time, and the edges of their shadows move by at most an eighth of a pixel on
+//!   surfaces that face the light.
 //! - The sample count is the largest supported count that does not exceed the model's.
 //! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
 //!   frustum.

@@ -32,7 +32,8 @@ pub struct RendererOptions {
     /// [`offsamples`](crate::model::VisualQuality::offsamples).
     pub samples: Option<u32>,
     /// Width and height of shadow maps, texels; 0 disables shadows. `None` selects the model's
-    /// [`shadowsize`](crate::model::VisualQuality::shadowsize).
+    /// [`shadowsize`](crate::model::VisualQuality::shadowsize). Maps are rendered with fewer texels for small images: see the
+    /// [differences from the engine](crate::render#differences-from-the-engines-renderer).
     pub shadow_size: Option<u32>,
     /// Frequency of the lighting computation.
     pub lighting: Lighting,

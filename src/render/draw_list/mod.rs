@@ -5,12 +5,14 @@
 
 mod instance;
 mod mirror;
+mod nearest_depth;
 mod primitive;
 mod shadow_caster;
 
 use self::instance::Appearance;
 pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
 pub(crate) use self::mirror::Mirror;
+use self::nearest_depth::nearest_depth;
 use self::primitive::Part;
 use self::shadow_caster::ShadowCasters;
 use super::assets::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, Shapes, Textures};
@@ -37,6 +39,8 @@ pub(crate) struct DrawList {
     pub(crate) horizon: Option<Horizon>,
     /// Bounds of the casters in each shadow map, in the clip space of the light; `None` if it has no casters.
     pub(crate) shadow_bounds: Vec<Option<[[f64; 2]; 2]>>,
+    /// Lower bound of the depths of visible surfaces, m.
+    pub(crate) nearest_depth: f64,
     pending: Vec<PendingInstance>,
     /// Sort keys and indices of pending opaque instances.
     opaque_order: Vec<(u64, u32)>,
@@ -116,7 +120,7 @@ impl DrawList {
                 Some(AuxOutput::Depth) if is_transparent(geom, is_behind) => continue,
                 Some(_) => false,
             };
-            let volume = inputs.bounds.volume(geom);
+            let volume = inputs.bounds.volume(scene, geom);
             if volume == BoundingVolume::Empty {
                 continue;
             }
@@ -127,6 +131,9 @@ impl DrawList {
             let is_line = geom.geom_type() == SceneGeomType::Line;
             let is_plane = geom.geom_type() == SceneGeomType::Plane;
             let mut visibility = self.visibility(&volume, &planes, mirror_planes.as_ref());
+            if visibility.in_frustum {
+                self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
+            }
             if !is_line {
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
             }
@@ -166,6 +173,7 @@ impl DrawList {
         self.opaque_order.clear();
         self.transparent_order.clear();
         (self.mirror, self.horizon, self.front_to_back) = (None, None, 0);
+        self.nearest_depth = f64::INFINITY;
     }
 
     /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately even if mirror

@@ -3,13 +3,15 @@
 //!
 //! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range
 //! than the previous frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
+//!
+//! A map is rendered with fewer texels if those of the full map are much smaller than a pixel: see [`reduction`].
 
 use super::target::{create_texture, default_view};
 use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
 use crate::render::draw_list::{Batch, BatchKey, DrawList};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::view::matrix::product;
-use crate::render::view::{Lights, ShadowRegion, UniformData, ViewUniforms};
+use crate::render::view::{Lights, ShadowRegion, UniformData, ViewFrustum, ViewUniforms, reduction};
 use crate::render::{Gpu, GpuKind, RenderError};
 
 /// Shadow map of one light.
@@ -75,11 +77,17 @@ impl ShadowMaps {
     }
 
     /// Allocates the regions for the casters of a draw list, and writes the uniform buffers.
-    pub(crate) fn prepare(&mut self, gpu: &Gpu, lights: &Lights, list: &DrawList) -> Result<(), RenderError> {
+    pub(crate) fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        frustum: &ViewFrustum,
+        lights: &Lights,
+        list: &DrawList,
+    ) -> Result<(), RenderError> {
         self.regions.clear();
         let clears_every_frame = gpu.kind() != GpuKind::Software;
         for (index, (matrix, bounds)) in lights.shadows().zip(&list.shadow_bounds).enumerate() {
-            let required = self.required_region(*bounds);
+            let required = self.required_region(*bounds, reduction(matrix, self.size, frustum, list.nearest_depth));
             if index == self.maps.len() {
                 self.maps.push(ShadowMap::new(gpu, required));
                 self.version += 1;
@@ -89,7 +97,7 @@ impl ShadowMaps {
             let allocated = map.region.size;
             let fits = allocated[0] >= required.size[0] && allocated[1] >= required.size[1];
             if fits && texels(allocated) <= MAX_EXCESS * texels(required.size) {
-                map.region.origin = required.origin;
+                (map.region.reduction, map.region.origin) = (required.reduction, required.origin);
                 // Hardware clears at no cost and renders faster to a cleared attachment.
                 map.region.frames_since_clear =
                     if clears_every_frame { 0 } else { (map.region.frames_since_clear + 1) % CLEAR_INTERVAL };
@@ -109,16 +117,22 @@ impl ShadowMaps {
     }
 
     /// Returns the region for bounds in the clip space of a light, with an empty texel around it.
-    fn required_region(&self, bounds: Option<[[f64; 2]; 2]>) -> ShadowRegion {
+    fn required_region(&self, bounds: Option<[[f64; 2]; 2]>, reduction: u32) -> ShadowRegion {
+        let reduced = self.size.div_ceil(reduction);
         let Some([low, high]) = bounds else {
-            return ShadowRegion { origin: [0; 2], size: [GRANULARITY.min(self.size); 2], frames_since_clear: 0 };
+            return ShadowRegion {
+                reduction,
+                origin: [0; 2],
+                size: [GRANULARITY.min(reduced); 2],
+                frames_since_clear: 0,
+            };
         };
         let inner = f64::from(self.size) - 2.0;
-        let texel = |coordinate: f64| 1.0 + (0.5 + 0.5 * coordinate) * inner;
+        let texel = |coordinate: f64| (1.0 + (0.5 + 0.5 * coordinate) * inner) / f64::from(reduction);
         let origin = low.map(|low| (texel(low).floor() as u32).saturating_sub(2));
-        let end = high.map(|high| (texel(high).ceil() as u32 + 2).min(self.size));
-        let size = [0, 1].map(|axis| (end[axis] - origin[axis]).next_multiple_of(GRANULARITY).min(self.size));
-        ShadowRegion { origin, size, frames_since_clear: 0 }
+        let end = high.map(|high| (texel(high).ceil() as u32 + 2).min(reduced));
+        let size = [0, 1].map(|axis| (end[axis] - origin[axis]).next_multiple_of(GRANULARITY).min(reduced));
+        ShadowRegion { reduction, origin, size, frames_since_clear: 0 }
     }
 
     /// Requests a clear of all maps. Required if encoded commands may not have been executed.
@@ -194,8 +208,10 @@ fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
     default_view(&create_texture(gpu, size, wgpu::TextureFormat::Depth32Float, 1, usage))
 }
 
-/// Returns the part of a region inside the border of the full map, as ranges in x and y; `None` if it is empty.
+/// Returns the part of a region inside the border of a map of `size` texels, as ranges in x and y; `None` if it is empty. The border is one
+/// texel of the region wide.
 fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
+    let size = size.div_ceil(region.reduction);
     let range = [0, 1].map(|axis| {
         let origin = region.origin[axis];
         let low = 1_u32.saturating_sub(origin);
@@ -210,13 +226,13 @@ mod tests {
     use super::{ShadowMaps, ShadowRegion, inside_border};
 
     fn region(origin: [u32; 2], size: [u32; 2]) -> ShadowRegion {
-        ShadowRegion { origin, size, frames_since_clear: 0 }
+        ShadowRegion { reduction: 1, origin, size, frames_since_clear: 0 }
     }
 
     #[test]
     fn a_region_has_an_empty_texel_around_the_casters() {
         let maps = ShadowMaps::new(1024);
-        let ShadowRegion { origin, size, .. } = maps.required_region(Some([[-0.5, 0.0], [0.0, 0.25]]));
+        let ShadowRegion { origin, size, .. } = maps.required_region(Some([[-0.5, 0.0], [0.0, 0.25]]), 1);
         // Texels 1 + 0.25 * 1022 = 256.5 and 1 + 0.5 * 1022 = 512 in x; 512 and 639.75 in y.
         assert!(origin[0] < 256 && origin[0] + size[0] > 513, "{origin:?} {size:?}");
         assert!(origin[1] < 511 && origin[1] + size[1] > 641, "{origin:?} {size:?}");

@@ -80,7 +80,7 @@ impl Frame {
         let (frustum, lights) = self.update_draw_list(assets, scene, size, None, flip_y)?;
         let Assets { gpu, settings, .. } = &*assets;
         let Self { list, shadow_maps, sky, labels, main_pass, .. } = self;
-        shadow_maps.prepare(gpu, &lights, list)?;
+        shadow_maps.prepare(gpu, &frustum, &lights, list)?;
         sky.prepare(gpu, list, &frustum, settings, flags.contains(RenderFlags::HAZE))?;
         labels.prepare(gpu, scene, &frustum, size)?;
         if labels.count > 0 && labels.atlas.is_none() {

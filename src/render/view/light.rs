@@ -1,7 +1,7 @@
-//! Active lights, their shadow projections, and the allocated regions of shadow maps.
+//! Active lights and their shadow projections.
 
 use super::ViewFrustum;
-use super::matrix::{IDENTITY, Matrix4, cross, dot, look_to, orthographic, perspective, product, unit};
+use super::matrix::{Matrix4, cross, dot, look_to, orthographic, perspective, product, unit};
 use crate::render::settings::{VisualSettings, is_drawable};
 use crate::scene::{RenderFlags, Scene, SceneLight};
 
@@ -132,55 +132,4 @@ fn shadow_matrix(light: &SceneLight, frustum: &ViewFrustum, settings: &VisualSet
 fn perpendicular(direction: [f64; 3]) -> [f64; 3] {
     let across = cross(direction, [-1.0, 0.0, 0.0]);
     unit(if dot(across, across) > 0.01 { across } else { cross(direction, [0.0, 1.0, 0.0]) })
-}
-
-/// Allocated region of a shadow map: its first texel, its size, and its depth range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ShadowRegion {
-    pub(crate) origin: [u32; 2],
-    pub(crate) size: [u32; 2],
-    /// Number of frames since the map was cleared; see [`depth_range`](Self::depth_range).
-    pub(crate) frames_since_clear: u32,
-}
-
-impl ShadowRegion {
-    /// Returns the transformation from the clip space of the light to the clip space of the region, for a full map of
-    /// `size` texels. The map has a border of one texel, to which nothing is rendered.
-    pub(crate) fn clip_to_region(&self, size: u32) -> Matrix4 {
-        let mut matrix = IDENTITY;
-        let inner = f64::from(size) - 2.0;
-        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
-        for axis in 0..2 {
-            let (origin, length) = (f64::from(self.origin[axis]), f64::from(self.size[axis]));
-            matrix[axis][axis] = inner / length;
-            // A point has texel coordinate 1 + (x + 1) / 2 * inner.
-            matrix[3][axis] = 2.0 * (1.0 + inner / 2.0 - origin) / length - 1.0;
-        }
-        matrix[1][1] = -matrix[1][1];
-        matrix[3][1] = -matrix[3][1];
-        matrix
-    }
-
-    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer than that of the
-    /// previous frame by a factor of two. Depths of previous frames in the map are thus behind everything in this
-    /// frame, which has the same effect as clearing the map. Powers of two are exact, so all frames of a scene are
-    /// equal.
-    pub(crate) fn depth_range(&self) -> [f32; 2] {
-        let far = 0.5_f32.powi(self.frames_since_clear as i32);
-        [far / 2.0, far]
-    }
-
-    /// Returns the transformation from the clip space of the light to texels and depths of the region. It ignores the
-    /// border, as does the engine.
-    pub(super) fn clip_to_texels(&self, size: u32) -> Matrix4 {
-        let mut matrix = IDENTITY;
-        let [near, far] = self.depth_range().map(f64::from);
-        (matrix[2][2], matrix[3][2]) = (far - near, near);
-        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
-        for axis in 0..2 {
-            matrix[axis][axis] = f64::from(size) / 2.0;
-            matrix[3][axis] = f64::from(size) / 2.0 - f64::from(self.origin[axis]);
-        }
-        matrix
-    }
 }

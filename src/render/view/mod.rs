@@ -2,10 +2,12 @@
 
 mod light;
 pub(crate) mod matrix;
+mod shadow_region;
 mod uniform;
 
-pub(crate) use self::light::{ActiveLight, LightFeatures, Lights, MAX_SHADOWS, ShadowRegion};
+pub(crate) use self::light::{ActiveLight, LightFeatures, Lights, MAX_SHADOWS};
 use self::matrix::{Matrix4, apply, dot, look_to, perspective, product, row, similarity};
+pub(crate) use self::shadow_region::{ShadowRegion, reduction};
 pub(crate) use self::uniform::{UniformData, ViewUniforms};
 use super::settings::is_drawable;
 use crate::error::{Error, Result};
@@ -91,6 +93,21 @@ impl ViewFrustum {
     pub(crate) fn depth_of(&self, point: [f32; 3]) -> f64 {
         let [x, y, z] = point.map(f64::from);
         dot([self.depth[0], self.depth[1], self.depth[2]], [x, y, z]) + self.depth[3]
+    }
+
+    /// Returns the change of the depth along a vector, m.
+    pub(crate) fn depth_along(&self, vector: [f64; 3]) -> f64 {
+        dot([self.depth[0], self.depth[1], self.depth[2]], vector)
+    }
+
+    /// Returns the smallest depth at which a plane is visible, m: infinite if the camera is on the plane or behind it, or if no ray through the
+    /// image meets the plane.
+    pub(crate) fn nearest_depth_of_plane(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
+        let height = dot(normal, [0, 1, 2].map(|axis| self.position[axis] - point[axis]));
+        // The reciprocal of the depth is an affine function of the pixel, whose maximum is in a corner of the image.
+        let reciprocals = self.corners.map(|ray| -dot(normal, ray) / (height * self.depth_along(ray)));
+        let largest = reciprocals.into_iter().fold(0.0, f64::max);
+        if height > 0.0 && largest > 0.0 { 1.0 / largest } else { f64::INFINITY }
     }
 
     /// Returns the distance of the skybox from the camera, in model units.
