@@ -13,6 +13,8 @@ use crate::engine::Engine;
 use crate::{more_scenes, scenes};
 
 const SIZE: [u32; 2] = [640, 480];
+/// Size of small images, whose shadow maps have fewer texels.
+const SMALL: [u32; 2] = [84, 84];
 /// Largest share of pixels with a channel that is off by more than 8 of 255.
 const OUTLIERS: f64 = 0.007;
 /// Images of a scene on the sheet have a quarter of the width and height.
@@ -33,13 +35,23 @@ pub fn compare_all(arm: &Arm, engine: &mut Engine) -> Result<()> {
         // An infinite plane follows the camera of the previous update. The engine's process has updated its scene before, too.
         let mut camera = setting.camera(data.model());
         scene.update(&mut data, &setting.options(), None, &mut camera, Categories::all())?;
-        let ours = Renderer::on(&gpu, data.model(), SIZE[0], SIZE[1], options)?.rgb(&scene)?;
-        engine.open(&setting, &data, SIZE, &options)?;
-        engine.picture(&raw)?;
-        let [width, height] = SIZE.map(|length| length as usize);
-        let engines = RgbImage::from_rgb(width, height, fs::read(&raw)?)?;
+        let mut pair = |size: [u32; 2]| -> Result<[RgbImage; 2]> {
+            let ours = Renderer::on(&gpu, data.model(), size[0], size[1], options)?.rgb(&scene)?;
+            engine.open(&setting, &data, size, &options)?;
+            engine.picture(&raw)?;
+            let [width, height] = size.map(|length| length as usize);
+            Ok([RgbImage::from_rgb(width, height, fs::read(&raw)?)?, ours])
+        };
+        let [engines, ours] = pair(SMALL)?;
+        let small = 100.0 * Difference::of(&engines, &ours).outliers;
+        side_by_side(&engines, &ours).save_png(folder.join(format!("{}_small.png", setting.name)))?;
+        let [engines, ours] = pair(SIZE)?;
         let Difference { mean, outliers, .. } = Difference::of(&engines, &ours);
-        println!("{:32} mean {mean:5.2} of 255, {:5.2} % of pixels off by more than 8", setting.name, 100.0 * outliers);
+        println!(
+            "{:32} mean {mean:5.2} of 255, {:5.2} % of pixels off by more than 8, of a small image {small:5.2} %",
+            setting.name,
+            100.0 * outliers
+        );
         let both = side_by_side(&engines, &ours);
         both.save_png(folder.join(&setting.name).with_extension("png"))?;
         sides.push(reduced(&both));

@@ -295,15 +295,25 @@ pub(crate) struct ShapeBuffers {
     pub(crate) tiles: Vec<Tile>,
 }
 
-/// Rectangular part of a plane, culled separately.
+/// Rectangular part of a plane, culled separately and with its own level of detail.
 #[derive(Debug, Clone)]
 pub(crate) struct Tile {
-    pub(crate) indices: Range<u32>,
+    /// Indices of all cells.
+    pub(crate) cells: Range<u32>,
+    /// Indices of fewer triangles, each of which is in a block of cells; see [`shape::blocks`].
+    pub(crate) blocks: Range<u32>,
+    /// Largest width and height of a block, in the local frame of the shape.
+    pub(crate) block: [f32; 2],
     /// Minimum and maximum of x and y, in the local frame of the shape.
     pub(crate) bounds: [[f32; 2]; 2],
 }
 
 impl ShapeBuffers {
+    /// Returns the number of indices of all triangles at the full level of detail.
+    pub(crate) fn cell_indices(&self) -> u32 {
+        self.tiles.last().map_or(self.index_count, |tile| tile.cells.end)
+    }
+
     pub(super) fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
         Self::with_usage(gpu, bytemuck::cast_slice(&triangles.vertices), &triangles.indices, wgpu::BufferUsages::VERTEX)
     }
@@ -335,12 +345,14 @@ impl ShapeBuffers {
     /// Creates the square from -1 to 1 with these grid lines in x and y, divided into tiles if it has many cells.
     fn tiled(gpu: &Gpu, lines: [&[f32]; 2]) -> Result<Self, RenderError> {
         /// Cells along each edge of a tile.
-        const TILE_CELLS: usize = 20;
+        const TILE_CELLS: usize = 10;
         let mut square = shape::plane_with_lines(lines);
         let mut tiles = Vec::new();
+        let mut blocks = Vec::new();
         let cells = lines.map(|lines| lines.len() - 1);
         if cells.iter().any(|&cells| cells > TILE_CELLS) {
             let rows = std::mem::take(&mut square.indices);
+            let block = lines.map(shape::longest_block);
             let ranges = |cells: usize| {
                 (0..cells).step_by(TILE_CELLS).map(move |first| (first, (first + TILE_CELLS).min(cells)))
             };
@@ -353,8 +365,16 @@ impl ShapeBuffers {
                         square.indices.extend_from_slice(&rows[range[0]..range[1]]);
                     }
                     let bounds = [[lines[0][left], lines[1][bottom]], [lines[0][right], lines[1][top]]];
-                    tiles.push(Tile { indices: first..square.indices.len() as u32, bounds });
+                    let cells = first..square.indices.len() as u32;
+                    blocks.push(shape::blocks(left..right, bottom..top, lines[0].len()));
+                    tiles.push(Tile { blocks: cells.clone(), cells, block, bounds });
                 }
+            }
+            for (tile, blocks) in tiles.iter_mut().zip(blocks) {
+                let Some(blocks) = blocks else { continue };
+                let first = square.indices.len() as u32;
+                square.indices.extend(blocks);
+                tile.blocks = first..square.indices.len() as u32;
             }
         }
         Ok(Self { tiles, ..Self::new(gpu, &square)? })

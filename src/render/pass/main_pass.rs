@@ -222,7 +222,7 @@ fn draw_mirror_images(
         pass.set_bind_group(0, mirrored, &[]);
     }
     // Tiles outside of the frustum may be visible in the mirror.
-    let draw = DrawContext { tile_culling: None, ..*draw };
+    let draw = DrawContext { tiles: None, ..*draw };
     let clip = |batch: &Batch| match batch.visibility.mirror_side {
         MirrorSide::InFront => Some(false),
         MirrorSide::Across => Some(true),

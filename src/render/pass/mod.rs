@@ -9,8 +9,7 @@ mod screen_pipeline;
 mod shadow_map;
 mod sky;
 mod target;
-
-use std::ops::Range;
+mod tiles;
 
 pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, begin_ids, draw_ids, draw_segment_colors};
 pub(crate) use self::label::Labels;
@@ -20,10 +19,10 @@ pub(crate) use self::screen_pipeline::screen_pipeline;
 pub(crate) use self::shadow_map::ShadowMaps;
 pub(crate) use self::sky::Sky;
 pub(crate) use self::target::{COLOR_FORMAT, Target, check_size, create_texture, default_view};
+pub(crate) use self::tiles::{TileDetail, TileSelection};
 use super::Gpu;
-use super::assets::{Shapes, Textures, Tile};
-use super::bounding_volume::signed_distance;
-use super::draw_list::{Batch, Instance};
+use super::assets::{Shapes, Textures};
+use super::draw_list::Batch;
 use super::shader::TextureKind;
 
 /// Resources of all draw calls.
@@ -33,8 +32,8 @@ pub(crate) struct DrawContext<'a> {
     pub(crate) shapes: &'a Shapes,
     pub(crate) textures: &'a Textures,
     pub(crate) instances: &'a wgpu::Buffer,
-    /// Frustum planes and instances to cull the tiles of large planes; `None` disables tile culling.
-    pub(crate) tile_culling: Option<(&'a [[f32; 4]; 6], &'a [Instance])>,
+    /// Selection of the tiles of large planes; `None` selects all with all cells.
+    pub(crate) tiles: Option<TileSelection<'a>>,
 }
 
 impl DrawContext<'_> {
@@ -57,32 +56,13 @@ impl DrawContext<'_> {
         pass.set_vertex_buffer(0, shape.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(shape.indices.slice(..), wgpu::IndexFormat::Uint32);
-        match self.tile_culling {
-            Some((planes, instances)) if !shape.tiles.is_empty() && batch.instances.len() == 1 => {
-                let instance = &instances[batch.instances.start as usize];
-                for range in visible_ranges(&shape.tiles, planes, instance) {
+        match self.tiles {
+            Some(selection) if !shape.tiles.is_empty() && batch.instances.len() == 1 => {
+                for range in selection.ranges(&shape.tiles, batch.instances.start) {
                     pass.draw_indexed(range, 0, batch.instances.clone());
                 }
             }
-            _ => pass.draw_indexed(0..shape.index_count, 0, batch.instances.clone()),
+            _ => pass.draw_indexed(0..shape.cell_indices(), 0, batch.instances.clone()),
         }
     }
-}
-
-/// Returns the index ranges of the tiles inside the frustum, with adjacent ranges merged.
-fn visible_ranges(tiles: &[Tile], planes: &[[f32; 4]; 6], instance: &Instance) -> Vec<Range<u32>> {
-    let is_outside = |tile: &Tile| {
-        let [low, high] = tile.bounds;
-        let corners = [low, [high[0], low[1]], high, [low[0], high[1]]]
-            .map(|[x, y]| instance.rows.map(|row| row[0] * x + row[1] * y + row[3]));
-        planes.iter().any(|plane| corners.iter().all(|&corner| signed_distance(corner, plane) < 0.0))
-    };
-    let mut ranges: Vec<Range<u32>> = Vec::new();
-    for tile in tiles.iter().filter(|tile| !is_outside(tile)) {
-        match ranges.last_mut() {
-            Some(last) if last.end == tile.indices.start => last.end = tile.indices.end,
-            _ => ranges.push(tile.indices.clone()),
-        }
-    }
-    ranges
 }

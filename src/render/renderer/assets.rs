@@ -20,9 +20,9 @@ pub(super) struct Assets {
 }
 
 impl Assets {
-    /// Returns the resources of draw calls, without tile culling.
+    /// Returns the resources of draw calls, without a selection of tiles.
     pub(super) fn draw_context<'a>(&'a self, instances: &'a GrowableBuffer) -> DrawContext<'a> {
         let Self { gpu, shapes, textures, .. } = self;
-        DrawContext { gpu, shapes, textures, instances: instances.buffer(), tile_culling: None }
+        DrawContext { gpu, shapes, textures, instances: instances.buffer(), tiles: None }
     }
 }

@@ -6,7 +6,8 @@ use crate::render::assets::glyph_atlas;
 use crate::render::draw_list::{AuxOutput, DrawList, DrawListInputs};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::pass::{
-    AuxLayer, DrawContext, FrameInputs, Labels, MainPass, ShadowMaps, Sky, Target, draw_ids, draw_segment_colors,
+    AuxLayer, DrawContext, FrameInputs, Labels, MainPass, ShadowMaps, Sky, Target, TileDetail, TileSelection, draw_ids,
+    draw_segment_colors,
 };
 use crate::render::shader::Shading;
 use crate::render::view::{Lights, UniformData, ViewFrustum, ViewUniforms};
@@ -167,7 +168,10 @@ impl Frame {
     pub(super) fn draw_color(&mut self, pass: &mut wgpu::RenderPass<'_>, assets: &Assets, target: &Target) {
         let Self { list, shadow_maps, instances, main_pass, sky, labels, aux_view, view, .. } = self;
         let Some(view) = view else { return };
-        let draw = assets.draw_context(instances);
+        let planes = view.frustum.planes();
+        let detail = view.tile_detail(assets);
+        let tiles = Some(TileSelection { planes: &planes, instances: &list.instances, detail });
+        let draw = DrawContext { tiles, ..assets.draw_context(instances) };
         if view.aux.is_some() {
             let flips = [view.flags.contains(RenderFlags::CULL_FACE), view.frustum.flip_y];
             if let Some(aux_view) = aux_view {
@@ -175,21 +179,34 @@ impl Frame {
             }
             return;
         }
-        let planes = view.frustum.planes();
-        let draw = DrawContext { tile_culling: Some((&planes, &list.instances)), ..draw };
         main_pass.draw(pass, &draw, &view.inputs(assets), list, (shadow_maps, sky, labels), target);
     }
 
     /// Draws the geom ids and depths of the prepared auxiliary output in a pass.
     pub(super) fn draw_ids(&self, pass: &mut wgpu::RenderPass<'_>, assets: &Assets, layer: AuxLayer) {
         if let (Some(view), Some(aux_view)) = (&self.view, &self.aux_view) {
-            let draw = assets.draw_context(&self.instances);
+            let planes = view.frustum.planes();
+            let detail = view.tile_detail(assets);
+            let tiles = Some(TileSelection { planes: &planes, instances: &self.list.instances, detail });
+            let draw = DrawContext { tiles, ..assets.draw_context(&self.instances) };
             draw_ids(pass, &draw, &self.list, aux_view, (layer, view.flags.contains(RenderFlags::CULL_FACE)));
         }
     }
 }
 
 impl FrameView {
+    /// Returns the level of detail of the tiles of large planes.
+    fn tile_detail(&self, assets: &Assets) -> TileDetail<'_> {
+        let is_lit_per_vertex = self.aux.is_none() && assets.options.lighting == Lighting::PerVertex;
+        if self.aux.is_none() && self.flags.contains(RenderFlags::WIREFRAME) {
+            TileDetail::Cells
+        } else if is_lit_per_vertex {
+            TileDetail::Lighting(&self.lights, self.frustum.position)
+        } else {
+            TileDetail::Blocks
+        }
+    }
+
     fn inputs<'a>(&'a self, assets: &'a Assets) -> FrameInputs<'a> {
         let shading = match assets.options.lighting {
             Lighting::PerPixel => Shading::Pixel,

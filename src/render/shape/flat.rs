@@ -1,5 +1,7 @@
 //! Flat shapes: a square and a cube, subdivided into cells.
 
+use std::ops::Range;
+
 use super::{Tessellation, Triangles};
 
 /// Generates the square from -1 to 1 in x and y with normal +z, subdivided into `cells` by `cells` cells.
@@ -19,6 +21,48 @@ pub(crate) fn plane_with_lines(lines: [&[f32]; 2]) -> Triangles {
 pub(crate) fn uniform_lines(cells: u32) -> Vec<f32> {
     // Exact at both ends and in the middle, so that adjacent grids have no gap.
     (0..=cells).map(|index| (2.0 * f64::from(index) / f64::from(cells) - 1.0) as f32).collect()
+}
+
+/// Cells along each edge of a block.
+const BLOCK: usize = 5;
+
+/// Returns the largest length of the cells of a block, for these grid lines.
+pub(crate) fn longest_block(lines: &[f32]) -> f32 {
+    let lengths = lines.windows(BLOCK + 1).map(|block| block[BLOCK] - block[0]);
+    lengths.fold(0.0, f32::max)
+}
+
+/// Generates the triangles of a range of columns and rows of a plane with `width` grid lines in x, in blocks of five by five cells. All grid
+/// points on the border of the range are vertices, so that the triangles fit to those of adjacent cells. `None` for a range of one block.
+pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) -> Option<Vec<u32>> {
+    if columns.len() <= BLOCK || rows.len() <= BLOCK {
+        return None;
+    }
+    let mut indices = Vec::new();
+    let limits = |range: &Range<usize>| {
+        let end = range.end;
+        range.clone().step_by(BLOCK).map(move |first| [first, (first + BLOCK).min(end)])
+    };
+    for [bottom, top] in limits(&rows) {
+        for [left, right] in limits(&columns) {
+            // The steps between vertices on the four sides: one cell on the border of the range.
+            let step = |is_border: bool| if is_border { 1 } else { BLOCK };
+            let [below, above] = [step(bottom == rows.start), step(top == rows.end)];
+            let [before, after] = [step(left == columns.start), step(right == columns.end)];
+            // Counterclockwise, without the last vertex of each side.
+            let mut corners: Vec<[usize; 2]> = (left..right).step_by(below).map(|x| [x, bottom]).collect();
+            corners.extend((bottom..top).step_by(after).map(|y| [right, y]));
+            corners.extend((0..right - left).step_by(above).map(|x| [right - x, top]));
+            corners.extend((0..top - bottom).step_by(before).map(|y| [left, top - y]));
+            // A fan around a corner of the block, neither of whose sides has further vertices.
+            let hub = [if before == 1 { right } else { left }, if below == 1 { top } else { bottom }];
+            let first = corners.iter().position(|&corner| corner == hub)?;
+            corners.rotate_left(first);
+            let index = |[x, y]: [usize; 2]| (y * width + x) as u32;
+            indices.extend(corners[1..].windows(2).flat_map(|pair| [index(hub), index(pair[0]), index(pair[1])]));
+        }
+    }
+    Some(indices)
 }
 
 /// Generates the cube from -1 to 1, with each face subdivided into `cells` by `cells` cells. The +z face is the first.
@@ -63,8 +107,9 @@ fn grid(triangles: &mut Triangles, lines: [&[f32]; 2], at: impl Fn(f32, f32) -> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::Triangles;
     use super::super::test_support::{area, assert_closed, assert_normals_agree, border_edges, volume};
-    use super::{Tessellation, cuboid, plane};
+    use super::{Tessellation, blocks, cuboid, longest_block, plane, uniform_lines};
 
     #[test]
     fn a_plane_is_a_square_with_normal_z() {
@@ -82,6 +127,28 @@ mod tests {
     fn the_number_of_cells_is_clamped() {
         assert_eq!(plane(0), plane(1));
         assert_eq!(plane(u32::MAX).indices.len(), plane(Tessellation::MAX).indices.len());
+    }
+
+    #[test]
+    fn blocks_cover_their_cells_and_have_all_vertices_of_the_border() {
+        for (columns, rows) in [(0..10, 0..10), (3..10, 2..14), (1..9, 4..10), (0..20, 5..16)] {
+            let all = plane(20);
+            let indices = blocks(columns.clone(), rows.clone(), 21).unwrap();
+            let part = Triangles { vertices: all.vertices, indices };
+            let cells = (columns.len() * rows.len()) as f64;
+            assert!((area(&part) - 4.0 * cells / 400.0).abs() < 1e-5, "{columns:?} {rows:?}: {}", area(&part));
+            // Each vertex on the border begins one edge of the border.
+            assert_eq!(border_edges(&part), 2 * (columns.len() + rows.len()), "{columns:?} {rows:?}");
+            assert_normals_agree(&part, 1.0);
+            assert!(part.indices.len() < 6 * columns.len() * rows.len(), "no reduction");
+        }
+        assert_eq!(blocks(0..5, 0..20, 21), None);
+    }
+
+    #[test]
+    fn a_block_has_at_most_the_longest_length() {
+        assert!((longest_block(&uniform_lines(20)) - 0.5).abs() < 1e-6);
+        assert!((longest_block(&[-1.0, -0.9, -0.8, -0.7, -0.2, 0.3, 1.0]) - 1.9).abs() < 1e-6);
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod revolution;
 #[cfg(test)]
 mod test_support;
 
-pub(crate) use self::flat::{cuboid, plane, plane_with_lines, uniform_lines};
+pub(crate) use self::flat::{blocks, cuboid, longest_block, plane, plane_with_lines, uniform_lines};
 pub(crate) use self::flex::flex;
 pub(crate) use self::height_field::height_field;
 pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
