@@ -64,9 +64,12 @@
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights, which
 //!   [`max_lights`](RendererOptions::max_lights) imitates.
 //! - Round shapes that cover few pixels have fewer vertices.
+//! - Tiles of a large plane far from the lights and the camera have fewer triangles. The diffuse light of each source changes by at most one of 255 levels,
+//!   and so does its highlight.
 //! - A shadow map is rendered with half, a quarter, … of its width and height while a texel on the nearest visible surface is at
 //!   most a quarter of a pixel wide. Small images thus take less time, and the edges of their shadows move by at most an eighth of a pixel on
-//!   surfaces that face the light.
+//!   surfaces that face the light. On faces turned away from a light with ambient light, lit and shadowed pixels alternate as in the engine's images,
+//!   but not the same pixels.
 //! - The sample count is the largest supported count that does not exceed the model's.
 //! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
 //!   frustum.
