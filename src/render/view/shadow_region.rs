@@ -47,9 +47,9 @@ impl ShadowRegion {
         let [near, far] = self.depth_range().map(f64::from);
         (matrix[2][2], matrix[3][2]) = (far - near, near);
         let half = f64::from(size) / 2.0 / f64::from(self.reduction);
-        for axis in 0..2 {
+        for (axis, origin) in self.origin.into_iter().enumerate() {
             matrix[axis][axis] = half;
-            matrix[3][axis] = half - f64::from(self.origin[axis]);
+            matrix[3][axis] = half - f64::from(origin);
         }
         matrix
     }
