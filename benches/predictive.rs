@@ -2,6 +2,9 @@
 //! 50 steps: median and 99th percentile of the derivatives, the backward pass and the line search. The first trajectory of a plan is part
 //! of the iteration. Then the same run in real time, with the planner in a second thread, and the time of a plan by sampling.
 //!
+//! The number of operations of an iteration hardly varies in this run. The 99th percentile therefore depends on the other load of the machine.
+//! For comparison, the bench first prints the percentiles of arithmetic in the same threads that takes 5 ms without other load.
+//!
 //! The motion is chaotic: under pushes of some other strengths, the humanoid falls in one build of this crate and stands in another, because the
 //! last bits of the plans differ. In the run without threads it stands.
 //!
@@ -11,6 +14,7 @@
 
 mod common;
 
+use std::hint::black_box;
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
@@ -71,6 +75,21 @@ fn print(name: &str, milliseconds: impl Iterator<Item = f64>) {
     sorted.sort_by(f64::total_cmp);
     let at = |fraction: f64| sorted[((sorted.len() - 1) as f64 * fraction).round() as usize];
     println!("predictive: {name:24} median {:6.2} ms, p99 {:6.2} ms", at(0.5), at(0.99));
+}
+
+/// Prints the times of a fixed amount of arithmetic in each thread. Their spread is the effect of the other load of the machine.
+fn print_other_load() {
+    const SECONDS: f64 = 0.005;
+    let work = |count: u32| (0..count).fold(1.0, |value: f64, _| black_box(0.5 * value + 1.0));
+    let time = |run: &dyn Fn()| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    // The fastest of several runs is the one without interruption.
+    let fastest = (0..20).map(|_| time(&|| _ = work(100_000))).fold(f64::INFINITY, f64::min);
+    let count = (SECONDS / fastest * 1e5) as u32;
+    print("arithmetic of 5 ms", (0..PLANS).map(|_| 1e3 * time(&|| _ = rayon::broadcast(|_| work(count)))));
 }
 
 /// Pushes the torso for 0.1 s every second, to the left and to the right in turn.
@@ -173,6 +192,7 @@ fn main() -> Result<()> {
     println!(
         "predictive: {PLANS} plans of {HORIZON} steps on {threads} threads, one every {INTERVAL} steps; pushes of {NEWTONS} N"
     );
+    print_other_load();
     let start = data.state(StateSpec::INTEGRATION);
     for run in [synchronous, threaded] {
         data.set_state(StateSpec::INTEGRATION, &start)?;

@@ -2,7 +2,7 @@
 //! against `mjd_transitionFD`: central differences with [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates
 //! its result and includes the sensors; the same differences in two threads; the method through inverse dynamics, in one thread
 //! and in two; and the analytic method. Then the steps of a trajectory of the humanoid by the analytic method, in two threads and
-//! in one. First prints the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against
+//! in one, and the speedup that this machine allows at that time, measured by two independent threads. First prints the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against
 //! extrapolated differences of steps whose solver has converged. Last the derivatives of inverse dynamics, without those of sensors, in closed
 //! form, and their errors against extrapolated differences: against `mjd_inverseFD`, or with engines before 2.3.7 that lack it against
 //! [`Data::inverse_fd_into`].
@@ -19,6 +19,9 @@ mod oracle;
 
 use std::hint::black_box;
 use std::ptr::null_mut;
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use common::models::Balance;
 use criterion::Criterion;
@@ -190,6 +193,49 @@ fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Resul
             ("analytic in two threads", &|state| along(state, true)),
             ("analytic in one thread", &|state| along(state, false)),
         ],
+    );
+    print_speedup(name, &mut trajectory)
+}
+
+/// Number of measurements of a speedup. Their median is printed.
+const SPEEDUP_RUNS: usize = 60;
+
+/// Prints the speedup by the second thread. Also prints the speedup of two independent threads, each of which linearises the complete
+/// trajectory without sharing anything with the other: the most that this machine, with its other load, allows.
+fn print_speedup(name: &str, trajectory: &mut Trajectory) -> Result<()> {
+    let Trajectory { data, states, controls, systems, in_two, in_one } = trajectory;
+    let (data, states, controls) = (&*data, &*states, &*controls);
+    let along = |lineariser: &mut Lineariser, systems: &mut Vec<(StateSpace, LinearisationReport)>| {
+        lineariser.along_into(data, states, controls, systems).expect("the states are stable");
+    };
+    let mut second = (Lineariser::new(data.model().clone(), TransitionOptions::default())?, systems.clone());
+    let (barrier, is_timed) = (Barrier::new(2), AtomicBool::new(false));
+    let (mut shared, mut independent) = (Vec::new(), Vec::new());
+    thread::scope(|scope| {
+        let handle = scope.spawn(|| {
+            for _ in 0..SPEEDUP_RUNS {
+                barrier.wait();
+                while !is_timed.swap(false, Ordering::Relaxed) {
+                    along(&mut second.0, &mut second.1);
+                }
+            }
+        });
+        for _ in 0..SPEEDUP_RUNS {
+            let one = common::time(&mut || along(in_one, systems)).as_secs_f64();
+            shared.push(one / common::time(&mut || along(in_two, systems)).as_secs_f64());
+            barrier.wait();
+            // The second thread wakes up during the first of these runs.
+            along(in_one, systems);
+            let beside_another = common::time(&mut || along(in_one, systems)).as_secs_f64();
+            is_timed.store(true, Ordering::Relaxed);
+            independent.push(2.0 * one / beside_another);
+        }
+        handle.join().expect("the states are stable");
+    });
+    println!(
+        "{name}: two threads are {:.2} times as fast as one; two independent threads, {:.2} times",
+        common::median(shared),
+        common::median(independent)
     );
     Ok(())
 }

@@ -73,7 +73,7 @@ pub(crate) fn compare<T>(
     group.finish();
 }
 
-fn time(run: &mut dyn FnMut()) -> Duration {
+pub(crate) fn time(run: &mut dyn FnMut()) -> Duration {
     let start = Instant::now();
     run();
     start.elapsed()
@@ -87,7 +87,7 @@ fn call_at_depth(frames: u64, call: &mut dyn FnMut() -> Duration) -> Duration {
 }
 
 /// Returns the median of the ratios, which is robust against interrupted runs.
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let middle = (values.len() - 1) / 2..=values.len() / 2;
     values[middle.clone()].iter().sum::<f64>() / middle.count() as f64
