@@ -14,11 +14,11 @@ use crate::error::Result;
 use crate::ffi;
 use crate::math;
 
-/// Step of the differences, m and rad.
-const STEP: f64 = 1e-6;
-/// Steps, with the weights of their quotients (Richardson extrapolation). The normal of a contact nearly as deep as
-/// the radius of a sphere or a capsule turns so fast that one step alone is not accurate.
-const STEPS: [(f64, f64); 2] = [(STEP, 4.0 / 3.0), (2.0 * STEP, -1.0 / 3.0)];
+/// Steps of the differences, m and rad, in the order of trial. A smaller step has larger rounding errors. It is used only near a kink, such
+/// as the border between a face and an edge of a box.
+const STEPS: [f64; 3] = [1e-6, 1e-7, 1e-8];
+/// Largest deviation of the quotients of a step and of its double, relative to the largest quotient. A larger one shows a kink.
+const MAX_DEVIATION: f64 = 1e-5;
 /// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
 const MARGIN: f64 = 1e-3;
 /// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.
@@ -58,22 +58,47 @@ fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Po
         hint_by_twist: None,
     };
     for column in 0..6 {
-        for (step, weight) in STEPS {
-            let mut sides = [None; 2];
-            for (side, by) in sides.iter_mut().zip([step, -step]) {
-                move_geom(data, geoms[1], &perturbed(pose, &contact.pos, column, by));
-                *side = nearest(data, contact, geoms)?;
+        let mut derivative = [0.0; 7];
+        for step in STEPS {
+            let mut quotient =
+                |step| quotient(data, contact, geoms, |by| perturbed(pose, &contact.pos, column, by), step);
+            let (Some(near), Some(far)) = (quotient(step)?, quotient(2.0 * step)?) else { return Ok(None) };
+            // Richardson extrapolation. The normal of a contact nearly as deep as the radius of a sphere or a capsule turns so fast
+            // that one step alone is not accurate.
+            derivative = std::array::from_fn(|i| (4.0 * near[i] - far[i]) / 3.0);
+            let largest = |values: [f64; 7]| values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let deviation = largest(std::array::from_fn(|i| near[i] - far[i]));
+            if deviation <= MAX_DEVIATION * (1.0 + largest(near)) {
+                break;
             }
-            let [Some(right), Some(left)] = sides else { return Ok(None) };
-            let factor = 0.5 * weight / step;
-            for axis in 0..3 {
-                geometry.position[axis][column] += factor * (right.midpoint[axis] - left.midpoint[axis]);
-                geometry.normal[axis][column] += factor * (right.normal[axis] - left.normal[axis]);
-            }
-            geometry.distance[column] += factor * (right.distance - left.distance);
         }
+        for axis in 0..3 {
+            geometry.position[axis][column] = derivative[axis];
+            geometry.normal[axis][column] = derivative[3 + axis];
+        }
+        geometry.distance[column] = derivative[6];
     }
     Ok(Some(geometry))
+}
+
+/// Returns the central difference quotients of the position, the normal and the distance of a contact, or `None` if they are
+/// not near those of the base point. Leaves the second geom moved.
+fn quotient(
+    data: &mut Data,
+    contact: &mjContact,
+    geoms: [usize; 2],
+    pose: impl Fn(f64) -> Pose,
+    step: f64,
+) -> Result<Option<[f64; 7]>> {
+    let mut sides = [[0.0; 7]; 2];
+    for (side, by) in sides.iter_mut().zip([step, -step]) {
+        move_geom(data, geoms[1], &pose(by));
+        let Some(FoundContact { midpoint, normal, distance }) = nearest(data, contact, geoms)? else { return Ok(None) };
+        let ([x, y, z], [nx, ny, nz]) = (midpoint, normal);
+        *side = [x, y, z, nx, ny, nz, distance];
+    }
+    let [right, left] = sides;
+    Ok(Some(std::array::from_fn(|i| (right[i] - left[i]) / (2.0 * step))))
 }
 
 /// Returns a pose after a turn about an axis of the world through a point, or after a shift.

@@ -168,6 +168,26 @@ fn a_contact_nearly_as_deep_as_a_radius_agrees_with_differences() {
     assert_eq!(check("a deep contact", &mut data), DifferencedTerms::CONTACTS);
 }
 
+/// The collision function has another formula on the other side of the border.
+#[test]
+fn a_contact_within_two_micrometres_of_the_border_of_a_face_agrees_with_differences() {
+    // Beyond the border of the upper face, and in the box beneath a side face.
+    for centre in [[0.1 + 1.5e-6, 0.01, 0.17], [0.1 - 1.5e-6, 0.02, 0.03]] {
+        let [x, y, z] = centre;
+        let mut data = model(&format!(
+            r#"<mujoco><worldbody>
+                 <geom type="box" size="0.1 0.1 0.1"/>
+                 <body pos="{x} {y} {z}">
+                   <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint axis="0 1 0" pos="0.3 0 0.1"/>
+                   <geom type="sphere" size="0.08"/>
+                 </body>
+               </worldbody></mujoco>"#
+        ));
+        data.qvel_mut().copy_from_slice(&[0.1, -0.2, 0.3]);
+        assert_eq!(check(&format!("{centre:?}"), &mut data), DifferencedTerms::CONTACTS);
+    }
+}
+
 #[test]
 fn contacts_by_differences_of_their_collision_function_agree_with_differences() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
