@@ -13,7 +13,6 @@ mod common;
 mod tracking;
 
 use std::error::Error;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -29,15 +28,8 @@ struct Arguments {
     /// Simulated time, s
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = command_line::not_negative)]
     seconds: f64,
-    /// Number of threads for planning
-    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
-    threads: usize,
-    /// Folder for the plot and the trajectory; without it, no files are written
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replay the run in a window (requires the feature viewer)
-    #[arg(long)]
-    view: bool,
+    #[command(flatten)]
+    planning: command_line::Planning,
 }
 
 /// Time in which the hand reaches the target, s.
@@ -50,7 +42,7 @@ fn main() -> std::process::ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(model()?);
     let start = Instant::now();
-    let run = track(&model, arguments.seconds, arguments.threads)?;
+    let run = track(&model, arguments.seconds, arguments.planning.threads)?;
     let factor = arguments.seconds / start.elapsed().as_secs_f64();
     let times: Vec<f64> = run.trajectory.times().iter().map(|time| time + model.timestep()).collect();
     let later =
@@ -64,14 +56,14 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             1e3 * most
         );
     }
-    if let Some(out) = &arguments.out {
+    if let Some(out) = &arguments.planning.out {
         std::fs::create_dir_all(out)?;
         let [svg, csv] = ["arm_tracking.svg", "arm_tracking.csv"].map(|name| out.join(name));
         chart::draw(&svg, 280, &panels(&times, &run))?;
         run.trajectory.save_csv(&csv)?;
         println!("wrote {}\nwrote {}", svg.display(), csv.display());
     }
-    if arguments.view {
+    if arguments.planning.view {
         common::window::replay("Arm that follows a target", mujoco_safe::Data::new(model)?, vec![run.trajectory])?;
     }
     Ok(())

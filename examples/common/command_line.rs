@@ -1,11 +1,26 @@
 //! Command line of the examples: values of options, progress bar and exit code. [`clap`] parses the options.
 
 use std::error::Error;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::style::TemplateError;
 use indicatif::{ProgressBar, ProgressStyle};
+
+// Options of the examples that plan a motion. A comment for documentation would replace the description of the program in `--help`.
+#[derive(clap::Args)]
+pub struct Planning {
+    /// Number of threads for planning
+    #[arg(long, value_name = "N", default_value_t = cores())]
+    pub threads: usize,
+    /// Folder for the plot and the trajectory; without it, no files are written
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replay the run in a window (requires the feature viewer)
+    #[arg(long)]
+    pub view: bool,
+}
 
 /// Parses width and height in pixels, such as `640x480`.
 pub fn size(text: &str) -> Result<[u32; 2], &'static str> {

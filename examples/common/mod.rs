@@ -1,8 +1,9 @@
-//! Code shared by the examples: command line, charts, the viewer window, and a balancing humanoid.
+//! Code shared by the examples: command line, charts, the viewer window, a balancing humanoid, and the cost of standing.
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 
 pub mod balance;
 pub mod chart;
 pub mod command_line;
+pub mod standing;
 pub mod window;

@@ -12,12 +12,11 @@ mod common;
 mod stand_up;
 
 use std::error::Error;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
-use common::command_line;
+use common::{command_line, standing};
 use stand_up::{Run, stand_up};
 
 /// A humanoid gets up from a squat with predictive control.
@@ -27,15 +26,8 @@ struct Arguments {
     /// Simulated time, s
     #[arg(long, value_name = "S", default_value_t = 4.0, value_parser = command_line::not_negative)]
     seconds: f64,
-    /// Number of threads for planning
-    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
-    threads: usize,
-    /// Folder for the plot and the trajectory; without it, no files are written
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replay the run in a window (requires the feature viewer)
-    #[arg(long)]
-    view: bool,
+    #[command(flatten)]
+    planning: command_line::Planning,
 }
 
 fn main() -> std::process::ExitCode {
@@ -44,7 +36,7 @@ fn main() -> std::process::ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
-    let run = stand_up(arguments.seconds, arguments.threads)?;
+    let run = stand_up(arguments.seconds, arguments.planning.threads)?;
     let factor = arguments.seconds / start.elapsed().as_secs_f64();
     if let (Some(first), Some(last)) = (run.heights.first(), run.heights.last()) {
         println!(
@@ -52,14 +44,14 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             run.target
         );
     }
-    if let Some(out) = &arguments.out {
+    if let Some(out) = &arguments.planning.out {
         std::fs::create_dir_all(out)?;
         let [svg, csv] = ["humanoid_stand_up.svg", "humanoid_stand_up.csv"].map(|name| out.join(name));
         chart::draw(&svg, 280, &panels(&run))?;
         run.trajectory.save_csv(&csv)?;
         println!("wrote {}\nwrote {}", svg.display(), csv.display());
     }
-    if arguments.view {
+    if arguments.planning.view {
         common::window::replay("Humanoid that gets up", mujoco_safe::Data::new(run.model)?, vec![run.trajectory])?;
     }
     Ok(())

@@ -1,13 +1,13 @@
-//! The cost of standing, and the run.
+//! The targets of standing, and the run.
 
 use std::sync::Arc;
 
 use mujoco_safe::control::ilqr::IlqrOptions;
 use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
-use mujoco_safe::control::residual::{
-    Controls, FrameOrientation, JointPosition, JointVelocity, ResidualCost, Subtree, Term,
-};
+use mujoco_safe::control::residual::ResidualCost;
 use mujoco_safe::{Controller, Data, Model, Result, Trajectory, sample};
+
+use crate::standing::Standing;
 
 /// Number of steps of a plan, and between two plans.
 const HORIZON: usize = 80;
@@ -41,19 +41,8 @@ fn standing(model: &Arc<Model>) -> Result<(ResidualCost, f64)> {
     let [_, present] = place(&mut data, "squat")?;
     let [centre, soles] = place(&mut data, "stand")?;
     let centre: [f64; 3] = std::array::from_fn(|axis| centre[axis] - soles[axis] + present[axis]);
-    let joints: Vec<f64> = (0..model.nv()).map(|dof| f64::from(u8::from(dof >= 6))).collect();
-    let terms = [
-        Term::new("com", Subtree::com(model, "torso")?.with_target(centre))
-            .with_weight(100.0)
-            .with_terminal_weight(1e3),
-        Term::new("drift", Subtree::velocity(model, "torso")?).with_weight(10.0).with_terminal_weight(100.0),
-        Term::new("momentum", Subtree::angular_momentum(model, "torso")?).with_weight(0.1),
-        Term::new("upright", FrameOrientation::body(model, "torso")?).with_weight(5.0),
-        Term::new("posture", JointPosition::all(model).with_target(data.qpos())?).with_scales(joints).with_weight(1.0),
-        Term::new("motion", JointVelocity::all(model)).with_weight(0.01),
-        Term::new("effort", Controls::new(model)).with_weight(0.1),
-    ];
-    Ok((ResidualCost::new(model, terms)?, centre[2]))
+    let standing = Standing { centre, qpos: data.qpos(), ctrl: &vec![0.0; model.nu()], momentum: 0.1, posture: 1.0 };
+    Ok((standing.cost(model)?, centre[2]))
 }
 
 /// Simulates the humanoid from its keyframe `squat`. It plans every 20 ms for the next 0.4 s.

@@ -23,6 +23,8 @@ mod simulate;
 #[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/humanoid_stand_up/stand_up.rs"]
 mod stand_up;
+#[path = "../../examples/common/standing.rs"]
+mod standing;
 #[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/cartpole_swing_up/swing_up.rs"]
 mod swing_up;

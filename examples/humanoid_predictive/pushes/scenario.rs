@@ -5,15 +5,14 @@ use std::sync::Arc;
 
 use mujoco_safe::control::ilqr::IlqrOptions;
 use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
-use mujoco_safe::control::residual::{
-    Controls, FrameOrientation, JointPosition, JointVelocity, ResidualCost, Subtree, Term,
-};
+use mujoco_safe::control::residual::ResidualCost;
 use mujoco_safe::rollout::Random;
 use mujoco_safe::{Controller, Data, Lqr, Matrix, Model, Result};
 
 use super::Outcome;
 use crate::common::balance;
 use crate::common::balance::set_point::SetPoint;
+use crate::common::standing::Standing;
 use crate::simulate::{Disturbance, Push, Run, simulate};
 
 /// Number of steps of a plan, and between two plans.
@@ -35,25 +34,11 @@ impl Scenario {
         Ok(Self { model: data.model().clone(), set_point, lqr })
     }
 
-    /// Returns the cost of standing: place of the centre of mass and its velocity, angular momentum, upright torso, posture, motion and effort.
+    /// Returns the cost of standing at the set-point.
     fn cost(&self, data: &Data) -> Result<ResidualCost> {
-        let model = &self.model;
-        let centre = data.subtree_com()[model.body("torso")?.index()];
-        let joints: Vec<f64> = (0..model.nv()).map(|dof| f64::from(u8::from(dof >= 6))).collect();
-        let terms = [
-            Term::new("com", Subtree::com(model, "torso")?.with_target(centre))
-                .with_weight(100.0)
-                .with_terminal_weight(1e3),
-            Term::new("drift", Subtree::velocity(model, "torso")?).with_weight(10.0).with_terminal_weight(100.0),
-            Term::new("momentum", Subtree::angular_momentum(model, "torso")?).with_weight(0.5),
-            Term::new("upright", FrameOrientation::body(model, "torso")?).with_weight(5.0),
-            Term::new("posture", JointPosition::all(model).with_target(&self.set_point.qpos)?)
-                .with_scales(joints)
-                .with_weight(0.2),
-            Term::new("motion", JointVelocity::all(model)).with_weight(0.01),
-            Term::new("effort", Controls::new(model).with_target(&self.set_point.ctrl)?).with_weight(0.1),
-        ];
-        ResidualCost::new(model, terms)
+        let centre = data.subtree_com()[self.model.body("torso")?.index()];
+        let SetPoint { qpos, ctrl, .. } = &self.set_point;
+        Standing { centre, qpos, ctrl, momentum: 0.5, posture: 0.2 }.cost(&self.model)
     }
 
     /// Simulates a push under each controller.
