@@ -1,9 +1,12 @@
 //! Row operations on small dense matrices, written so that the compiler vectorises them.
 
+use crate::macros::vectorised;
 use crate::matrix::Matrix;
 
 /// Computes `result += factor · vector`.
-pub(super) fn add(result: &mut [f64], vector: &[f64], factor: f64) {
+#[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
+#[inline(always)]
+pub(crate) fn add(result: &mut [f64], vector: &[f64], factor: f64) {
     result.iter_mut().zip(vector).for_each(|(result, value)| *result += factor * value);
 }
 
@@ -49,6 +52,7 @@ pub(super) fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) 
     }
 }
 
+vectorised! {
 /// Computes `(L Lᵀ)⁻¹ X` in place, with a Cholesky factor L in the lower triangle of `factor`.
 ///
 /// Uses operations on the rows of X, four at a time, so that its columns are processed together.
@@ -73,6 +77,7 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
             *value *= inverse;
         }
     }
+}
 }
 
 /// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without pivoting.
@@ -112,6 +117,8 @@ pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
 }
 
 /// Subtracts a multiple of each row of `rows` from `result`.
+#[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
+#[inline(always)]
 fn subtract_rows(result: &mut [f64], rows: &[f64], factor: impl Fn(usize) -> f64) {
     let width = result.len();
     if width == 0 {

@@ -19,7 +19,7 @@ mod analytic;
 mod columns;
 mod implicit;
 mod inverse;
-mod linear_algebra;
+pub(crate) mod linear_algebra;
 mod lineariser;
 mod method;
 mod newton;

@@ -6,8 +6,10 @@ use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
 use crate::control::feedback::control_range;
 use crate::control::riccati::{BellmanBackup, StepCost};
+use crate::derivative::linear_algebra::add;
 use crate::derivative::{self, LinearisationReport, StateSpace, for_each_item};
 use crate::error::Result;
+use crate::macros::vectorised;
 use crate::math::{BoxQp, BoxQpStatus};
 use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
@@ -139,7 +141,7 @@ impl Backward {
         for (step, expansion) in steps.iter().enumerate().rev() {
             let system = &systems[step].0;
             // Most costs have no mixed terms. Two products of matrices are then omitted.
-            let is_mixed = expansion.xu.iter().any(|&value| value != 0.0);
+            let is_mixed = expansion.xu.as_slice().iter().any(|&value| value != 0.0);
             let cost = StepCost { q: &expansion.xx, r: &expansion.uu, s: is_mixed.then_some(&expansion.xu) };
             // The regularisation penalises changes of the next state.
             backup.expand(system.a.view(), system.b.view(), cost, regularisation);
@@ -196,19 +198,17 @@ impl Backward {
     }
 }
 
+vectorised! {
 /// Replaces rows of a matrix by the solution `X` of `L Lᵀ X = rows`, with one row for each of the increasing indices. The factor `L` is
 /// lower triangular.
 fn solve_rows(factor: MatrixView<'_>, index: &[usize], matrix: &mut Matrix) {
     let width = matrix.ncols();
     let values = matrix.as_mut_slice();
-    let subtract = |row: &mut [f64], factor: f64, other: &[f64]| {
-        row.iter_mut().zip(other).for_each(|(value, other)| *value -= factor * other);
-    };
     for (count, &row) in index.iter().enumerate() {
         let (known, rest) = values.split_at_mut(row * width);
         let coefficients = factor.row(count);
         for (&other, &coefficient) in index[..count].iter().zip(coefficients) {
-            subtract(&mut rest[..width], coefficient, &known[other * width..][..width]);
+            add(&mut rest[..width], &known[other * width..][..width], -coefficient);
         }
         for value in &mut rest[..width] {
             *value /= coefficients[count];
@@ -218,10 +218,11 @@ fn solve_rows(factor: MatrixView<'_>, index: &[usize], matrix: &mut Matrix) {
         let (rest, known) = values.split_at_mut((row + 1) * width);
         let solved = &mut rest[row * width..];
         for (other, &later) in index.iter().enumerate().skip(count + 1) {
-            subtract(solved, factor.row(other)[count], &known[(later - row - 1) * width..][..width]);
+            add(solved, &known[(later - row - 1) * width..][..width], -factor.row(other)[count]);
         }
         for value in solved {
             *value /= factor.row(count)[count];
         }
     }
+}
 }

@@ -1,12 +1,15 @@
 //! Evaluation of terms in a simulation, and the pool of these simulations.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Needs, ResidualJacobian, Term};
 use crate::control::ilqr::CostExpansion;
 use crate::data::{Data, StateSpec};
+use crate::derivative::linear_algebra::add;
 use crate::error::{Error, Result};
+use crate::macros::vectorised;
 use crate::model::Model;
 
 /// Simulation in which terms are evaluated, with buffers.
@@ -19,8 +22,6 @@ struct Evaluator {
     /// For the largest residual.
     residual: Vec<f64>,
     jacobian: ResidualJacobian,
-    /// Indices of the entries of a row of the Jacobian that are not zero.
-    nonzero: Vec<usize>,
 }
 
 /// State and controls of a step, or the state at the end.
@@ -35,13 +36,11 @@ impl Evaluator {
     /// Creates an evaluator for residuals of at most `size` components.
     fn new(data: Data, size: usize) -> Self {
         let model = data.model();
-        let columns = 2 * model.nv() + model.na() + model.nu();
         Self {
             warmstart: data.state(StateSpec::WARMSTART),
             version: 0,
             residual: vec![0.0; size],
             jacobian: ResidualJacobian::zeros(model, size),
-            nonzero: Vec::with_capacity(columns),
             data,
         }
     }
@@ -75,47 +74,54 @@ impl Evaluator {
 
     /// Adds the derivatives of a term.
     fn expand(&mut self, term: &Term, weight: f64, expansion: &mut CostExpansion) -> Result<()> {
-        let Self { data, residual, jacobian, nonzero, .. } = self;
+        let Self { data, residual, jacobian, .. } = self;
         let size = term.size();
         let residual = &mut residual[..size];
         term.residual.evaluate(data, residual)?;
         jacobian.clear(size);
         term.residual.differentiate(data, jacobian)?;
-        let (nx, nu) = (expansion.x.len(), expansion.u.len());
         for (component, (value, scale)) in residual.iter().zip(&term.scales).enumerate() {
-            if *scale == 0.0 {
-                continue;
-            }
-            let row = jacobian.row(component);
-            let slope = weight * scale * term.norm.slope(scale * value);
-            let curvature = weight * scale * scale * term.norm.curvature(scale * value);
-            nonzero.clear();
-            nonzero.extend((0..row.len()).filter(|&column| row[column] != 0.0));
-            let (states, controls) = nonzero.split_at(nonzero.partition_point(|&column| column < nx));
-            for &i in states {
-                expansion.x[i] += slope * row[i];
-                let factor = curvature * row[i];
-                // The matrices are column-major.
-                let column = &mut expansion.xx.as_mut_slice()[i * nx..][..nx];
-                for &j in states {
-                    column[j] += factor * row[j];
-                }
-            }
-            for &i in controls {
-                expansion.u[i - nx] += slope * row[i];
-                let factor = curvature * row[i];
-                let column = &mut expansion.uu.as_mut_slice()[(i - nx) * nu..][..nu];
-                for &j in controls {
-                    column[j - nx] += factor * row[j];
-                }
-                let column = &mut expansion.xu.as_mut_slice()[(i - nx) * nx..][..nx];
-                for &j in states {
-                    column[j] += factor * row[j];
-                }
+            if *scale != 0.0 {
+                let slope = weight * scale * term.norm.slope(scale * value);
+                let curvature = weight * scale * scale * term.norm.curvature(scale * value);
+                add_component(jacobian.row(component), slope, curvature, expansion);
             }
         }
         Ok(())
     }
+}
+
+vectorised! {
+/// Adds the derivatives of the cost of a component, from those of the component by the state and the controls.
+fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostExpansion) {
+    let CostExpansion { x, u, xx, uu, xu } = expansion;
+    let (nx, nu) = (x.len(), u.len());
+    let (states, controls) = row.split_at(nx);
+    // The matrices are column-major.
+    let by_states = add_products(xx.as_mut_slice(), nx, states, states, curvature);
+    add(&mut x.as_mut_slice()[by_states.clone()], &states[by_states], slope);
+    let by_controls = add_products(uu.as_mut_slice(), nu, controls, controls, curvature);
+    if !by_controls.is_empty() {
+        add(&mut u.as_mut_slice()[by_controls.clone()], &controls[by_controls], slope);
+        add_products(xu.as_mut_slice(), nx, states, controls, curvature);
+    }
+}
+}
+
+/// Adds `factor · left · rightᵀ` to a matrix, whose columns have the length of `left`. Returns the range of entries of `left` that
+/// are not zero.
+#[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
+#[inline(always)]
+fn add_products(matrix: &mut [f64], rows: usize, left: &[f64], right: &[f64], factor: f64) -> Range<usize> {
+    let Some(first) = left.iter().position(|&value| value != 0.0) else { return 0..0 };
+    let end = left.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
+    let left = &left[first..end];
+    for (column, &value) in right.iter().enumerate() {
+        if value != 0.0 {
+            add(&mut matrix[column * rows..][first..end], left, factor * value);
+        }
+    }
+    first..end
 }
 
 /// Terms to evaluate at a point, with their weights there.

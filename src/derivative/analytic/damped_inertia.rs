@@ -9,6 +9,7 @@ use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::linear_algebra::add;
 use crate::ffi;
+use crate::macros::vectorised;
 use crate::matrix::Matrix;
 
 /// Sparse factor of `M + h D`.
@@ -50,25 +51,32 @@ impl DampedInertia {
     /// Computes `W⁻¹ X` in place. Row k of X, of any width, is that of degree of freedom k.
     pub(super) fn solve(&self, tree: &Tree, matrix: &mut Matrix) {
         let width = matrix.ncols();
-        let values = matrix.as_mut_slice();
-        for (dof, &start) in self.start.iter().enumerate().rev() {
-            let (above, row) = values.split_at_mut(dof * width);
-            let row = &mut row[..width];
-            for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&self.values[start + 1..]) {
-                add(&mut above[ancestor * width..(ancestor + 1) * width], row, -factor);
-            }
-            let inverse = 1.0 / self.values[start];
-            for value in row {
-                *value *= inverse;
-            }
+        solve(self, tree, width, matrix.as_mut_slice());
+    }
+}
+
+vectorised! {
+/// Computes `W⁻¹ X` in place, for rows of X of this width.
+fn solve(factor: &DampedInertia, tree: &Tree, width: usize, values: &mut [f64]) {
+    let elements = &factor.values;
+    for (dof, &start) in factor.start.iter().enumerate().rev() {
+        let (above, row) = values.split_at_mut(dof * width);
+        let row = &mut row[..width];
+        for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&elements[start + 1..]) {
+            add(&mut above[ancestor * width..(ancestor + 1) * width], row, -factor);
         }
-        for (dof, &start) in self.start.iter().enumerate() {
-            let (above, row) = values.split_at_mut(dof * width);
-            for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&self.values[start + 1..]) {
-                add(&mut row[..width], &above[ancestor * width..(ancestor + 1) * width], -factor);
-            }
+        let inverse = 1.0 / elements[start];
+        for value in row {
+            *value *= inverse;
         }
     }
+    for (dof, &start) in factor.start.iter().enumerate() {
+        let (above, row) = values.split_at_mut(dof * width);
+        for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&elements[start + 1..]) {
+            add(&mut row[..width], &above[ancestor * width..(ancestor + 1) * width], -factor);
+        }
+    }
+}
 }
 
 /// Appends the elements of a row of the inertia matrix for a degree of freedom and those above it.

@@ -68,20 +68,23 @@ impl PackedMatrix {
     /// Copies a matrix whose rows are one after another in memory.
     pub(in crate::control) fn copy_rows(&mut self, rows: usize, columns: usize, values: &[f64]) {
         debug_assert_eq!(values.len(), rows * columns);
-        self.clear(rows, columns);
+        self.resize(rows, columns);
         let size = self.padded_rows();
         if values.is_empty() {
             return;
         }
         for (panel, vectors) in self.vectors.chunks_exact_mut(size).enumerate() {
-            for (vector, row) in vectors.iter_mut().zip(values.chunks_exact(columns)) {
+            let (used, padding) = vectors.split_at_mut(rows);
+            for (vector, row) in used.iter_mut().zip(values.chunks_exact(columns)) {
                 let row = &row[BLOCK * panel..];
                 // A copy of constant length compiles to a few instructions instead of a function call.
-                match row.first_chunk() {
-                    Some(block) => vector.0 = *block,
-                    None => vector.0[..row.len()].copy_from_slice(row),
-                }
+                vector.0 = row.first_chunk().copied().unwrap_or_else(|| {
+                    let mut block = [0.0; BLOCK];
+                    block.iter_mut().zip(row).for_each(|(to, from)| *to = *from);
+                    block
+                });
             }
+            padding.fill(F64x8::ZERO);
         }
     }
 
