@@ -2,8 +2,9 @@
 //! against `mjd_transitionFD`: central differences with [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates
 //! its result and includes the sensors; the same differences in two threads; the method through inverse dynamics, in one thread
 //! and in two; and the analytic method. Then the steps of a trajectory of the humanoid by the analytic method, in two threads and
-//! in one, and the speedup that this machine allows at that time, measured by two independent threads. First prints the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against
-//! extrapolated differences of steps whose solver has converged. Last the derivatives of inverse dynamics, without those of sensors, in closed
+//! in one, and the speedup that this machine allows at that time, measured by two independent threads. First prints the accuracy
+//! of each method: the largest error of A and of B, relative to their largest numbers, against extrapolated differences of steps
+//! whose solver has converged. Last the derivatives of inverse dynamics, without those of sensors, in closed
 //! form, and their errors against extrapolated differences: against `mjd_inverseFD`, or with engines before 2.3.7 that lack it against
 //! [`Data::inverse_fd_into`].
 //!
