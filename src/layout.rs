@@ -183,13 +183,6 @@ impl Model {
         unsafe { adapted::limits_actuator_forces(self.as_ptr()) != 0 }
     }
 
-    /// Returns the length of the buffers of delays.
-    #[cfg(engine_since = "2.3.0")]
-    pub(crate) fn history_len(&self) -> usize {
-        // SAFETY: a valid model, of which the function reads a size.
-        ffi::size(unsafe { adapted::history_len(self.as_ptr()) })
-    }
-
     /// Returns the length of the state of the plugins.
     pub(crate) fn plugin_state_len(&self) -> usize {
         // SAFETY: a valid model, of which the function reads a size.

@@ -402,6 +402,15 @@ int mujoco_sys_limitsActuatorForces(const mjModel* m) {
   return 0;
 }
 
+mjtNum* mujoco_sys_history(const mjData* d) {
+#if mjVERSION_HEADER >= 3005000
+  return d->history;
+#else
+  (void)d;
+  return NULL;
+#endif
+}
+
 int mujoco_sys_historyLength(const mjModel* m) {
 #if mjVERSION_HEADER >= 3005000
   return (int)m->nhistory;

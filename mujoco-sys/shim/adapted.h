@@ -156,7 +156,8 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 // Returns 1 if a joint or a tendon limits the force of its actuators, else 0.
 int mujoco_sys_limitsActuatorForces(const mjModel* m);
 
-// Length of the buffers of delays (nhistory), since 3.5; before, 0.
+// Buffers of delays (history) and their length (nhistory), since 3.5; before, NULL and 0.
+mjtNum* mujoco_sys_history(const mjData* d);
 int mujoco_sys_historyLength(const mjModel* m);
 
 // Disables the islands of a model with flexes with 3.3.4 to 3.5. These engines search only the first row of each contact for the trees of its

@@ -232,6 +232,8 @@ adapted! {
     /// Returns 1 if a joint (`jnt_actfrclimited`, since 2.3.7) or a tendon (`tendon_actfrclimited`, since 3.3.1) limits the force of its
     /// actuators, else 0.
     mujoco_sys_limitsActuatorForces = limits_actuator_forces(m: *const mjModel) -> c_int;
+    /// Returns the buffers of delays (`history`, since 3.5), or null.
+    mujoco_sys_history = history(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.
     mujoco_sys_historyLength = history_len(m: *const mjModel) -> c_int;
     /// Reads the options that only some versions have, or the defaults of those that the engine does not have.

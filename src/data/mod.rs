@@ -17,6 +17,7 @@ mod call;
 mod collision;
 mod constraint;
 mod diagnostics;
+mod history;
 pub(crate) mod length_range;
 pub mod pipeline;
 mod rigid_body;

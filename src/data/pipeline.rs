@@ -299,7 +299,10 @@ impl Data {
     /// accelerations were computed.
     #[doc(alias = "mj_Euler")]
     pub fn euler(&mut self) -> Result<()> {
-        self.check_parts("euler", C::CRB | C::ACTUATION | C::ACCELERATION | C::FORCE | C::CURRENT)?;
+        let needs = C::CRB | C::ACTUATION | C::ACCELERATION | C::FORCE | C::CURRENT;
+        // The step evaluates delayed sensors of any stage.
+        let needs = if self.model().history_len() > 0 { needs | C::FORWARD } else { needs };
+        self.check_parts("euler", needs)?;
         self.check_inputs()?;
         self.run("mj_Euler", self.computed - C::CURRENT, |m, d| {
             // SAFETY: as for the other parts.

@@ -12,7 +12,7 @@ use crate::model::Model;
 bitflags! {
     /// Parts of a simulation that a state vector contains, concatenated in the order of the flags. Meaning, order and values are
     /// those of `mjtState` in MuJoCo 3.0, except for the active equality constraints, which 2.2.2 keeps in the model and which only a reset
-    /// changes here, and for [`PLASTIC`](Self::PLASTIC). Newer versions of MuJoCo number them differently.
+    /// changes here, and for [`PLASTIC`](Self::PLASTIC) and [`HISTORY`](Self::HISTORY). Newer versions of MuJoCo number them differently.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub struct StateSpec: u32 {
         /// `time` (1)
@@ -41,11 +41,14 @@ bitflags! {
         const PLUGIN = 1 << 12;
         /// Plastic deformation of flexes (nplastic, with engines from 4.0)
         const PLASTIC = 1 << 13;
+        /// Buffers of the delays of actuators and sensors (nhistory, with engines from 3.5)
+        const HISTORY = 1 << 14;
 
         /// Positions, velocities and activations: the state of most control problems.
         const PHYSICS = Self::QPOS.bits() | Self::QVEL.bits() | Self::ACT.bits();
-        /// The physics state, time, and the states of plugins and flexes.
-        const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits() | Self::PLUGIN.bits() | Self::PLASTIC.bits();
+        /// The physics state, time, the states of plugins and flexes, and the buffers of delays.
+        const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits() | Self::PLUGIN.bits() | Self::PLASTIC.bits()
+            | Self::HISTORY.bits();
         /// Inputs of the user: controls, applied forces, mocap poses and user data.
         const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
@@ -59,7 +62,7 @@ bitflags! {
 macro_rules! for_each_component {
     ($spec:expr, $part:ident => $body:block) => {
         for_each_component!($spec, $part => $body; TIME QPOS QVEL ACT WARMSTART CTRL QFRC_APPLIED XFRC_APPLIED
-            MOCAP_POS MOCAP_QUAT USERDATA PLUGIN PLASTIC)
+            MOCAP_POS MOCAP_QUAT USERDATA PLUGIN PLASTIC HISTORY)
     };
     ($spec:expr, $part:ident => $body:block; $($component:ident)*) => {
         $(if $spec.contains(StateSpec::$component) {
@@ -130,6 +133,7 @@ impl Model {
             StateSpec::USERDATA => self.nuserdata(),
             StateSpec::PLUGIN => self.plugin_state_len(),
             StateSpec::PLASTIC => self.plastic_len(),
+            StateSpec::HISTORY => self.history_len(),
             // Undefined bits, which `from_bits_retain` can set.
             _ => 0,
         }
@@ -200,10 +204,15 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length. If a value is out of range, the next step returns an error.
+    /// [`Error::Shape`] for a wrong length, and [`Error::Invalid`] for a [`HISTORY`](StateSpec::HISTORY) with the index of a sample that does
+    /// not exist; the state is unchanged then. If another value is out of range, the next step returns an error.
     #[doc(alias = "mj_setState")]
     pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;
+        if spec.contains(StateSpec::HISTORY) && self.model().history_len() > 0 {
+            let range = self.model().state_range(spec, StateSpec::HISTORY);
+            self.model().check_history(&state[range])?;
+        }
         let mut rest = state;
         for_each_component!(spec, PART => {
             let target = self.part_mut(PART);
@@ -267,6 +276,7 @@ impl Data {
             StateSpec::USERDATA => self.userdata(),
             StateSpec::PLUGIN => self.plugin_state_values(),
             StateSpec::PLASTIC => self.plastic_values(),
+            StateSpec::HISTORY => self.history_values(),
             _ => &[],
         }
     }
@@ -288,6 +298,7 @@ impl Data {
             StateSpec::USERDATA => self.userdata_mut(),
             StateSpec::PLUGIN => self.plugin_state_values_mut(),
             StateSpec::PLASTIC => self.plastic_values_mut(),
+            StateSpec::HISTORY => self.history_values_mut(),
             _ => &mut [],
         }
     }

@@ -124,8 +124,8 @@ impl Lineariser {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately, and
-    /// the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
+    /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately,
+    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
     pub fn linear_system_into<'a>(
         &mut self,
         data: &mut Data,
@@ -134,6 +134,7 @@ impl Lineariser {
         let outputs = outputs.into();
         outputs.check(data.model())?;
         self.adopt_model(data)?;
+        data.model().check_without_delays("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
@@ -234,6 +235,7 @@ impl Lineariser {
             TransitionOutputs::from(system).check(model)?;
         }
         self.adopt_model(data)?;
+        model.check_without_delays("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

@@ -68,8 +68,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, [`Error::Unsupported`] with the Runge–Kutta integrator, and the
-    /// errors of [`step`](Self::step).
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, [`Error::Unsupported`] with the Runge–Kutta integrator and for a model
+    /// with delays of actuators or sensors, and the errors of [`step`](Self::step).
     ///
     /// ```
     /// use mujoco_safe::{Data, Differences, sample};
@@ -115,6 +115,7 @@ impl Data {
         self.check_usable()?;
         self.check_inputs()?;
         check_eps("transition_fd", eps)?;
+        self.model().check_without_delays("transition_fd")?;
         if self.model().options().integrator == Integrator::Rk4 {
             return Err(Error::Unsupported(
                 "transition_fd supports the integrators Euler and Implicit, but this model uses Rk4".to_owned(),

@@ -17,9 +17,6 @@ impl Model {
         let version = built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
-        if self.history_len() > 0 {
-            return unsupported("the model has delays of actuators or sensors".to_owned());
-        }
         // State vectors contain neither the sleeping bodies nor the state of these contacts.
         for (name, flag) in [("sleep", mjENBL_SLEEP), ("ipc", mjENBL_IPC)] {
             if self.raw().opt.enableflags as u32 & flag != 0 {

@@ -38,6 +38,8 @@ mod collision_table;
 mod engine_functions;
 #[cfg(engine_since = "3.0.0")]
 mod flex;
+#[cfg(engine_since = "3.5.0")]
+mod history;
 mod mesh;
 mod newer;
 #[cfg(engine_since = "2.3.0")]

@@ -24,7 +24,7 @@ pub(super) const NEWER: [Newer; 11] = [
     Newer { name: "newer sensors", share: 240, since: Some(version(3, 5, 0)), text: SENSORS },
     Newer { name: "newer actuators", share: 240, since: Some(version(3, 17, 0)), text: ACTUATORS },
     Newer { name: "sleep", share: 160, since: None, text: SLEEP },
-    Newer { name: "delays", share: 160, since: None, text: DELAYS },
+    Newer { name: "delays", share: 240, since: Some(version(3, 5, 0)), text: DELAYS },
     Newer { name: "several controls", share: 160, since: None, text: CONTROLS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
 ];
@@ -166,13 +166,23 @@ const SLEEP: &str = r#"<mujoco>
   <actuator><motor joint="a"/></actuator>
 </mujoco>"#;
 
+/// Actuators and sensors with delays, and sensors with samples at intervals.
 const DELAYS: &str = r#"<mujoco>
   <size memory="200K"/>
   <worldbody>
-    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/><site name="s" pos=".3 0 0"/></body>
+    <geom type="plane" size="1 1 .1" pos="0 0 -.2"/>
+    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/><site name="s" pos=".3 0 0" size=".2"/></body>
   </worldbody>
-  <actuator><motor joint="a" nsample="4" delay=".005"/><motor joint="a"/></actuator>
-  <sensor><jointpos joint="a" nsample="3" delay=".004" interp="linear"/><accelerometer site="s" nsample="2" interval=".01"/></sensor>
+  <actuator>
+    <motor name="first" joint="a" nsample="4" delay=".005"/><motor joint="a"/>
+    <general joint="a" dyntype="filter" dynprm=".1" nsample="5" delay=".007" interp="cubic"/><motor joint="a" nsample="1"/>
+  </actuator>
+  <sensor>
+    <jointpos joint="a" nsample="3" delay=".004" interp="linear"/><accelerometer site="s" nsample="2" interval=".01"/>
+    <touch site="s" nsample="6" delay=".005" interval=".004 .001" interp="cubic"/><jointvel joint="a" nsample="1"/>
+    <framepos objtype="site" objname="s" nsample="4" delay=".003"/><actuatorfrc actuator="first" nsample="2" delay=".002"/>
+  </sensor>
+  <keyframe><key name="key" time="1"/></keyframe>
 </mujoco>"#;
 
 const CONTROLS: &str = r#"<mujoco>

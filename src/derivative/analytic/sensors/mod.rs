@@ -91,7 +91,7 @@ pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
 /// Returns the formula of a sensor.
 fn formula(model: &Model, sensor: usize) -> Option<Formula> {
     let is_disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
-    if is_disabled || model.sensor_cutoff()[sensor] != 0.0 {
+    if is_disabled || model.sensor_cutoff()[sensor] != 0.0 || model.has_history(sensor) {
         return None;
     }
     let object = ffi::size(model.sensor_objid()[sensor]);
