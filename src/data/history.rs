@@ -11,6 +11,9 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::model::Model;
 
+/// Kind of elements that have buffers, and for each element the number of samples and the interpolation, and the address.
+type Buffers<'a> = (&'static str, &'a [[i32; 2]], &'a [i32]);
+
 impl Data {
     /// Returns the buffers of all delays.
     pub(super) fn history_values(&self) -> &[f64] {
@@ -56,13 +59,24 @@ impl Model {
         )))
     }
 
-    /// Checks the cursors of the buffers in `history`, which has the length [`history_len`](Self::history_len).
-    pub(super) fn check_history(&self, history: &[f64]) -> Result<()> {
-        #[cfg(engine_since = "3.5.0")]
-        for (kind, buffers, addresses) in [
+    /// Returns the buffers of actuators and sensors.
+    #[cfg(engine_since = "3.5.0")]
+    fn history_buffers(&self) -> [Buffers<'_>; 2] {
+        [
             ("actuator", self.actuator_history(), self.actuator_historyadr()),
             ("sensor", self.sensor_history(), self.sensor_historyadr()),
-        ] {
+        ]
+    }
+
+    #[cfg(not(engine_since = "3.5.0"))]
+    #[allow(clippy::unused_self, reason = "newer engines have buffers")]
+    fn history_buffers(&self) -> [Buffers<'_>; 0] {
+        []
+    }
+
+    /// Checks the cursors of the buffers in `history`, which has the length [`history_len`](Self::history_len).
+    pub(super) fn check_history(&self, history: &[f64]) -> Result<()> {
+        for (kind, buffers, addresses) in self.history_buffers() {
             for (element, (&[samples, _], &address)) in buffers.iter().zip(addresses).enumerate() {
                 if samples <= 0 {
                     continue;

@@ -179,7 +179,7 @@ const DELAYS: &str = r#"<mujoco>
   </actuator>
   <sensor>
     <jointpos joint="a" nsample="3" delay=".004" interp="linear"/><accelerometer site="s" nsample="2" interval=".01"/>
-    <touch site="s" nsample="6" delay=".005" interval=".004 .001" interp="cubic"/><jointvel joint="a" nsample="1"/>
+    <touch site="s" nsample="6" delay=".005" interval=".004 -.001" interp="cubic"/><jointvel joint="a" nsample="1"/>
     <framepos objtype="site" objname="s" nsample="4" delay=".003"/><actuatorfrc actuator="first" nsample="2" delay=".002"/>
   </sensor>
   <keyframe><key name="key" time="1"/></keyframe>
