@@ -18,6 +18,7 @@ impl Model {
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
         // State vectors contain neither the sleeping bodies nor the state of these contacts.
+        // A reset to bodies that sleep initially (sleep="init") also frees the data before it raises an error, if they are not at rest.
         for (name, flag) in [("sleep", mjENBL_SLEEP), ("ipc", mjENBL_IPC)] {
             if self.raw().opt.enableflags as u32 & flag != 0 {
                 return unsupported(format!("the option {name} is enabled"));
