@@ -240,16 +240,15 @@ impl NewGeom {
         Ok(())
     }
 
-    /// Panics if an id belongs to another model.
-    #[track_caller]
-    fn check_ids(&self, scene: &Scene) {
+    /// Returns `true` if no mesh, height field or texture belongs to another model than the scene.
+    pub(crate) fn fits(&self, scene: &Scene) -> bool {
         let of_scene = match self.shape {
             Shape::Mesh { mesh, .. } => mesh.lineage() == scene.lineage,
             Shape::HeightField(field) => field.lineage() == scene.lineage,
             Shape::Simple(..) | Shape::Connector { .. } => true,
         };
         let texture = self.texture.is_none_or(|texture| texture.lineage() == scene.lineage);
-        assert!(of_scene && texture, "a mesh, height field or texture of a new geom belongs to another model");
+        of_scene && texture
     }
 
     /// Converts the geom to the engine's structure.
@@ -321,7 +320,7 @@ impl Scene {
     ///
     /// If a mesh, height field or texture of the geom belongs to another model.
     pub fn add_geom(&mut self, geom: &NewGeom) -> Result<usize> {
-        geom.check_ids(self);
+        assert!(geom.fits(self), "a mesh, height field or texture of a new geom belongs to another model");
         geom.check()?;
         let index = self.ngeom();
         if index >= self.max_geoms() {

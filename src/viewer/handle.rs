@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::endpoint::SimulationEndpoint;
 use super::input::KeyPress;
+use super::instruments::Instruments;
 use super::link::{Asset, Event, Mode, PhysicsEnd, Request, SceneView, SimulationSpeed, Snapshot, Status};
 use super::simulation::SpeedMeter;
 use crate::data::Data;
@@ -24,6 +25,8 @@ pub struct ViewerHandle {
     link: Option<PhysicsEnd>,
     endpoint: Option<SimulationEndpoint>,
     geoms: Vec<NewGeom>,
+    /// Instruments before the first call of `sync`, which moves them into the endpoint.
+    instruments: Instruments,
     /// Assets that were modified since the last call of `sync`.
     assets: Vec<Asset>,
     paused: bool,
@@ -41,6 +44,7 @@ impl ViewerHandle {
             link: Some(link),
             endpoint: None,
             geoms: Vec::new(),
+            instruments: Instruments::default(),
             assets: Vec::new(),
             paused: false,
             view: None,
@@ -81,7 +85,11 @@ impl ViewerHandle {
     pub fn sync(&mut self, data: &mut Data) -> Result<()> {
         let mut endpoint = match (self.endpoint.take(), self.link.take()) {
             (Some(endpoint), _) => endpoint,
-            (None, Some(link)) => SimulationEndpoint::new(link, data),
+            (None, Some(link)) => {
+                let mut endpoint = SimulationEndpoint::new(link, data);
+                endpoint.instruments = std::mem::take(&mut self.instruments);
+                endpoint
+            }
             (None, None) => unreachable!("Bug: a handle without a link"),
         };
         endpoint.adopt(data);
@@ -207,6 +215,33 @@ impl ViewerHandle {
     #[doc(alias = "user_scn")]
     pub fn geoms_mut(&mut self) -> &mut Vec<NewGeom> {
         &mut self.geoms
+    }
+
+    /// Replaces the instruments in the window by those that a closure declares: plotted values, parameters with sliders, and geoms. They
+    /// appear with the next [`sync`](Self::sync) and stay until the next call. A parameter receives the user's changes that
+    /// arrived with the last `sync`.
+    ///
+    /// ```no_run
+    /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
+    /// let mut force = 0.1;
+    /// while handle.is_running() {
+    ///     handle.instruments(|instruments| {
+    ///         instruments.parameter("force", &mut force, -1.0..=1.0);
+    ///         instruments.value("speed, m/s", "cart", data.qvel()[0]);
+    ///     });
+    ///     data.ctrl_mut()[0] = force;
+    ///     data.step()?;
+    ///     handle.sync(data)?;
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn instruments<R>(&mut self, declare: impl FnOnce(&mut Instruments) -> R) -> R {
+        let instruments = match &mut self.endpoint {
+            Some(endpoint) => &mut endpoint.instruments,
+            None => &mut self.instruments,
+        };
+        instruments.declare(declare)
     }
 
     /// Removes and returns the key presses for which the viewer has no binding. They arrive with [`sync`](Self::sync).

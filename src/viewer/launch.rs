@@ -5,10 +5,12 @@ use std::thread;
 
 use super::error::ViewerError;
 use super::handle::ViewerHandle;
+use super::instruments::{InstrumentedController, Instruments, WithInstruments};
 use super::simulation::{PhysicsThread, Simulation};
 use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
+use crate::error::Outcome;
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
@@ -107,7 +109,7 @@ with_methods!(ViewerOptions {
 #[must_use]
 pub struct Viewer {
     options: ViewerOptions,
-    controller: Option<Box<dyn Controller + Send>>,
+    controller: Option<Box<dyn InstrumentedController>>,
     trajectories: Vec<Trajectory>,
 }
 
@@ -141,7 +143,29 @@ impl Viewer {
     /// A reset or a step back restores the simulation, not the internal state of the controller. A stateful controller can detect
     /// it by [`Data::time`], which decreases.
     pub fn controller(mut self, controller: impl Controller + Send + 'static) -> Self {
+        let controller: Box<dyn Controller + Send> = Box::new(controller);
         self.controller = Some(Box::new(controller));
+        self
+    }
+
+    /// As [`controller`](Self::controller), with a closure that declares the [`Instruments`] of the controller: plotted values, parameters
+    /// with sliders, and geoms. [`Instruments`] has an example. The closure returns nothing or a [`Result`](crate::Result).
+    ///
+    /// The viewer calls the closure in the thread of the controller: before each picture of the simulation in the controller mode, and
+    /// immediately when the user moves a slider, so that the next step uses the new value. After a step, quantities of the data that depend on
+    /// the state, such as poses, are those before the step.
+    ///
+    /// An error or a panic of the closure pauses the simulation, and the window shows the message.
+    pub fn instrumented_controller<C, O>(
+        mut self,
+        controller: C,
+        declare: impl FnMut(&mut C, &Data, &mut Instruments) -> O + Send + 'static,
+    ) -> Self
+    where
+        C: Controller + Send + 'static,
+        O: Outcome<Value = ()> + 'static,
+    {
+        self.controller = Some(Box::new(WithInstruments { controller, declare }));
         self
     }
 

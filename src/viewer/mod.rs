@@ -18,7 +18,7 @@
 //! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open the side panels: simulation,
 //! trajectories, keyframes, visualisation, appearance, physics options and watched values on the left; search, controls, joints and the
 //! selected body on the right. The panel of the simulation also adds noise to the controls, and saves the model and the engine's
-//! listings. F3 and F4 open plots there. A model file that is dropped onto the window is loaded.
+//! listings. F3 and F4 open plots there. A controller can add plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is dropped onto the window is loaded.
 //!
 //! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same number, `-` and `=` change the speed,
 //! `[` and `]` the camera, and Esc selects the free camera. Only Ctrl+Q, the window's close button and the signals of Ctrl+C in
@@ -47,6 +47,7 @@ mod endpoint;
 mod error;
 mod handle;
 mod input;
+mod instruments;
 mod launch;
 mod link;
 mod panel;
@@ -60,6 +61,7 @@ mod window;
 pub use self::error::ViewerError;
 pub use self::handle::ViewerHandle;
 pub use self::input::{Key, KeyPress, Modifiers};
+pub use self::instruments::Instruments;
 #[cfg(not(target_os = "macos"))]
 pub use self::launch::launch;
 pub use self::launch::{Theme, Viewer, ViewerOptions, run};

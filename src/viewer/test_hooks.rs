@@ -20,6 +20,7 @@ static PASSES: AtomicU64 = AtomicU64::new(0);
 static REPAINTED: AtomicU64 = AtomicU64::new(0);
 static REPAINT_REQUESTED: AtomicBool = AtomicBool::new(false);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
+static PLOTS: Mutex<Vec<(String, Vec<String>)>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<WindowState>> = Mutex::new(None);
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -45,8 +46,8 @@ pub struct WindowState {
     pub options: SceneOptions,
     /// Rendering effects of the view.
     pub render: RenderFlags,
-    /// Open panels: help, info, left, right, profile, sensors.
-    pub panels: [bool; 6],
+    /// Open panels: help, info, left, right, profile, sensors, instruments.
+    pub panels: [bool; 7],
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// Upper left corner and size of the area that shows the scene, pixels.
@@ -95,8 +96,12 @@ pub struct WindowState {
     pub full_screen: bool,
     /// Notices and problems on the screen.
     pub messages: Vec<String>,
-    /// Positions of the rails of the sliders of the controls, and of the numbers beside them, pixels.
+    /// Positions of the rails of the sliders of the parameters and then of the controls, and of the numbers beside them, pixels.
     pub sliders: Vec<[[f32; 2]; 2]>,
+    /// Plots of the instruments on the screen: title, and names of the curves.
+    pub plots: Vec<(String, Vec<String>)>,
+    /// Names and values of the parameters of the instruments.
+    pub parameters: Vec<(String, f64)>,
 }
 
 /// Discards the state of previous windows.
@@ -190,14 +195,24 @@ pub(super) fn count_marker(key: Key) {
     }
 }
 
-/// Discards the positions of the sliders before a pass of the panels.
-pub(super) fn clear_sliders() {
+/// Discards the positions of the sliders and the plots before a pass of the panels.
+pub(super) fn clear_widgets() {
+    lock(&PLOTS).clear();
     lock(&SLIDERS).clear();
 }
 
-/// Adds the positions of a slider of the current pass, in points, with the number of pixels per point.
-pub(super) fn add_slider(positions: [egui::Pos2; 2], scale: f32) {
-    lock(&SLIDERS).push(positions.map(|position| [position.x * scale, position.y * scale]));
+/// Adds the positions of a slider of the current pass.
+pub(super) fn add_slider(slider: &egui::Response, ui: &egui::Ui) {
+    // The rail is at the left, the number at the right.
+    let rail = slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0);
+    let number = slider.rect.right_center() - egui::vec2(10.0, 0.0);
+    let scale = ui.pixels_per_point();
+    lock(&SLIDERS).push([rail, number].map(|position| [position.x * scale, position.y * scale]));
+}
+
+/// Sets the plots of the instruments that the current pass shows: title, and names of the curves.
+pub(super) fn set_plots(plots: Vec<(String, Vec<String>)>) {
+    *lock(&PLOTS) = plots;
 }
 
 /// Frame that was drawn.
@@ -217,7 +232,7 @@ pub(super) struct Frame<'a> {
 /// Records the state of a window after a frame.
 pub(super) fn record(frame: Frame<'_>) {
     let Frame { snapshot, view, status, queued, full_screen, editing, messages, picture, panel_rects } = frame;
-    let sliders = lock(&SLIDERS).clone();
+    let (sliders, plots) = (lock(&SLIDERS).clone(), lock(&PLOTS).clone());
     let mut latest = lock(&LATEST);
     let playback = snapshot.playback;
     *latest = Some(WindowState {
@@ -229,7 +244,7 @@ pub(super) fn record(frame: Frame<'_>) {
         camera: view.camera,
         options: view.options.clone(),
         render: view.render,
-        panels: [view.help, view.info, view.left_panel, view.right_panel, view.profile, view.sensors],
+        panels: [view.help, view.info, view.left_panel, view.right_panel, view.profile, view.sensors, view.instruments],
         size: status.size,
         picture,
         panel_rects,
@@ -256,5 +271,7 @@ pub(super) fn record(frame: Frame<'_>) {
         full_screen,
         messages,
         sliders,
+        plots,
+        parameters: snapshot.parameters.iter().map(|parameter| (parameter.name.to_string(), parameter.value)).collect(),
     });
 }

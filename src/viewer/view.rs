@@ -23,6 +23,8 @@ pub(crate) struct View {
     pub profile: bool,
     /// Plot of the sensors.
     pub sensors: bool,
+    /// Plots and sliders of a controller or program, if it has any.
+    pub instruments: bool,
 }
 
 impl View {
@@ -42,6 +44,7 @@ impl View {
             right_panel: false,
             profile: false,
             sensors: false,
+            instruments: true,
         }
     }
 
@@ -87,6 +90,7 @@ impl View {
             ViewAction::Panel(Panel::Right) => toggle(&mut self.right_panel),
             ViewAction::Plot(PlotKind::Profile) => toggle(&mut self.profile),
             ViewAction::Plot(PlotKind::Sensors) => toggle(&mut self.sensors),
+            ViewAction::Plot(PlotKind::Instruments) => toggle(&mut self.instruments),
             ViewAction::Align => self.camera.align(model),
             // The free camera continues at the point that the tracking camera looks at.
             ViewAction::FreeCamera => self.camera.view = CameraView::Free,

@@ -80,9 +80,17 @@ pub fn visualisation() {
     data.forward().unwrap();
     let model = data.model().clone();
     show(data, |input| {
-        for (keys, part) in
-            [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("Tab", 2), ("shift+Tab", 3), ("F3", 4), ("F4", 5)]
-        {
+        for (keys, part) in [
+            ("F1", 0),
+            ("F2", 1),
+            ("ctrl+1", 2),
+            ("ctrl+2", 3),
+            ("Tab", 2),
+            ("shift+Tab", 3),
+            ("F3", 4),
+            ("F4", 5),
+            ("shift+F3", 6),
+        ] {
             let before = state().panels;
             press(input, keys, "a panel is toggled", |state| state.panels[part] != before[part]);
             press(input, keys, "the panel is restored", |state| state.panels == before);

@@ -14,6 +14,7 @@ mod display;
 mod errors;
 mod harness;
 mod input;
+mod instruments;
 mod keys;
 mod launch;
 mod leaks;
@@ -52,6 +53,7 @@ const CASES: &[Case] = &[
     ("panels_do_not_cover_the_picture", panels::layout),
     ("panels_do_not_edit_the_state", panels::no_edits),
     ("panels_change_their_theme_and_scale", panels::style),
+    ("instruments_show_and_change_a_controller", instruments::instruments),
     ("gestures_during_a_slow_frame", queued_events::gestures),
     ("consecutive_windows_on_one_thread", launch::consecutive),
     ("windows_on_the_background_thread", launch::launched),

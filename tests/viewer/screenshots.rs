@@ -8,6 +8,7 @@ use mujoco_safe::{Data, PdController, Trajectory, sample};
 use crate::display::Screen;
 use crate::harness::{exit_on_panic, press, settle, show_window, state, unique_title};
 use crate::input::{Input, wait_until};
+use crate::instruments;
 
 const SIZE: [u32; 2] = [1280, 720];
 
@@ -15,6 +16,7 @@ pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
     draw_light(directory);
     draw_appearance(directory);
+    draw_instruments(directory);
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
     let mut data = Data::new(sample::humanoid()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
@@ -112,6 +114,22 @@ fn draw_appearance(directory: &Path) {
             input.click([100, 500], 5, 40);
         }
     });
+}
+
+/// Saves a screenshot of a controller's plots, sliders and path.
+fn draw_instruments(directory: &Path) {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
+    show_window(
+        SIZE,
+        ViewerOptions::default(),
+        instruments::viewer(0.02),
+        Data::new(sample::cartpole()).unwrap(),
+        |input| {
+            press(input, "space", "the simulation runs", |state| state.time > 1.0);
+            std::thread::sleep(std::time::Duration::from_millis(500));
+            Screen::read(&framebuffer).save(&directory.join("instruments.png"), SIZE);
+        },
+    );
 }
 
 /// Waits until no frame is drawn for a moment, for example after scrolling. A running simulation is drawn continuously.

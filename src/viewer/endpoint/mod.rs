@@ -11,6 +11,7 @@ use std::sync::Arc;
 pub(crate) use self::keyframe::CapturedKey;
 pub(crate) use self::watch::Watch;
 use super::input::KeyPress;
+use super::instruments::Instruments;
 use super::link::{Event, PhysicsEnd, SceneView, Snapshot};
 use crate::data::{Data, Stage, StateSpec, Warning};
 use crate::error::Result;
@@ -21,6 +22,7 @@ use crate::scene::{Camera, CameraView, Perturbation, Selection};
 /// Connection of a simulation to its window.
 pub(crate) struct SimulationEndpoint {
     pub link: PhysicsEnd,
+    pub instruments: Instruments,
     /// Model to which the other fields refer.
     model: Arc<Model>,
     generation: u64,
@@ -53,6 +55,7 @@ impl SimulationEndpoint {
         let model = data.model().clone();
         Self {
             link,
+            instruments: Instruments::default(),
             camera: Camera::free(&model),
             generation: 0,
             number: 0,

@@ -6,6 +6,7 @@ use super::SimulationEndpoint;
 use crate::data::{Data, Warning};
 use crate::error::{Error, Result};
 use crate::scene::{CameraView, Categories, Scene, SceneOptions};
+use crate::viewer::instruments::Instruments;
 use crate::viewer::link::{Event, SelectedBody, Snapshot};
 
 impl SimulationEndpoint {
@@ -15,7 +16,7 @@ impl SimulationEndpoint {
     ///
     /// # Errors
     ///
-    /// If there is no memory for a scene, or if `add` adds an invalid geom. The snapshot is published in the second case.
+    /// If there is no memory for a scene, or if `add` or the instruments add an invalid geom. The snapshot is published in the second case.
     pub fn publish(
         &mut self,
         data: &mut Data,
@@ -31,6 +32,8 @@ impl SimulationEndpoint {
         self.report_warnings(data);
 
         snapshot.copy_values(data);
+        self.instruments.values().clone_into(&mut snapshot.plotted);
+        self.instruments.parameters().clone_into(&mut snapshot.parameters);
         snapshot.watched.clear();
         snapshot.watched.extend(self.watches.iter().map(|watch| watch.value(data)));
         if !Arc::ptr_eq(&snapshot.model, &self.model) {
@@ -67,7 +70,8 @@ impl SimulationEndpoint {
     ) -> Result<()> {
         let (scene, options) = (&mut snapshot.scene, &self.view.options);
         let updated = scene.update(data, options, Some(&self.perturbation), &mut self.camera, Categories::all());
-        match updated.and_then(|()| add(scene, options)) {
+        let instruments = &self.instruments;
+        match updated.and_then(|()| add(scene, options)).and_then(|()| add_instruments(scene, instruments)) {
             Err(error @ Error::SceneFull { .. }) => {
                 // Reported once until the scene fits again.
                 if !std::mem::replace(&mut self.scene_full_reported, true) {
@@ -112,4 +116,16 @@ impl SimulationEndpoint {
             _ => Ok(Box::new(Snapshot::new(&self.model)?)),
         }
     }
+}
+
+/// Adds the geoms of the instruments to a scene. The controller may have created them for a model that the user has replaced.
+fn add_instruments(scene: &mut Scene, instruments: &Instruments) -> Result<()> {
+    for geom in instruments.geoms() {
+        if !geom.fits(scene) {
+            let found = "with a mesh, height field or texture of another model";
+            return Err(Error::invalid("a geom of the instruments", found, "of the model in the window"));
+        }
+        scene.add_geom(geom)?;
+    }
+    Ok(())
 }

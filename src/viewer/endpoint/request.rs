@@ -85,6 +85,10 @@ impl SimulationEndpoint {
                 return Ok(true);
             }
             EndpointRequest::Save(file, directory) => self.save(file, &directory, data)?,
+            EndpointRequest::SetParameter(name, value) => {
+                check_finite("a parameter", value)?;
+                self.instruments.edit(&name, value);
+            }
             EndpointRequest::Watch(watches) => self.watches = watches,
             EndpointRequest::ForwardKey(press) => {
                 if self.keys.len() < MAX_KEYS {

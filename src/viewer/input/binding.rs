@@ -89,6 +89,8 @@ pub(crate) enum PlotKind {
     Profile,
     /// Sensor readings.
     Sensors,
+    /// Values and parameters of a controller or program.
+    Instruments,
 }
 
 /// Section of the help.
@@ -252,6 +254,8 @@ pub(crate) static BINDINGS: &[Binding] = &[
     panel(Key::Function(2), ViewAction::Info, "Info panel"),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
     panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),
+    panel(Key::Function(3), ViewAction::Plot(PlotKind::Instruments), "Plots and parameters of the controller")
+        .with(SHIFT),
     panel(Key::Tab, ViewAction::Panel(Panel::Left), LEFT_PANEL).once(),
     panel(Key::Character('1'), ViewAction::Panel(Panel::Left), LEFT_PANEL).with(COMMAND).once(),
     panel(Key::Tab, ViewAction::Panel(Panel::Right), RIGHT_PANEL).with(SHIFT).once(),

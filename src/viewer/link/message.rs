@@ -112,6 +112,8 @@ pub(crate) enum EndpointRequest {
     SetAppearance(Box<Appearance>),
     /// Writes a file about the model into a directory. Answered with a notice of the path.
     Save(SavedFile, PathBuf),
+    /// Sets the parameter of a controller or a program with this name.
+    SetParameter(Arc<str>, f64),
     /// Sets the watched values that the snapshots contain.
     Watch(Vec<Watch>),
     /// Forwards a key without a binding to the program.
@@ -214,7 +216,7 @@ impl Request {
     /// Merges the next request into this request if a single request is equivalent to both, so that a slow loop executes fewer
     /// requests. Returns `false` if the two requests cannot be merged.
     pub fn merge(&mut self, next: &Self) -> bool {
-        use EndpointRequest::{MovePerturbation, SetControl, SetPosition};
+        use EndpointRequest::{MovePerturbation, SetControl, SetParameter, SetPosition};
         match (self, next) {
             (Self::Endpoint(request), Self::Endpoint(next)) => match (request, next) {
                 (MovePerturbation(action, [x, y]), MovePerturbation(next, [dx, dy])) if action == next => {
@@ -222,6 +224,10 @@ impl Request {
                     true
                 }
                 (SetControl(id, value), SetControl(next, newer)) if id == next => {
+                    *value = *newer;
+                    true
+                }
+                (SetParameter(name, value), SetParameter(next, newer)) if name == next => {
                     *value = *newer;
                     true
                 }

@@ -9,6 +9,7 @@ use crate::id::{BodyId, GeomId};
 use crate::model::{Model, Statistics, Visual};
 use crate::scene::{Camera, Scene};
 use crate::viewer::endpoint::CapturedKey;
+use crate::viewer::instruments::{Parameter, PlottedValue};
 use crate::viewer::simulation::PlaybackState;
 
 /// Capacity of a scene, in geoms.
@@ -43,6 +44,10 @@ pub(crate) struct Snapshot {
     pub timers: [TimerCount; Timer::ALL.len()],
     /// Watched values, in the order of the request. NaN for an index out of range.
     pub watched: Vec<f64>,
+    /// Values that the controller or the program plots.
+    pub plotted: Vec<PlottedValue>,
+    /// Parameters of the controller or the program.
+    pub parameters: Vec<Parameter>,
 
     pub status: Status,
     /// Message of the last error, until the simulation resumes. Empty without an error.
@@ -244,6 +249,8 @@ impl Snapshot {
             solver: Vec::new(),
             timers: [TimerCount::default(); Timer::ALL.len()],
             watched: Vec::new(),
+            plotted: Vec::new(),
+            parameters: Vec::new(),
             status: Status::Paused,
             problem: String::new(),
             speed: SimulationSpeed { factor: 1.0, by_factor: false, measured: 0.0, dropped: 0.0 },
@@ -257,6 +264,11 @@ impl Snapshot {
             selected: None,
             captured: Arc::default(),
         })
+    }
+
+    /// Returns `true` if the controller or the program has plots or parameters.
+    pub fn has_instruments(&self) -> bool {
+        !(self.plotted.is_empty() && self.parameters.is_empty())
     }
 
     /// Copies the values that the panels show.

@@ -1,8 +1,10 @@
 //! Curves of values over simulated time.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use crate::data::{Timer, TimerCount};
+use crate::viewer::instruments::PlottedValue;
 use crate::viewer::link::Snapshot;
 
 /// Maximum number of points of a curve.
@@ -37,6 +39,13 @@ impl Curve {
     }
 }
 
+/// Plot of the instruments.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct InstrumentPlot {
+    pub title: Arc<str>,
+    pub curves: Vec<Curve>,
+}
+
 /// Curves of all plots, updated from snapshots.
 #[derive(Debug, Default)]
 pub(super) struct Curves {
@@ -52,6 +61,8 @@ pub(super) struct Curves {
     pub timing: Vec<Curve>,
     /// Watched values.
     pub watched: Vec<Curve>,
+    /// Plots of the instruments.
+    pub instruments: Vec<InstrumentPlot>,
     timers: [TimerCount; Timer::ALL.len()],
 }
 
@@ -84,6 +95,7 @@ impl Curves {
             curve.push(time, value);
         }
         self.update_timers(snapshot);
+        self.update_instruments(time, &snapshot.plotted);
         if self.watched.len() != snapshot.watched.len() {
             self.watched.clear();
         }
@@ -94,6 +106,32 @@ impl Curves {
                 None => self.watched.push(Curve::new(name)),
             }
             self.watched[index].push(time, *value);
+        }
+    }
+
+    /// Adds the values of the instruments. Other plots or curves than in the last snapshot replace all plots.
+    fn update_instruments(&mut self, time: f64, values: &[PlottedValue]) {
+        let number: usize = self.instruments.iter().map(|plot| plot.curves.len()).sum();
+        let curve_of = |plots: &mut [InstrumentPlot], value: &PlottedValue| {
+            let plot = plots.iter_mut().find(|plot| plot.title == value.plot)?;
+            let curve = plot.curves.iter_mut().find(|curve| *curve.name == *value.name)?;
+            curve.push(time, value.value);
+            Some(())
+        };
+        let is_same = values.iter().all(|value| curve_of(&mut self.instruments, value).is_some());
+        if is_same && number == values.len() {
+            return;
+        }
+        self.instruments.clear();
+        for value in values {
+            let title = &value.plot;
+            let index = self.instruments.iter().position(|plot| plot.title == *title).unwrap_or_else(|| {
+                self.instruments.push(InstrumentPlot { title: title.clone(), curves: Vec::new() });
+                self.instruments.len() - 1
+            });
+            let mut curve = Curve::new(&*value.name);
+            curve.push(time, value.value);
+            self.instruments[index].curves.push(curve);
         }
     }
 
@@ -116,6 +154,7 @@ impl Curves {
             solver: curves(&["iterations", "constraints", "log10(improvement)"]),
             timing: curves(&Self::TIMED.map(|(_, name)| name)),
             watched: Vec::new(),
+            instruments: Vec::new(),
             timers: snapshot.timers,
         };
     }
@@ -159,6 +198,34 @@ mod tests {
         assert_eq!((curve.points().len(), curve.points().last()), (MAX_POINTS / 2 + 1, Some([back, 7.0])));
         curve.push(0.0, 1.0);
         assert_eq!(curve.points().collect::<Vec<_>>(), [[0.0, 1.0]]);
+    }
+
+    #[test]
+    fn plots_of_instruments_group_the_values_by_title() {
+        let (mut window, physics) = link(|| ());
+        let mut data = Data::new(sample::cartpole()).unwrap();
+        let (mut handle, mut curves) = (ViewerHandle::new(physics), Curves::default());
+        let mut show = |plots: &[(&str, &str, f64)]| {
+            handle.instruments(|instruments| {
+                plots.iter().for_each(|(plot, name, value)| instruments.value(plot, name, *value));
+            });
+            handle.sync(&mut data).unwrap();
+            data.step().unwrap();
+            curves.update(window.latest().unwrap().0, std::iter::empty());
+            let values = |plot: &super::InstrumentPlot| {
+                let last = |curve: &Curve| (curve.name.clone(), curve.points().map(|[_, value]| value).collect());
+                (plot.title.to_string(), plot.curves.iter().map(last).collect::<Vec<(_, Vec<f64>)>>())
+            };
+            curves.instruments.iter().map(values).collect::<Vec<_>>()
+        };
+        show(&[("cost", "a", 1.0), ("speed", "v", 2.0), ("cost", "b", 3.0)]);
+        let plots = show(&[("cost", "a", 4.0), ("speed", "v", 5.0), ("cost", "b", 6.0)]);
+        let [cost, speed] = &plots[..] else { panic!("two plots") };
+        assert_eq!(*cost, ("cost".into(), vec![("a".into(), vec![1.0, 4.0]), ("b".into(), vec![3.0, 6.0])]));
+        assert_eq!(*speed, ("speed".into(), vec![("v".into(), vec![2.0, 5.0])]));
+        // Other curves start again.
+        assert_eq!(show(&[("cost", "a", 7.0)]), [("cost".into(), vec![("a".into(), vec![7.0])])]);
+        assert_eq!(show(&[]), []);
     }
 
     #[test]

@@ -21,9 +21,10 @@ const MIN_PICTURE_WIDTH: f32 = 264.0;
 pub(super) const GAP: f32 = 8.0;
 
 /// Returns the widths of the left and right side panels in a window of this width, in points. A closed panel has the width zero. The
-/// plots are in the right panel.
-pub fn side_widths(view: &View, window: f32) -> [f32; 2] {
-    let open = [view.left_panel, view.right_panel || view.profile || view.sensors];
+/// plots and the instruments, if there are any, are in the right panel.
+pub fn side_widths(view: &View, has_instruments: bool, window: f32) -> [f32; 2] {
+    let right = view.right_panel || view.profile || view.sensors || (view.instruments && has_instruments);
+    let open = [view.left_panel, right];
     let number = open.iter().filter(|open| **open).count().max(1);
     let width = ((window - MIN_PICTURE_WIDTH) / number as f32).floor().clamp(MIN_SIDE_WIDTH, SIDE_WIDTH);
     open.map(|open| if open { width } else { 0.0 })
@@ -180,13 +181,14 @@ mod tests {
     #[test]
     fn side_panels_leave_space_for_the_picture() {
         let mut view = View::new(&sample::cartpole());
-        assert_eq!(side_widths(&view, 640.0), [0.0; 2]);
+        assert_eq!(side_widths(&view, false, 640.0), [0.0; 2]);
+        assert_eq!(side_widths(&view, true, 640.0), [0.0, SIDE_WIDTH]);
         view.profile = true;
-        assert_eq!(side_widths(&view, 640.0), [0.0, SIDE_WIDTH]);
+        assert_eq!(side_widths(&view, false, 640.0), [0.0, SIDE_WIDTH]);
         view.left_panel = true;
-        assert_eq!(side_widths(&view, 1066.0), [SIDE_WIDTH; 2]);
+        assert_eq!(side_widths(&view, false, 1066.0), [SIDE_WIDTH; 2]);
         for window in [560.0, 640.0, 700.0, 1066.0, 1920.0] {
-            let [left, right] = side_widths(&view, window);
+            let [left, right] = side_widths(&view, false, window);
             assert!(window - left - right >= MIN_PICTURE_WIDTH, "{window}: {left}, {right}");
         }
     }

@@ -3,6 +3,7 @@
 mod appearance;
 mod curves;
 mod find;
+mod instruments;
 mod layout;
 mod physics;
 mod plots;
@@ -108,12 +109,16 @@ impl Panels {
 
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let context = ui.ctx().clone();
-        let [left, right] = side_widths(cx.view, context.content_rect().width());
+        let [left, right] = side_widths(cx.view, cx.snapshot.has_instruments(), context.content_rect().width());
         if left > 0.0 {
             layout::left(&context, left, |ui| self.show_left(ui, cx));
         }
         if right > 0.0 {
             layout::right(&context, right, |ui| {
+                if cx.view.instruments {
+                    self.plots.show_instruments(ui);
+                    instruments::show(ui, cx);
+                }
                 self.plots.show(ui, cx);
                 if cx.view.right_panel {
                     self.show_right(ui, cx);

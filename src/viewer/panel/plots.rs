@@ -43,6 +43,25 @@ impl PlotPanel {
         &self.curves.watched
     }
 
+    /// Shows the plots of the instruments.
+    pub fn show_instruments(&self, ui: &mut Ui) {
+        let plots = &self.curves.instruments;
+        // The sliders follow below.
+        let room = 0.6 * ui.ctx().content_rect().height();
+        let height = (room / plots.len().max(1) as f32 - TITLE_HEIGHT).clamp(MIN_HEIGHT, MAX_HEIGHT);
+        for (index, plot) in plots.iter().enumerate() {
+            // A title may equal that of a plot of the viewer, or that of a plot in another panel.
+            ui.push_id(("instruments", index), |ui| show_plot(ui, &plot.title, "", &plot.curves, height));
+        }
+        #[cfg(feature = "test-hooks")]
+        crate::viewer::test_hooks::set_plots(
+            plots
+                .iter()
+                .map(|plot| (plot.title.to_string(), plot.curves.iter().map(|curve| curve.name.clone()).collect()))
+                .collect(),
+        );
+    }
+
     pub fn show(&self, ui: &mut Ui, cx: &PanelContext<'_>) {
         let view = &*cx.view;
         let mut plots: Vec<(&str, &str, &[Curve])> = Vec::new();

@@ -57,12 +57,7 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             let range = low.min(ctrl)..=high.max(ctrl);
             let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
             #[cfg(feature = "test-hooks")]
-            {
-                // The rail is at the left, the number at the right.
-                let rail = slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0);
-                let number = slider.rect.right_center() - egui::vec2(10.0, 0.0);
-                crate::viewer::test_hooks::add_slider([rail, number], ui.pixels_per_point());
-            }
+            crate::viewer::test_hooks::add_slider(&slider, ui);
             if slider.changed() {
                 cx.send(EndpointRequest::SetControl(actuator.id(), value));
             }

@@ -21,8 +21,8 @@ use self::playback::Player;
 pub(crate) use self::playback::{Burst, PlaybackState};
 use self::step::StepTiming;
 use super::endpoint::SimulationEndpoint;
+use super::instruments::InstrumentedController;
 use super::link::{InfoLine, Mode, PhysicsEnd, SimulationSpeed, Status};
-use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::Result;
 use crate::model::Model;
@@ -38,7 +38,7 @@ const MAX_FACTOR: f64 = 1024.0;
 pub(crate) struct Simulation {
     data: Data,
     endpoint: SimulationEndpoint,
-    controller: Option<Box<dyn Controller + Send>>,
+    controller: Option<Box<dyn InstrumentedController>>,
     player: Option<Player>,
     modes: Vec<Mode>,
     mode: Mode,
@@ -73,7 +73,7 @@ impl Simulation {
     /// For a trajectory without records or of another model, and if there is no memory.
     pub fn new(
         data: Data,
-        controller: Option<Box<dyn Controller + Send>>,
+        controller: Option<Box<dyn InstrumentedController>>,
         trajectories: Vec<Trajectory>,
         link: PhysicsEnd,
     ) -> Result<Self> {
@@ -148,6 +148,13 @@ impl Simulation {
         self.problem = problem;
         (self.paused, self.step_pending) = (true, false);
         self.unpublished = true;
+    }
+
+    /// As [`fail`](Self::fail), for a problem that is likely to recur in every snapshot.
+    fn fail_once(&mut self, problem: String) {
+        if self.problem != problem {
+            self.fail(problem);
+        }
     }
 
     fn speed(&self) -> SimulationSpeed {

@@ -29,6 +29,9 @@ impl Simulation {
                 Err(error) => self.endpoint.link.send(Event::Notice(error.to_string())),
             },
         }
+        if self.endpoint.instruments.has_edits() {
+            self.declare_instruments();
+        }
     }
 
     fn execute_simulation(&mut self, request: SimulationRequest) {

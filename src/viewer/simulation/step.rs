@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use super::{History, NoiseSource, Simulation};
-use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::{Result, catch_panic};
 use crate::viewer::endpoint::SimulationEndpoint;
+use crate::viewer::instruments::InstrumentedController;
 use crate::viewer::link::{InfoLine, InfoLines, Mode};
 
 /// Weight of the newest step in the moving averages.
@@ -112,10 +112,26 @@ impl Simulation {
         }
     }
 
+    /// Lets the controller declare its instruments, and receive the parameters that the user has changed.
+    pub(super) fn declare_instruments(&mut self) {
+        let Self { data, endpoint, controller, mode, .. } = self;
+        let controller = controller.as_deref_mut().filter(|_| *mode == Mode::Controller);
+        let (Some(controller), Ok(())) = (controller, data.check_usable()) else {
+            return endpoint.instruments.clear();
+        };
+        let declared = endpoint
+            .instruments
+            .declare(|instruments| catch("the closure for instruments", || controller.declare(data, instruments)));
+        if let Err(problem) = declared {
+            endpoint.instruments.clear();
+            self.fail_once(problem);
+        }
+    }
+
     fn take_step(
         data: &mut Data,
         endpoint: &mut SimulationEndpoint,
-        controller: Option<&mut (dyn Controller + Send + 'static)>,
+        controller: Option<&mut (dyn InstrumentedController + 'static)>,
         noise: &mut NoiseSource,
         timing: &mut StepTiming,
     ) -> Result<(), String> {

@@ -102,6 +102,7 @@ impl Simulation {
     }
 
     fn publish(&mut self, now: Duration) {
+        self.declare_instruments();
         let (status, speed, mode, noise) = (self.status(), self.speed(), self.mode, self.noise.settings);
         let Self { data, endpoint, player, modes, history, timing, problem, lines, paused, .. } = self;
         let moves = !*paused && mode != Mode::Trajectory;
@@ -135,11 +136,7 @@ impl Simulation {
         endpoint.remove_perturbation(data);
         (self.unpublished, self.published) = (false, now);
         if let Err(error) = published {
-            // The error is likely to recur in every snapshot. It is reported once.
-            let problem = error.to_string();
-            if self.problem != problem {
-                self.fail(problem);
-            }
+            self.fail_once(error.to_string());
         }
     }
 }

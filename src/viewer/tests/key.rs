@@ -213,10 +213,11 @@ fn align_shows_the_whole_model() {
 fn panels_and_plots_are_toggled() {
     type Shown = fn(&Bench) -> bool;
     let mut bench = Bench::humanoid();
-    let panels: [(Key, Modifiers, Shown); 7] = [
+    let panels: [(Key, Modifiers, Shown); 8] = [
         (Key::Function(2), NONE, |bench| bench.view.info),
         (Key::Function(3), NONE, |bench| bench.view.profile),
         (Key::Function(4), NONE, |bench| bench.view.sensors),
+        (Key::Function(3), SHIFT, |bench| bench.view.instruments),
         (Key::Tab, NONE, |bench| bench.view.left_panel),
         (Key::Tab, SHIFT, |bench| bench.view.right_panel),
         (character('1'), COMMAND, |bench| bench.view.left_panel),

@@ -3,6 +3,7 @@
 mod batch;
 mod failure;
 mod handle;
+mod instruments;
 mod key;
 mod mode;
 mod mouse;
@@ -14,6 +15,7 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use super::input::{Action, Key, KeyPress, Modifiers, WindowAction, find_action};
+use super::instruments::InstrumentedController;
 use super::link::{Event, Mode, Request, Snapshot, WindowEnd, link};
 use super::simulation::Simulation;
 use super::view::View;
@@ -35,6 +37,16 @@ impl Bench {
     }
 
     pub fn with(data: Data, controller: Option<Box<dyn Controller + Send>>, trajectories: Vec<Trajectory>) -> Self {
+        let controller = controller.map(|controller| Box::new(controller) as _);
+        Self::start(data, controller, trajectories)
+    }
+
+    /// Creates a bench for a controller with instruments.
+    pub fn instrumented(data: Data, controller: impl InstrumentedController + 'static) -> Self {
+        Self::start(data, Some(Box::new(controller)), Vec::new())
+    }
+
+    fn start(data: Data, controller: Option<Box<dyn InstrumentedController>>, trajectories: Vec<Trajectory>) -> Self {
         let view = View::new(data.model());
         let (window, physics) = link(|| ());
         let simulation = Simulation::new(data, controller, trajectories, physics).unwrap();

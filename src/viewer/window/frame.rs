@@ -117,7 +117,9 @@ impl Session {
 
     /// Takes the newest snapshot, and resets the view and the panels if its model was replaced.
     pub(super) fn update_model(&mut self) {
+        let had_instruments = self.link.current().is_some_and(Snapshot::has_instruments);
         let Some((snapshot, _)) = self.link.latest() else { return };
+        self.panels_stale |= snapshot.has_instruments() != had_instruments;
         let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
@@ -130,10 +132,10 @@ impl Session {
     /// Renders the newest snapshot and the panels.
     fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<(), RenderError> {
         let gpu = self.surface.gpu().clone();
+        // Another snapshot may have arrived since `handle_physics_events`. Its instruments determine the area of the picture.
+        self.update_model();
         let area = self.picture_area();
         self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));
-        // Another snapshot may have arrived since `handle_physics_events`.
-        self.update_model();
         let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else {
             if let Some(texture) = texture {
                 self.overlay.run(&self.window, Panels::show_waiting);
@@ -231,7 +233,7 @@ impl Session {
         let pass = self.overlay.run(&self.window, |ui| {
             actions.clear();
             #[cfg(feature = "test-hooks")]
-            test_hooks::clear_sliders();
+            test_hooks::clear_widgets();
             let mut cx = PanelContext { snapshot, view, options, appearance, status: &status, actions: &mut actions };
             self.panels.show(ui, &mut cx);
         });
@@ -253,7 +255,9 @@ impl Session {
     pub(super) fn picture_area(&self) -> PixelRect {
         let [width, height] = self.surface.size();
         let scale = self.overlay.pixels_per_point();
-        let sides = self.view.as_ref().map_or([0.0; 2], |view| side_widths(view, width as f32 / scale));
+        let has_instruments = self.link.current().is_some_and(Snapshot::has_instruments);
+        let sides =
+            self.view.as_ref().map_or([0.0; 2], |view| side_widths(view, has_instruments, width as f32 / scale));
         let [left, right] = sides.map(|points| (points * scale).round() as u32);
         // The area is inside the window, even if the window is narrower than its panels.
         let left = left.min(width.saturating_sub(1));
