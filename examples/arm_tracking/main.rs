@@ -19,6 +19,8 @@ use std::time::Instant;
 use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
+use common::live_plan::{LivePlan, Point};
+use mujoco_safe::{Data, Model};
 use tracking::{Run, model, target, track};
 
 /// An arm follows a moving target with predictive control.
@@ -64,9 +66,21 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         println!("wrote {}\nwrote {}", svg.display(), csv.display());
     }
     if arguments.planning.view {
-        common::window::replay("Arm that follows a target", mujoco_safe::Data::new(model)?, vec![run.trajectory])?;
+        view(&model, run, arguments.planning.threads)?;
     }
     Ok(())
+}
+
+/// Shows the arm under the controller: the path of the hand in the plan, the cost of each term, and sliders for the weights. The trajectory mode
+/// replays the run.
+fn view(model: &Arc<Model>, run: Run, threads: usize) -> Result<(), Box<dyn Error>> {
+    let mut data = Data::new(model.clone())?;
+    data.reset_to_key(model.keyframe("ready")?.id())?;
+    let hand = model.site("hand")?.index();
+    let points = vec![Point { position: Box::new(move |data| data.site_xpos()[hand]), rgba: [0.9, 0.55, 0.1, 1.0] }];
+    let controller = tracking::controller(&data, threads)?;
+    let plan = LivePlan::new(&data, controller, points, tracking::show_target)?;
+    common::window::show_plan("Arm that follows a target", data, plan, vec![run.trajectory])
 }
 
 fn panels(times: &[f64], run: &Run) -> [Panel<'static>; 2] {

@@ -62,10 +62,9 @@ pub struct Run {
     pub hand: Vec<[f64; 3]>,
 }
 
-/// Simulates the arm, which plans every 20 ms for the next 0.1 s.
-pub fn track(model: &Arc<Model>, seconds: f64, threads: usize) -> Result<Run> {
-    let mut data = Data::new(model.clone())?;
-    data.reset_to_key(model.keyframe("ready")?.id())?;
+/// Creates the controller, which plans every 20 ms for the next 0.1 s. Its cost measures the distance of the hand from the target, motion and effort.
+pub fn controller(data: &Data, threads: usize) -> Result<PredictiveController<IlqrPlanner, ResidualCost>> {
+    let model = data.model();
     let cost = ResidualCost::new(
         model,
         [
@@ -77,13 +76,24 @@ pub fn track(model: &Arc<Model>, seconds: f64, threads: usize) -> Result<Run> {
         ],
     )?;
     let options = IlqrOptions::default().with_iterations(2).with_threads(threads);
-    let planner = IlqrPlanner::new(model, HORIZON, options)?;
-    let mut controller = PredictiveController::new(&data, planner, cost, INTERVAL)?;
+    PredictiveController::new(data, IlqrPlanner::new(model, HORIZON, options)?, cost, INTERVAL)
+}
+
+/// Shows the target at the present time.
+pub fn show_target(data: &mut Data) {
+    data.mocap_pos_mut()[0] = target(data.time());
+}
+
+/// Simulates the arm under the controller.
+pub fn track(model: &Arc<Model>, seconds: f64, threads: usize) -> Result<Run> {
+    let mut data = Data::new(model.clone())?;
+    data.reset_to_key(model.keyframe("ready")?.id())?;
+    let mut controller = controller(&data, threads)?;
     let hand = model.site("hand")?.id();
     let steps = (seconds / model.timestep()).round() as usize;
     let mut run = Run { trajectory: Trajectory::with_capacity(model, steps), distances: Vec::new(), hand: Vec::new() };
     for _ in 0..steps {
-        data.mocap_pos_mut()[0] = target(data.time());
+        show_target(&mut data);
         controller.control(&mut data)?;
         run.trajectory.push(&data)?;
         data.step()?;

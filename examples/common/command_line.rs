@@ -17,7 +17,7 @@ pub struct Planning {
     /// Folder for the plot and the trajectory; without it, no files are written
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replay the run in a window (requires the feature viewer)
+    /// Show the run in a window (requires the feature viewer)
     #[arg(long)]
     pub view: bool,
 }

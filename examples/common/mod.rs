@@ -1,9 +1,11 @@
-//! Code shared by the examples: command line, charts, the viewer window, a balancing humanoid, and the cost of standing.
+//! Code shared by the examples: command line, charts, the viewer window, plans in the viewer, a balancing humanoid, and the cost of
+//! standing.
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 
 pub mod balance;
 pub mod chart;
 pub mod command_line;
+pub mod live_plan;
 pub mod standing;
 pub mod window;

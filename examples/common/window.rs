@@ -6,6 +6,8 @@ use std::error::Error;
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Controller, Data, Trajectory};
 
+use super::live_plan::LivePlan;
+
 #[cfg(not(feature = "viewer"))]
 const NO_WINDOW: &str = "--view requires the viewer: run with `cargo run --features viewer`";
 
@@ -18,6 +20,16 @@ pub fn show(
     trajectories: Vec<Trajectory>,
 ) -> Result<(), Box<dyn Error>> {
     viewer(title).controller(controller).trajectories(trajectories).run(data)?;
+    Ok(())
+}
+
+/// Shows a simulation under a predictive controller with its plan, and recorded trajectories, until the window is closed.
+#[cfg(feature = "viewer")]
+pub fn show_plan(title: &str, data: Data, plan: LivePlan, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
+    viewer(title)
+        .instrumented_controller(plan, |plan, _, instruments| plan.declare(instruments))
+        .trajectories(trajectories)
+        .run(data)?;
     Ok(())
 }
 
@@ -42,5 +54,11 @@ pub fn replay(_: &str, _: Data, _: Vec<Trajectory>) -> Result<(), Box<dyn Error>
 /// Returns an error: the viewer is not built.
 #[cfg(not(feature = "viewer"))]
 pub fn show(_: &str, _: Data, _: impl Controller + Send + 'static, _: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
+    Err(NO_WINDOW.into())
+}
+
+/// Returns an error: the viewer is not built.
+#[cfg(not(feature = "viewer"))]
+pub fn show_plan(_: &str, _: Data, _: LivePlan, _: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     Err(NO_WINDOW.into())
 }

@@ -14,6 +14,13 @@
 //! ```
 //!
 //! compares LQR with iLQR over a receding horizon in pushes of random direction against the humanoid on one leg ([`pushes`]): a table, a plot and a film.
+//!
+//! ```text
+//! cargo run --release --features viewer --example humanoid_predictive -- --view
+//! ```
+//!
+//! shows the humanoid on one leg under iLQR in the viewer ([`live`]): the planned paths of its centre of mass and of its right sole, the cost of each
+//! term, and sliders for the weights. Space starts the simulation. Double-click on the humanoid, then pull it with Ctrl and the right mouse button.
 
 mod attempt;
 #[path = "../common/mod.rs"]
@@ -21,6 +28,7 @@ mod common;
 mod cost;
 #[path = "../humanoid_lqr/film.rs"]
 mod film;
+mod live;
 mod planner;
 mod plots;
 mod pushes;
@@ -67,6 +75,9 @@ struct Arguments {
     /// Number of threads for planning
     #[arg(long, value_name = "N", default_value_t = command_line::cores())]
     threads: usize,
+    /// Show the humanoid on one leg under iLQR in a window instead (requires the feature viewer)
+    #[arg(long, conflicts_with_all = ["seeds", "pushes"])]
+    view: bool,
     /// Folder for the plots and the first trajectory; without it, no files are written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -77,6 +88,9 @@ fn main() -> std::process::ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    if arguments.view {
+        return live::run(arguments.threads);
+    }
     if let Some(count) = arguments.pushes {
         return pushes::run(&Series {
             first_seed: arguments.first_seed,

@@ -206,6 +206,61 @@
 //! In `cargo run --release --example humanoid_predictive -- --pushes 100`, the humanoid stands on one leg and is pushed for 0.1 s by 85 N in random directions. The LQR of
 //! its stance falls in 56 of 100 pushes, and iLQR over a horizon of 100 steps in none.
 //!
+//! # Predictive control in the viewer
+//!
+//! The viewer runs any controller. With [`Viewer::instrumented_controller`][instrumented], a closure also declares its [`Instruments`][instruments]: values that are
+//! plotted over time, parameters that the user changes with sliders, and paths in the scene. Here they are the cost of each term in the first step of the plan, the
+//! weights, and the planned path of the pole's tip. A changed weight acts from the next plan:
+//!
+#![cfg_attr(feature = "viewer", doc = "```no_run")]
+#![cfg_attr(not(feature = "viewer"), doc = "```ignore")]
+//! use mujoco_safe::control::ilqr::IlqrOptions;
+//! use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
+//! use mujoco_safe::control::residual::{Controls, JointPosition, JointVelocity, ResidualCost, Term};
+//! use mujoco_safe::viewer::{Viewer, ViewerError};
+//! use mujoco_safe::{Data, Result, sample};
+//!
+//! let data = Data::new(sample::cartpole())?;
+//! let model = data.model().clone();
+//! let position = Term::new("position", JointPosition::all(&model).with_target(&[0.5, 0.0])?).with_weight(10.0);
+//! let velocity = Term::new("velocity", JointVelocity::all(&model)).with_weight(0.1);
+//! let effort = Term::new("effort", Controls::new(&model)).with_weight(0.01);
+//! let cost = ResidualCost::new(&model, [position, velocity, effort])?;
+//! let planner = IlqrPlanner::new(&model, 60, IlqrOptions::default().with_iterations(1))?;
+//! let controller = PredictiveController::new(&data, planner, cost, 2)?;
+//!
+//! // A second simulation takes the states of the plan.
+//! let mut planned = Data::new(model.clone())?;
+//! let (tip, mut costs) = (model.site("tip")?.id(), vec![0.0; 3]);
+//! Viewer::new()
+//!     .instrumented_controller(controller, move |controller, _, instruments| -> Result<()> {
+//!         for term in controller.cost_mut().terms_mut() {
+//!             let mut weight = term.weight;
+//!             if instruments.parameter(term.name(), &mut weight, 1e-3..=1e3) {
+//!                 (term.weight, term.terminal_weight) = (weight, weight);
+//!             }
+//!         }
+//!         let (plan, cost) = (controller.policy(), controller.cost());
+//!         cost.values_into(0, plan.states().row(0), Some(plan.controls().row(0)), &mut costs)?;
+//!         for (term, value) in cost.terms().iter().zip(&costs) {
+//!             instruments.value("cost of a step", term.name(), *value);
+//!         }
+//!         let mut path = Vec::new();
+//!         for state in plan.states().rows() {
+//!             planned.qpos_mut().copy_from_slice(&state[..model.nq()]);
+//!             planned.kinematics()?;
+//!             path.push(*planned.site(tip).xpos());
+//!         }
+//!         instruments.path(path, 0.005, [0.9, 0.5, 0.1, 1.0]);
+//!         Ok(())
+//!     })
+//!     .run(data)?;
+//! # Ok::<(), ViewerError>(())
+//! ```
+//!
+//! A program that steps its simulation itself declares them with [`ViewerHandle::instruments`][handle_instruments]. The examples `humanoid_predictive` and
+//! `arm_tracking` show their plans with `--view`.
+//!
 //! # Predictive control by sampling
 //!
 //! A [`SamplingPlanner`](crate::control::predictive::SamplingPlanner) takes the place of the `IlqrPlanner` if the cost has no derivatives: predictive sampling, or MPPI.
@@ -290,6 +345,9 @@
 //! [`push`](crate::Trajectory::push) appends the present state, and [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
 //! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy arrays. The viewer plays
 //! trajectories. [`Rollout`](crate::rollout::Rollout) always records sensor readings.
+
+#![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
+#![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]
 
 #[cfg(doc)]
 use crate::{Controller, Data, Lineariser, Lqr, Model, control::TimeVaryingLqr};

@@ -158,6 +158,9 @@
 //!
 //! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches [`Data::time`].
 //!
+//! [`Viewer::instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a controller: plots of its values, sliders for its parameters, and paths or
+//! other geoms in the scene. [`ViewerHandle::instruments`][handle_instruments] does so for a program. See [control](super::control#predictive-control-in-the-viewer).
+//!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
 #![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]
 

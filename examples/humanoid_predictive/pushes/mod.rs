@@ -18,7 +18,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use mujoco_safe::Result;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use mujoco_safe::rayon::prelude::*;
-use scenario::{HORIZON, INTERVAL, PUSH_AT, PUSH_DURATION, Scenario};
+pub use scenario::Scenario;
+use scenario::{HORIZON, INTERVAL, PUSH_AT, PUSH_DURATION};
 
 use crate::simulate::Run;
 

@@ -24,7 +24,7 @@ pub const PUSH_DURATION: f64 = 0.1;
 
 pub struct Scenario {
     pub model: Arc<Model>,
-    set_point: SetPoint,
+    pub set_point: SetPoint,
     lqr: Lqr,
 }
 
@@ -39,6 +39,18 @@ impl Scenario {
         let centre = data.subtree_com()[self.model.body("torso")?.index()];
         let SetPoint { qpos, ctrl, .. } = &self.set_point;
         Standing { centre, qpos, ctrl, momentum: 0.5, posture: 0.2 }.cost(&self.model)
+    }
+
+    /// Creates the predictive controller. Its planner starts from the controls of the set-point.
+    pub fn controller(&self, start: &Data, threads: usize) -> Result<PredictiveController<IlqrPlanner, ResidualCost>> {
+        let options = IlqrOptions::default()
+            .with_iterations(1)
+            .with_threads(threads)
+            .with_step_sizes([1.0, 0.5, 0.2, 0.05])
+            .with_sufficient_decrease(0.3);
+        let held = Matrix::from_row_major(HORIZON, self.model.nu(), self.set_point.ctrl.repeat(HORIZON));
+        let planner = IlqrPlanner::new(&self.model, HORIZON, options)?.with_initial_controls(held)?;
+        PredictiveController::new(start, planner, self.cost(start)?, INTERVAL)
     }
 
     /// Simulates a push under each controller.
@@ -56,13 +68,7 @@ impl Scenario {
 
         let mut start = Data::new(self.model.clone())?;
         self.set_point.apply(&mut start)?;
-        let options = IlqrOptions::default()
-            .with_iterations(1)
-            .with_step_sizes([1.0, 0.5, 0.2, 0.05])
-            .with_sufficient_decrease(0.3);
-        let held = Matrix::from_row_major(HORIZON, self.model.nu(), self.set_point.ctrl.repeat(HORIZON));
-        let planner = IlqrPlanner::new(&self.model, HORIZON, options)?.with_initial_controls(held)?;
-        let planned = run(&mut PredictiveController::new(&start, planner, self.cost(&start)?, INTERVAL)?)?;
+        let planned = run(&mut self.controller(&start, 1)?)?;
         Ok(Outcome { seed, angle, regulated, planned })
     }
 }
