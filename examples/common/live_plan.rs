@@ -11,9 +11,12 @@ const RADIUS: f64 = 0.004;
 /// Largest change of a weight, as a factor.
 const FACTOR: f64 = 100.0;
 
+/// Function that reads the position of a point, m, world frame.
+type Position = Box<dyn Fn(&Data) -> [f64; 3] + Send>;
+
 /// Point of the model whose path is drawn.
 pub struct Point {
-    pub position: Box<dyn Fn(&Data) -> [f64; 3] + Send>,
+    pub position: Position,
     pub rgba: [f32; 4],
 }
 
@@ -74,7 +77,9 @@ impl LivePlan {
         let Self { controller, points, paths, terms, costs, data, .. } = self;
         let (policy, cost, model) = (controller.policy(), controller.cost(), data.model().clone());
         paths.iter_mut().for_each(Vec::clear);
-        terms.iter_mut().for_each(|term| term.cost = 0.0);
+        for term in &mut *terms {
+            term.cost = 0.0;
+        }
         for step in 0..=policy.steps() {
             let state = policy.states().row(step);
             let controls = (step < policy.steps()).then(|| policy.controls().row(step));
