@@ -207,7 +207,9 @@ mod tests {
         let (mut handle, mut curves) = (ViewerHandle::new(physics), Curves::default());
         let mut show = |plots: &[(&str, &str, f64)]| {
             handle.instruments(|instruments| {
-                plots.iter().for_each(|(plot, name, value)| instruments.value(plot, name, *value));
+                for (plot, name, value) in plots {
+                    instruments.value(plot, name, *value);
+                }
             });
             handle.sync(&mut data).unwrap();
             data.step().unwrap();
