@@ -4,7 +4,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId};
-use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions};
+use mujoco_safe::enums::{JacobianStorage, Solver};
+use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions, ModelMut};
 use mujoco_safe::{Data, Error, Matrix, Model, Result, sample};
 
 use crate::child;
@@ -268,6 +269,24 @@ fn print_to_writes_tendons_while_constraints_are_disabled() {
         data.print_to(file.path()).unwrap();
         assert!(std::fs::read_to_string(file.path()).unwrap().contains("TEN_LENGTH"));
     }
+}
+
+/// Inverse dynamics of engines from 3.0 does not compute the matrix of the dual solver, which they print through a null pointer.
+#[test]
+fn print_to_succeeds_after_inverse_dynamics_with_the_dual_solver() {
+    if !child::is_child() {
+        return child::passes("function_arguments::print_to_succeeds_after_inverse_dynamics_with_the_dual_solver");
+    }
+    let mut data = in_contact();
+    let sparse_dual = |model: &mut ModelMut<'_>| {
+        model.edit_options(|options| (options.solver, options.jacobian) = (Solver::Pgs, JacobianStorage::Sparse))
+    };
+    data.edit_model(sparse_dual).unwrap();
+    data.inverse().unwrap();
+    assert!(data.nefc() > 0);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    data.print_to(file.path()).unwrap();
+    assert!(std::fs::read_to_string(file.path()).unwrap().contains("CFRC_EXT"));
 }
 
 #[test]
