@@ -7,7 +7,7 @@ use mujoco_safe::viewer::Instruments;
 use mujoco_safe::{Controller, Data, Result};
 
 /// Radius of the path of a point, m.
-const RADIUS: f64 = 0.004;
+const RADIUS: f64 = 0.01;
 /// Largest change of a weight, as a factor.
 const FACTOR: f64 = 100.0;
 
