@@ -345,7 +345,7 @@
 //! [`push`](crate::Trajectory::push) appends the present state, and [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
 //! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy arrays. The viewer plays
 //! trajectories. [`Rollout`](crate::rollout::Rollout) always records sensor readings.
-
+//!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
 #![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]
 
