@@ -31,8 +31,8 @@ fn main() {
         Some("none") => println!(
             "cargo::warning=no test of mujoco-safe runs with this version of MuJoCo: its promises may not hold, and memory safety may fail"
         ),
-        Some("some") => println!(
-            "cargo::warning=building against a MuJoCo other than 2.2.2, for which the promises of mujoco-safe do not hold yet"
+        Some("smoke") => println!(
+            "cargo::warning=only the smoke tests of mujoco-safe run with this version of MuJoCo: its promises may not hold"
         ),
         _ => {}
     }

@@ -24,7 +24,8 @@ impl Tests {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::All => "all",
-            Self::Most | Self::Smoke => "some",
+            Self::Most => "most",
+            Self::Smoke => "smoke",
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Engines and set-up: installation of MuJoCo 2.2.2, and the search paths at build time and at run time.
+//! Engines and set-up: versions of MuJoCo, installation, and the search paths at build time and at run time.
 //!
-//! This crate supports MuJoCo **2.2.2**. The layout of the engine's structs changes with each release, so each version has its own bindings.
-//! Other versions are for trials, and [`promises`](crate::guide::promises) lists what does not hold with them:
+//! This crate supports MuJoCo **2.2.2**, **3.5.0**, **3.17.0** and **4.0.0**; [`promises`](crate::guide::promises) names what differs with the last
+//! three. Other versions are for trials. The layout of the engine's structs changes with each release, so each version has its own bindings:
 //!
 //! | MuJoCo | bindings | tests |
 //! |---|---|---|
@@ -143,7 +143,8 @@
 //! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and
 //! `cargo doc` with an engine shows its accessors. The hand-written interface is the same with every engine. What an engine lacks is
 //! [`Error::Unsupported`](crate::Error::Unsupported). So is [`Model::from_binary`](crate::Model::from_binary) with newer engines, because the rules
-//! by which a binary model is safe to load are known for 2.2.2 only.
+//! by which a binary model is safe to load are known for 2.2.2 only. The unsafe [`Model::from_binary_unchecked`](crate::Model::from_binary_unchecked)
+//! loads a trusted one.
 //!
 //! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all engines. A setter returns `Error::Unsupported`
 //! for a variant, a flag or an option that the engine lacks, with the versions that have it.
@@ -175,7 +176,7 @@
 //! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | MJCF and URDF files, which pass the checks of the main file. Other formats are rejected |
 //! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |
-//! | delays of actuators and sensors | 3.5 | rejected: the engine does not check the positions in its buffers, which a state vector would set |
+//! | delays of actuators and sensors | 3.5 | simulated. State vectors with [`StateSpec::HISTORY`](crate::StateSpec::HISTORY) contain their buffers, which `set_state` checks. Linearisations are `Error::Unsupported`, as in C |
 //! | actuators with several controls, forces or activations | 3.11 | rejected |
 //! | IPC contacts of flexes | 4.0 | rejected: no state vector contains the state of these contacts |
 //!

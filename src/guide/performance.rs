@@ -90,12 +90,12 @@
 //! | [`Data::step`], humanoid | 43 µs | 1.000 [0.998, 1.003] | `cargo bench --bench step` |
 //! | [`Data::step`], cart-pole | 1.7 µs | 0.993 [0.992, 0.994] | |
 //! | [`Data::step`], 22 humanoids | 0.8 ms | 0.999 [0.994, 1.004] | |
-//! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.000 [0.999, 1.002] | `cargo bench --bench transition_fd` |
-//! | the same in closed form, by a [`Lineariser`](crate::Lineariser) | 87 µs | 0.046 [0.045, 0.047] | |
-//! | the same with elliptic cones and equality constraints | | 0.026 [0.025, 0.027] | |
-//! | the same of the cart-pole | | 0.327 [0.326, 0.327] | |
-//! | humanoid, by implicit differentiation | | 0.421 [0.420, 0.421] | |
-//! | the same in two threads | | 0.26 to 0.34 in three runs, as other programs used the host | |
+//! | [`Data::transition_fd_into`], humanoid, A and B | 1.7 ms | 1.001 [1.000, 1.002] | `cargo bench --bench transition_fd` |
+//! | the same in closed form, by a [`Lineariser`](crate::Lineariser) | 51 µs | 0.030 [0.030, 0.031] | |
+//! | the same with elliptic cones and equality constraints | | 0.023 [0.023, 0.023] | |
+//! | the same of the cart-pole | | 0.299 [0.299, 0.300] | |
+//! | humanoid, by implicit differentiation | | 0.438 [0.437, 0.440] | |
+//! | the same in two threads | | 0.28 [0.27, 0.29] | |
 //! | [`Data::jac_body_com_into`] | 93 ns | 1.006 [1.005, 1.006] | `cargo bench --bench jacobian` |
 //!
 //! A step takes no longer than in C because the check of the inputs replaces the engine's own, which makes a function call for each number. The

@@ -351,6 +351,18 @@ fn binary_models_load_where_their_rules_are_known_and_are_rejected_elsewhere() {
 }
 
 #[test]
+fn a_trusted_binary_model_loads_with_every_engine() {
+    let bytes = sample::humanoid().to_binary().unwrap();
+    // SAFETY: the bytes of a compiled model, of the same engine.
+    let model = unsafe { Model::from_binary_unchecked(&bytes) }.unwrap();
+    assert_eq!(model.to_binary().unwrap(), bytes);
+
+    // SAFETY: the engine compares the first numbers with its own before it uses the others.
+    let error = unsafe { Model::from_binary_unchecked(&[0; 4096]) }.unwrap_err();
+    assert!(matches!(error, Error::InvalidBinary { .. }), "{error}");
+}
+
+#[test]
 fn unsupported_features_of_newer_engines_are_rejected_with_a_reason() {
     let sleep = r#"<mujoco><option><flag sleep="enable"/></option></mujoco>"#;
     let error = Model::from_xml_str(sleep).unwrap_err();

@@ -28,6 +28,9 @@ pub(super) const TEXT: &str = "(main).xml";
 /// Name of a text from memory in error messages.
 const FROM_MEMORY: &str = "the given XML";
 
+/// Name of a binary model from memory in error messages.
+const BINARY_FROM_MEMORY: &str = "the given buffer";
+
 /// Function that runs the engine's compiler on a file. The last argument is the name in error messages.
 type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
 
@@ -238,7 +241,8 @@ impl Model {
     /// # Errors
     ///
     /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model,
-    /// [`Error::Unsupported`] with engines from 2.3.0, for which the rules of a safe file are not known.
+    /// [`Error::Unsupported`] with engines from 2.3.0, for which the rules of a safe file are not known; see
+    /// [`from_binary_unchecked`](Self::from_binary_unchecked).
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -263,41 +267,88 @@ impl Model {
     /// ```
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary(bytes: &[u8]) -> Result<Self> {
-        Self::from_binary_named(bytes, "the given buffer")
+        Self::from_binary_named(bytes, BINARY_FROM_MEMORY)
+    }
+
+    /// Loads a binary model from memory without a check of its bytes, with every engine.
+    ///
+    /// With engines from 2.3.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large models.
+    ///
+    /// # Safety
+    ///
+    /// The bytes are those that [`to_binary`](Self::to_binary), [`save_binary`](Self::save_binary) or `mj_saveModel` wrote with this version
+    /// of the engine, for a model that the engine compiled. The engine reads out of bounds if a size, an address or an id is wrong.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidBinary`] if the engine rejects the bytes, such as those of another version, or if the model has a feature that
+    /// this crate does not support.
+    ///
+    /// ```
+    /// use mujoco_safe::{Model, sample};
+    ///
+    /// let bytes = sample::cartpole().to_binary()?;
+    /// // SAFETY: the bytes of a compiled model, of the same version of the engine.
+    /// let model = unsafe { Model::from_binary_unchecked(&bytes)? };
+    /// assert_eq!(model.nv(), 2);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_loadModel")]
+    pub unsafe fn from_binary_unchecked(bytes: &[u8]) -> Result<Self> {
+        engine::ready()?;
+        // SAFETY: the caller's promise.
+        let model = unsafe { Self::load_binary(bytes, BINARY_FROM_MEMORY)? };
+        let reason = model.validate().err();
+        reason.map_or(Ok(model), |reason| Err(invalid_binary(BINARY_FROM_MEMORY, reason)))
     }
 
     fn from_binary_named(bytes: &[u8], source_name: &str) -> Result<Self> {
         engine::ready()?;
-        let invalid = |reason: String| Error::InvalidBinary { source_name: source_name.to_owned(), reason };
-        check_binary(bytes, invalid)?;
+        check_binary(bytes, source_name)?;
+        // SAFETY: the bytes were validated.
+        unsafe { Self::load_binary(bytes, source_name) }
+    }
+
+    /// Loads a binary model by the engine.
+    ///
+    /// # Safety
+    ///
+    /// The sizes, addresses, ids and enums in the bytes are those of a model.
+    unsafe fn load_binary(bytes: &[u8], source_name: &str) -> Result<Self> {
         let name = "model.mjb";
         let mut files = VirtualFiles::new();
         files.add(name, bytes)?;
         let name = ffi::c_string("the name of the binary model", name)?;
         let mut loaded = ptr::null_mut();
         let (result, warnings) = collecting_warnings(|| {
-            // SAFETY: a valid name and table. The bytes were validated, so the engine reads only within them.
+            // SAFETY: a valid name and table. By the caller's promise the engine reads only within the bytes.
             let status = unsafe { guard::mj_load_model(name.as_ptr(), files.as_ptr(), &raw mut loaded) };
             ffi::check_without_data("mj_loadModel", status)
         });
         result?;
-        let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
-        // SAFETY: the engine allocated the model, nothing else owns it, and its contents were validated.
+        let raw = NonNull::new(loaded).ok_or_else(|| invalid_binary(source_name, warnings.join("; ")))?;
+        // SAFETY: the engine allocated the model, nothing else owns it, and by the caller's promise its contents are valid.
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 }
 
+fn invalid_binary(source_name: &str, reason: String) -> Error {
+    Error::InvalidBinary { source_name: source_name.to_owned(), reason }
+}
+
 /// Validates a binary model.
 #[cfg(not(engine_since = "2.3.0"))]
-fn check_binary(bytes: &[u8], invalid: impl Fn(String) -> Error) -> Result<()> {
-    super::mjb::check(bytes).map_err(|error| invalid(error.to_string()))
+fn check_binary(bytes: &[u8], source_name: &str) -> Result<()> {
+    super::mjb::check(bytes).map_err(|error| invalid_binary(source_name, error.to_string()))
 }
 
 /// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 only.
 #[cfg(engine_since = "2.3.0")]
-fn check_binary(_: &[u8], _: impl Fn(String) -> Error) -> Result<()> {
+fn check_binary(_: &[u8], _: &str) -> Result<()> {
     let version = crate::version::built_against();
-    Err(Error::Unsupported(format!("binary models with MuJoCo {version}; load the XML, or use MuJoCo 2.2.2")))
+    Err(Error::Unsupported(format!(
+        "binary models with MuJoCo {version}; load the XML, or a trusted file with the unsafe Model::from_binary_unchecked"
+    )))
 }
 
 /// Returns the message for a text that is the path of a model file.
