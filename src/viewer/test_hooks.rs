@@ -4,6 +4,9 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use egui::epaint::ClippedShape;
+use egui::{Rect, Shape};
+
 use super::input::Key;
 use super::link::Snapshot;
 use super::panel::WindowStatus;
@@ -21,6 +24,7 @@ static REPAINTED: AtomicU64 = AtomicU64::new(0);
 static REPAINT_REQUESTED: AtomicBool = AtomicBool::new(false);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static PLOTS: Mutex<Vec<(String, Vec<String>)>> = Mutex::new(Vec::new());
+static TEXTS: Mutex<Vec<(String, [f32; 2])>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<WindowState>> = Mutex::new(None);
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -102,6 +106,8 @@ pub struct WindowState {
     pub plots: Vec<(String, Vec<String>)>,
     /// Names and values of the parameters of the instruments.
     pub parameters: Vec<(String, f64)>,
+    /// Visible texts of the panels, in the order in which they were drawn, and their centres, pixels.
+    pub texts: Vec<(String, [f32; 2])>,
 }
 
 /// Discards the state of previous windows.
@@ -215,6 +221,28 @@ pub(super) fn set_plots(plots: Vec<(String, Vec<String>)>) {
     *lock(&PLOTS) = plots;
 }
 
+/// Sets the visible texts of a pass of the panels.
+pub(super) fn set_texts(shapes: &[ClippedShape], scale: f32) {
+    let mut texts = lock(&TEXTS);
+    texts.clear();
+    for ClippedShape { clip_rect, shape, .. } in shapes {
+        add_texts(shape, *clip_rect, scale, &mut texts);
+    }
+}
+
+fn add_texts(shape: &Shape, clip_rect: Rect, scale: f32, texts: &mut Vec<(String, [f32; 2])>) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| add_texts(shape, clip_rect, scale, texts)),
+        Shape::Text(text) => {
+            let centre = text.visual_bounding_rect().center();
+            if clip_rect.contains(centre) {
+                texts.push((text.galley.text().to_owned(), [centre.x * scale, centre.y * scale]));
+            }
+        }
+        _ => {}
+    }
+}
+
 /// Frame that was drawn.
 pub(super) struct Frame<'a> {
     pub snapshot: &'a Snapshot,
@@ -272,6 +300,7 @@ pub(super) fn record(frame: Frame<'_>) {
         messages,
         sliders,
         plots,
+        texts: lock(&TEXTS).clone(),
         parameters: snapshot.parameters.iter().map(|parameter| (parameter.name.to_string(), parameter.value)).collect(),
     });
 }

@@ -9,7 +9,7 @@ use crate::harness::{press, show_with, state};
 use crate::input::{Input, wait_until};
 
 /// Frames in a period, which consists of rounds of at least 25 frames.
-const FRAMES: u64 = 400;
+const FRAMES: u64 = 1000;
 /// Maximum number of periods.
 const PERIODS: usize = 4;
 /// Growth in a period that counts as a leak, in MB. The smallest frame occupies 0.1 MB, and the texture of a model 3 MB.

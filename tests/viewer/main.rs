@@ -10,8 +10,10 @@
 
 #![forbid(unsafe_code)]
 
+mod contents;
 mod display;
 mod errors;
+mod examples;
 mod harness;
 mod input;
 mod instruments;
@@ -53,6 +55,13 @@ const CASES: &[Case] = &[
     ("panels_do_not_cover_the_picture", panels::layout),
     ("panels_do_not_edit_the_state", panels::no_edits),
     ("panels_change_their_theme_and_scale", panels::style),
+    ("panels_show_names_and_rates", contents::names),
+    ("search_selects_bodies", contents::search),
+    ("panels_save_files", contents::saved_files),
+    ("panels_set_control_noise", contents::noise),
+    ("panels_set_the_appearance", contents::appearance),
+    ("frames_follow_the_state_and_the_display", processor::frames),
+    ("examples_show_windows", examples::windows),
     ("instruments_show_and_change_a_controller", instruments::instruments),
     ("gestures_during_a_slow_frame", queued_events::gestures),
     ("consecutive_windows_on_one_thread", launch::consecutive),

@@ -1,15 +1,51 @@
-//! Processor time of the window, printed for comparison between versions.
+//! Frames of the window, and its processor time, which is printed for comparison between versions.
 
 use std::time::Instant;
 
 use mujoco_safe::viewer::{Viewer, ViewerOptions, test_hooks};
-use mujoco_safe::{Data, sample};
+use mujoco_safe::{Data, Model, sample};
 
 use crate::errors::processor_time;
-use crate::harness::{exit_on_panic, press, settle, state, unique_title};
+use crate::harness::{exit_on_panic, press, settle, show, state, unique_title};
 use crate::input::{Input, wait_until};
 
 const SIZE: [u32; 2] = [1066, 666];
+
+/// Checks that a window is not drawn more often than the state changes or than the display shows, and not for a motion of the pointer over
+/// the scene.
+pub fn frames() {
+    let text = r#"<mujoco><option timestep="0.25"/><worldbody><light pos="0 0 3"/>
+        <body><joint/><geom type="box" size=".1 .2 .3"/></body></worldbody></mujoco>"#;
+    show(Data::new(Model::from_xml_str(text).unwrap()).unwrap(), |input| {
+        press(input, "space", "the simulation runs", |state| state.time > 1.0);
+        let first = state();
+        wait_until("ten steps are taken", || state().time >= first.time + 2.5);
+        let last = state();
+        let steps = (4.0 * (last.time - first.time)).round();
+        let frames = (last.frame - first.frame) as f64;
+        assert!(frames <= steps + 2.0, "{frames} frames for {steps} steps");
+        assert!((last.scenes - first.scenes) as f64 <= steps, "{} images of the scene", last.scenes - first.scenes);
+
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        let mut frame = state().frame;
+        wait_until("no frame is drawn for a second", || {
+            let last = std::mem::replace(&mut frame, state().frame);
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            last == state().frame
+        });
+        input.move_along((0..80).map(|step| [200 + step, 100 + step]), 0.02);
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        assert_eq!(state().frame, frame, "no frame is drawn while the pointer moves over the scene");
+    });
+    // This simulation has far more steps per second than the display has frames.
+    show(Data::new(sample::cartpole()).unwrap(), |input| {
+        press(input, "space", "the simulation runs", |state| state.time > 0.1);
+        let (frame, start) = (state().frame, Instant::now());
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let (frames, seconds) = ((state().frame - frame) as f64, start.elapsed().as_secs_f64());
+        assert!(frames <= 60.5 * seconds + 2.0, "{frames} frames in {seconds} s");
+    });
+}
 
 /// Prints the processor time of this process and the frames, both per second, in several situations.
 pub fn measure() {

@@ -218,6 +218,8 @@ impl Overlay {
         self.input.handle_platform_output(window, output.platform_output);
         let scale = output.pixels_per_point;
         let theme = std::mem::replace(&mut self.theme, self.context.theme());
+        #[cfg(feature = "test-hooks")]
+        crate::viewer::test_hooks::set_texts(&output.shapes, scale);
         let changes = if (scale, self.theme) == (self.scale, theme) {
             changed_rects(&self.shapes, &output.shapes)
         } else {

@@ -1,0 +1,72 @@
+//! Windows of the examples.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use crate::display::Screen;
+use crate::input::{Input, wait_until};
+
+pub fn windows() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("box.xml");
+    std::fs::write(
+        &model,
+        r#"<mujoco><worldbody><light pos="0 0 3"/><body pos="0 0 1"><freejoint/><geom type="box" size=".2 .2 .2"/></body></worldbody>
+        <keyframe><key name="high" qpos="0 0 2 1 0 0 0"/></keyframe></mujoco>"#,
+    )
+    .unwrap();
+    let model = model.to_str().unwrap();
+    show("view", &[model, "--size", "500x300", "--keyframe", "high"], model);
+    show("view", &["--size", "500x300"], "MuJoCo");
+    show("cartpole_lqr", &["--view"], "Cart-pole under LQR");
+    show("humanoid_predictive", &["--view"], "Humanoid with predictive control");
+
+    // A wrong argument is an error before a window opens.
+    let output = command("view", &[model, "--keyframe", "low"]).output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && error.contains("low") && error.contains("high"), "{error}");
+}
+
+/// Returns a command that runs an example.
+fn command(name: &str, arguments: &[&str]) -> Command {
+    let test: PathBuf = std::env::current_exe().unwrap();
+    let program = test.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples").join(name);
+    if !program.exists() {
+        // `cargo test --test viewer` alone does not build the examples.
+        let arguments = ["build", "--quiet", "--features", "viewer,npz,serde", "--example", name];
+        assert!(Command::new(env!("CARGO")).args(arguments).status().unwrap().success(), "the example does not build");
+    }
+    let mut command = Command::new(program);
+    command.args(arguments);
+    command
+}
+
+/// Process that ends with this value.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Runs an example, waits until its window with this title shows a scene, and closes it.
+fn show(name: &str, arguments: &[&str], title: &str) {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
+    let mut process = Process(command(name, arguments).stdout(Stdio::null()).spawn().unwrap());
+    let input = Input::at(title);
+    wait_until(&format!("{name} {arguments:?} draws its window"), || {
+        let ended = process.0.try_wait().unwrap();
+        assert!(ended.is_none(), "{name} {arguments:?} ended with {ended:?}");
+        let screen = Screen::read(&framebuffer);
+        (0..300).any(|column| screen.pixel([100 + column, 150]) != screen.pixel([100, 150]))
+    });
+    input.key("ctrl+q");
+    let mut status = None;
+    wait_until(&format!("{name} {arguments:?} ends"), || {
+        status = process.0.try_wait().unwrap();
+        status.is_some()
+    });
+    assert!(status.unwrap().success(), "{name} {arguments:?}: {status:?}");
+}
