@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use mujoco_safe::render::{Gpu, Renderer, RendererOptions, RgbImage};
-use mujoco_safe::scene::Categories;
+use mujoco_safe::scene::{Categories, RenderFlags};
 
 use crate::Result;
 use crate::arm::Arm;
@@ -26,10 +26,15 @@ const COLUMNS: usize = 3;
 pub fn compare_all(arm: &Arm, engine: &mut Engine) -> Result<()> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
     fs::create_dir_all(&folder)?;
-    let (gpu, options) = (Gpu::new()?, RendererOptions::default().with_max_lights(8));
+    let gpu = Gpu::new()?;
     let raw = folder.join("engine.rgb");
     let (mut sides, mut worse) = (Vec::new(), Vec::new());
     for setting in scenes::all().into_iter().chain(more_scenes::all(arm)?) {
+        let mut options = RendererOptions::default().with_max_lights(8);
+        if setting.render.contains(RenderFlags::WIREFRAME) {
+            // The engine's renderer adds the light that casts shadows once for each of the polygons that share an edge.
+            options = options.with_shadow_size(0);
+        }
         let mut data = setting.after_steps();
         let mut scene = setting.scene(&mut data);
         // An infinite plane follows the camera of the previous update. The engine's process has updated its scene before, too.

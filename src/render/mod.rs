@@ -75,7 +75,10 @@
 //!   frustum.
 //! - A geom with a value that cannot be rendered, such as an infinite position, is skipped.
 //! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
-//! - In wireframe mode the rectangles of planes and boxes have diagonals.
+//! - In wireframe mode the lines are those of the engine, and are one pixel wide on every adapter. Without shadows at most 0.2 % of the pixels differ by
+//!   more than 8 of 255 (bench `render`, argument `pictures`). A light that casts shadows is brighter in the engine's images, which add it once for
+//!   each of the polygons that share an edge: 4 to 9 % of the pixels differ in most scenes, and up to 37 % if lines fill the image.
+//!   Diagonals are visible in round shapes with an odd number of slices.
 //!
 //! # Drivers
 //!

@@ -175,6 +175,31 @@ fn the_sky_is_visible_through_the_wire_frame_of_a_floor() {
 }
 
 #[test]
+fn wireframes_have_the_edges_of_quadrilaterals_without_their_diagonals() {
+    let xml = r#"<mujoco><visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/><map znear="0.01"/></visual>
+      <worldbody><geom type="plane" size="1 1 1" rgba="1 0 0 1"/></worldbody></mujoco>"#;
+    let mut stage = Stage::new(xml, [201, 201]);
+    // The plane has four cells of 1 m by 1 m. From this distance 0.01 m is a pixel.
+    stage.look([0.0; 3], 1.005 / 22.5_f64.to_radians().tan(), 90.0, -90.0);
+    stage.scene.set_render_flags(stage.scene.render_flags() | RenderFlags::WIREFRAME);
+    let picture = stage.rgb();
+    let is_line = |x: usize, y: usize| {
+        (-1..=1).any(|shift: isize| {
+            let [x, y] = [x, y].map(|at| (at as isize + shift) as usize);
+            picture.pixel(x, y)[0] > 60
+        })
+    };
+    // Points on the border of the cells, away from other lines.
+    for (x, y) in [(100, 40), (100, 160), (40, 100), (160, 100)] {
+        assert!(is_line(x, y), "no edge at {x}, {y}");
+    }
+    // The centres of the cells, which are on both diagonals.
+    for (x, y) in [(50, 50), (150, 50), (50, 150), (150, 150), (30, 30), (170, 30)] {
+        assert!(!(y - 4..=y + 4).any(|y| picture.pixel(x, y)[0] > 0), "a diagonal at {x}, {y}");
+    }
+}
+
+#[test]
 fn a_mirror_shows_the_reflected_geom() {
     let mirror = |size: &str| {
         let xml = format!(

@@ -291,6 +291,8 @@ pub(crate) struct ShapeBuffers {
     pub(crate) indices: wgpu::Buffer,
     /// Number of indices; 0 for an empty shape.
     pub(crate) index_count: u32,
+    /// The triangles form quadrilaterals, and the vertices have parities.
+    pub(crate) has_quads: bool,
     /// Tiles of a large plane, for culling; empty for other shapes.
     pub(crate) tiles: Vec<Tile>,
 }
@@ -315,7 +317,9 @@ impl ShapeBuffers {
     }
 
     pub(super) fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
-        Self::with_usage(gpu, bytemuck::cast_slice(&triangles.vertices), &triangles.indices, wgpu::BufferUsages::VERTEX)
+        let Triangles { vertices, indices, has_quads } = triangles;
+        let buffers = Self::with_usage(gpu, bytemuck::cast_slice(vertices), indices, wgpu::BufferUsages::VERTEX)?;
+        Ok(Self { has_quads: *has_quads, ..buffers })
     }
 
     /// Creates buffers whose vertices are rewritten later.
@@ -338,6 +342,7 @@ impl ShapeBuffers {
             vertices: buffer(vertices, usage),
             indices: buffer(bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX),
             index_count: indices.len() as u32,
+            has_quads: false,
             tiles: Vec::new(),
         })
     }
@@ -391,5 +396,6 @@ fn line() -> Triangles {
     Triangles {
         vertices: vec![vertex(0.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(0.0, 1.0)],
         indices: vec![0, 1, 2, 0, 2, 3],
+        has_quads: false,
     }
 }

@@ -138,7 +138,11 @@ impl DrawList {
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
             }
             self.parts.clear();
-            let level = detail_level(geom, &volume, frustum, inputs.aux);
+            let level = if inputs.aux.is_none() && flags.contains(RenderFlags::WIREFRAME) {
+                DetailLevel::Color(0)
+            } else {
+                detail_level(geom, &volume, frustum, inputs.aux)
+            };
             primitive::parts(geom, inputs.shapes, level, &mut self.parts);
             let appearance = Appearance::new(index, geom, inputs, is_behind);
             let first = self.pending.len() as u32;

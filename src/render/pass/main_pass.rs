@@ -1,7 +1,7 @@
 //! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze, transparent geoms, and
 //! labels.
 
-use super::{DrawContext, Labels, PassKind, PipelineKey, ShadowMaps, Sky, Target};
+use super::{DrawContext, Labels, PassKind, PipelineKey, ShadowMaps, Sky, Target, Wireframe};
 use crate::render::draw_list::{Batch, BatchKey, DrawList, MirrorSide, Visibility};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::settings::VisualSettings;
@@ -119,7 +119,7 @@ impl MainPass {
             shading: frame.shading,
             fog: flags.contains(RenderFlags::FOG),
             cull: flags.contains(RenderFlags::CULL_FACE),
-            wireframe: flags.contains(RenderFlags::WIREFRAME) && draw.gpu.has(wgpu::Features::POLYGON_MODE_LINE),
+            wireframe: draw.wireframe(flags),
             additive: flags.contains(RenderFlags::ADDITIVE),
             format: target.format,
             samples: target.samples,
@@ -192,7 +192,7 @@ fn unlit_key(pass_kind: PassKind, key: &PipelineKey) -> PipelineKey {
         pass_kind,
         texture_kind: TextureKind::None,
         shading: Shading::None,
-        wireframe: false,
+        wireframe: Wireframe::Off,
         light_set: 0,
         ..*key
     }

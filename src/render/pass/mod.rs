@@ -14,7 +14,7 @@ mod tiles;
 pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, begin_ids, draw_ids, draw_segment_colors};
 pub(crate) use self::label::Labels;
 pub(crate) use self::main_pass::{FrameInputs, MainPass, begin_main};
-pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines};
+pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines, Wireframe};
 pub(crate) use self::screen_pipeline::screen_pipeline;
 pub(crate) use self::shadow_map::ShadowMaps;
 pub(crate) use self::sky::Sky;
@@ -24,6 +24,7 @@ use super::Gpu;
 use super::assets::{Shapes, Textures};
 use super::draw_list::Batch;
 use super::shader::TextureKind;
+use crate::scene::RenderFlags;
 
 /// Resources of all draw calls.
 #[derive(Clone, Copy)]
@@ -37,6 +38,15 @@ pub(crate) struct DrawContext<'a> {
 }
 
 impl DrawContext<'_> {
+    /// Returns the lines to draw. Without support by the adapter, wireframe mode has no effect.
+    pub(crate) fn wireframe(&self, flags: RenderFlags) -> Wireframe {
+        if flags.contains(RenderFlags::WIREFRAME) && self.gpu.has(wgpu::Features::POLYGON_MODE_LINE) {
+            Wireframe::Triangles
+        } else {
+            Wireframe::Off
+        }
+    }
+
     /// Draws a batch with the pipeline of its key.
     pub(crate) fn batch(&self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: &PipelineKey) {
         let shape = self.shapes.buffers(batch.key.shape);
@@ -46,7 +56,12 @@ impl DrawContext<'_> {
         // Passes without textures override the texture of the batch.
         let texture_kind =
             if key.texture_kind == TextureKind::None { TextureKind::None } else { batch.key.texture_kind };
-        let key = PipelineKey { texture_kind, line: batch.key.line, back_faces: batch.key.back_faces, ..*key };
+        let wireframe = match key.wireframe {
+            Wireframe::Triangles if shape.has_quads && key.pass_kind != PassKind::Shadow => Wireframe::Quads,
+            wireframe => wireframe,
+        };
+        let key =
+            PipelineKey { texture_kind, line: batch.key.line, back_faces: batch.key.back_faces, wireframe, ..*key };
         pass.set_pipeline(&self.gpu.pipelines().get(self.gpu, key));
         if texture_kind != TextureKind::None
             && let Some(texture) = self.textures.get(batch.key.texture)

@@ -53,6 +53,17 @@ impl PassKind {
     }
 }
 
+/// Lines that a pipeline draws instead of filled triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Wireframe {
+    /// Filled triangles.
+    Off,
+    /// All edges of the triangles.
+    Triangles,
+    /// The edges of the quadrilaterals, without their diagonals.
+    Quads,
+}
+
 /// Parameters for which a pipeline is created.
 #[allow(clippy::struct_excessive_bools, reason = "each is an independent switch")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -68,7 +79,7 @@ pub(crate) struct PipelineKey {
     pub(crate) fog: bool,
     /// Face culling is enabled.
     pub(crate) cull: bool,
-    pub(crate) wireframe: bool,
+    pub(crate) wireframe: Wireframe,
     /// Transparent geoms are blended additively.
     pub(crate) additive: bool,
     pub(crate) format: wgpu::TextureFormat,
@@ -90,7 +101,7 @@ impl PipelineKey {
             shading: Shading::None,
             fog: false,
             cull,
-            wireframe: false,
+            wireframe: Wireframe::Off,
             additive: false,
             format,
             samples: 1,
@@ -200,6 +211,7 @@ impl Pipelines {
             shading: key.shading,
             lights: bound,
             fog: key.fog,
+            quad_edges: key.wireframe == Wireframe::Quads,
             clip: matches!(
                 key.pass_kind,
                 PassKind::MirrorOpaque { clip: true } | PassKind::MirrorTransparent { clip: true }

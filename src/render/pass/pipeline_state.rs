@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use super::target::depth_format;
-use super::{PassKind, PipelineKey};
+use super::{PassKind, PipelineKey, Wireframe};
 use crate::render::Gpu;
 use crate::render::draw_list::Instance;
 use crate::render::shader::{Output, ShaderKind};
@@ -75,7 +75,7 @@ fn primitive(key: &PipelineKey, shader: ShaderKind) -> wgpu::PrimitiveState {
         _ if key.line => None,
         _ => Some(if key.back_faces { Front } else { Back }),
     };
-    let is_wireframe = key.wireframe && shader == ShaderKind::Surface;
+    let is_wireframe = key.wireframe != Wireframe::Off && matches!(shader, ShaderKind::Surface | ShaderKind::Depth);
     wgpu::PrimitiveState {
         topology: if shader == ShaderKind::Label {
             wgpu::PrimitiveTopology::TriangleStrip

@@ -13,6 +13,7 @@ use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::view::matrix::product;
 use crate::render::view::{Lights, ShadowRegion, UniformData, ViewFrustum, ViewUniforms, reduction};
 use crate::render::{Gpu, GpuKind, RenderError};
+use crate::scene::RenderFlags;
 
 /// Shadow map of one light.
 #[derive(Debug)]
@@ -148,10 +149,13 @@ impl ShadowMaps {
         encoder: &mut wgpu::CommandEncoder,
         draw: &DrawContext<'_>,
         list: &DrawList,
-        cull: bool,
+        flags: RenderFlags,
     ) {
         // Rendered upside down, so that the texels are in OpenGL's order. The colour format is unused.
+        let cull = flags.contains(RenderFlags::CULL_FACE);
         let key = PipelineKey::untextured(PassKind::Shadow, COLOR_FORMAT, cull, true);
+        // As in the engine's renderer, lines cast shadows in wireframe mode.
+        let key = PipelineKey { wireframe: draw.wireframe(flags), ..key };
         for (light, map) in self.maps[..self.regions.len()].iter_mut().enumerate() {
             if !map.has_casters && !map.needs_clear {
                 continue;

@@ -160,7 +160,7 @@ impl Frame {
         let Some(view) = &self.view else { return };
         if view.aux.is_none() {
             let draw = assets.draw_context(&self.instances);
-            self.shadow_maps.encode(encoder, &draw, &self.list, view.flags.contains(RenderFlags::CULL_FACE));
+            self.shadow_maps.encode(encoder, &draw, &self.list, view.flags);
         }
     }
 

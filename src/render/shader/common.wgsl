@@ -74,7 +74,7 @@ struct Vertex {
 //#if LIT
     @location(1) normal: vec3f,
 //#end
-//#if TEXTURED
+//#if TEXCOORD
     @location(2) texcoord: vec2f,
 //#end
 }

@@ -58,6 +58,8 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) shading: Shading,
     pub(crate) lights: &'a [LightFeatures],
     pub(crate) fog: bool,
+    /// Fragments on the diagonals of quadrilaterals are discarded.
+    pub(crate) quad_edges: bool,
     /// Fragments behind the clipping plane are discarded.
     pub(crate) clip: bool,
 }
@@ -86,7 +88,8 @@ impl ShaderVariant<'_> {
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
             1 | 7 => self.is_lit(),
-            2 | 8 => self.texture_kind != TextureKind::None,
+            2 => self.quad_edges || self.texture_kind != TextureKind::None,
+            8 => self.texture_kind != TextureKind::None,
             6 => self.reads_instance(Output::Color),
             9 => self.reads_instance(Output::Ids),
             _ => true,
@@ -123,6 +126,8 @@ impl ShaderVariant<'_> {
             ("TEXTURE_2D", self.texture_kind == TextureKind::D2),
             ("TEXTURE_CUBE", self.texture_kind == TextureKind::Cube),
             ("TEXTURED", self.texture_kind != TextureKind::None),
+            ("QUAD_EDGES", self.quad_edges),
+            ("TEXCOORD", self.reads(2)),
             ("FOG", self.fog),
             ("CLIP", self.clip),
         ];

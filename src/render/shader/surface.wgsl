@@ -28,6 +28,10 @@ struct Varyings {
 //#if CLIP
     @location(6) side: f32,
 //#end
+//#if QUAD_EDGES
+    // Parity of the vertices: -1 or 1 everywhere on a diagonal, and only at the ends of an edge.
+    @location(14) parity: f32,
+//#end
 //#varyings
 //#end
 }
@@ -88,6 +92,9 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#if CLIP
     out.side = dot(view.plane, vec4f(world, 1.0));
 //#end
+//#if QUAD_EDGES
+    out.parity = vertex.texcoord.x;
+//#end
 //#vertex_shadow
 //#end
     return out;
@@ -111,6 +118,12 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
 //#end
 //#if CLIP
     if in.side < 0.0 {
+        discard;
+    }
+//#end
+//#if QUAD_EDGES
+    // Beyond the end of an edge the interpolation gives a larger parity.
+    if abs(abs(in.parity) - 1.0) < 1e-4 {
         discard;
     }
 //#end

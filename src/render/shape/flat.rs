@@ -91,9 +91,10 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
 /// increases to the right and v upwards.
 fn grid(triangles: &mut Triangles, lines: [&[f32]; 2], at: impl Fn(f32, f32) -> [f32; 3], normal: [f32; 3]) {
     let first = triangles.vertices.len() as u32;
-    for &v in lines[1] {
-        for &u in lines[0] {
-            triangles.vertex(at(u, v), normal);
+    for (row, &v) in (0..).zip(lines[1]) {
+        for (column, &u) in (0..).zip(lines[0]) {
+            let vertex = triangles.vertex(at(u, v), normal);
+            triangles.set_parity(vertex, [row, column]);
         }
     }
     let width = lines[0].len() as u32;
@@ -134,7 +135,7 @@ mod tests {
         for (columns, rows) in [(0..10, 0..10), (3..10, 2..14), (1..9, 4..10), (0..20, 5..16)] {
             let all = plane(20);
             let indices = blocks(columns.clone(), rows.clone(), 21).unwrap();
-            let part = Triangles { vertices: all.vertices, indices };
+            let part = Triangles { indices, ..all };
             let cells = (columns.len() * rows.len()) as f64;
             assert!((area(&part) - 4.0 * cells / 400.0).abs() < 1e-5, "{columns:?} {rows:?}: {}", area(&part));
             // Each vertex on the border begins one edge of the border.

@@ -31,14 +31,14 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
     let y = |row: usize| half_y * (2.0 * row as f64 / (rows - 1) as f64 - 1.0) as f32;
     let top = |[row, column]: [usize; 2]| [x(column), y(row), elevations[row * columns + column] * height];
     let base = |[row, column]: [usize; 2]| [x(column), y(row), -depth];
-    let mut flat = |corners| triangles.flat(corners, [[0.0; 2]; 3]);
+    let mut triangle = |corners, parities: [f32; 3]| triangles.flat(corners, parities.map(|parity| [parity, 0.0]));
 
     // The diagonal of each cell connects the corners of least and of greatest x and y, as in collision detection.
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
             let corners = [[row, column], [row, column + 1], [row + 1, column + 1], [row + 1, column]].map(top);
-            flat([corners[0], corners[1], corners[2]]);
-            flat([corners[0], corners[2], corners[3]]);
+            triangle([corners[0], corners[1], corners[2]], [0.0; 3]);
+            triangle([corners[0], corners[2], corners[3]], [0.0; 3]);
         }
     }
     // The border, counterclockwise from above.
@@ -49,10 +49,12 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
     let left = (0..last_row).map(|row| [last_row - row, 0]);
     let around = front.chain(right).chain(back).chain(left);
     for (from, to) in around.clone().zip(around.cycle().skip(1)) {
-        flat([base(from), base(to), top(to)]);
-        flat([base(from), top(to), top(from)]);
-        flat([base(to), base(from), [0.0, 0.0, -depth]]);
+        // A quadrilateral, whose diagonal has ends of the same parity.
+        triangle([base(from), base(to), top(to)], [1.0, -1.0, 1.0]);
+        triangle([base(from), top(to), top(from)], [1.0, 1.0, -1.0]);
+        triangle([base(to), base(from), [0.0, 0.0, -depth]], [0.0; 3]);
     }
+    triangles.has_quads = true;
     Ok(triangles)
 }
 

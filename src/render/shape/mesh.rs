@@ -22,7 +22,7 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
     let (positions, normals, texcoords) = (mesh.vert(), mesh.normal(), mesh.texcoord());
     let faces = mesh.face();
     Triangles::check_size(|| format!("{mesh:?}"), faces.len().saturating_mul(3), max_vertices)?;
-    let mut triangles = Triangles { vertices: Vec::new(), indices: Vec::with_capacity(3 * faces.len()) };
+    let mut triangles = Triangles { indices: Vec::with_capacity(3 * faces.len()), ..Triangles::default() };
     // Corners with the same smooth normal, vertex and texture coordinates are shared by all adjacent faces.
     let mut shared = vec![UNUSED; normals.len()];
     let of_corners = |indices: &[[i32; 3]], face: usize| {

@@ -27,7 +27,7 @@ pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     /// Unit normal.
     pub(crate) normal: [f32; 3],
-    /// Explicit texture coordinates of the asset; zero if the shader generates them.
+    /// Explicit texture coordinates of the asset. If the shader generates them, the first is the [parity](Triangles::set_parity) of the vertex.
     pub(crate) texcoord: [f32; 2],
 }
 
@@ -36,6 +36,8 @@ pub(crate) struct Vertex {
 pub(crate) struct Triangles {
     pub(crate) vertices: Vec<Vertex>,
     pub(crate) indices: Vec<u32>,
+    /// The list contains quadrilaterals. Wireframe mode omits their diagonals.
+    pub(crate) has_quads: bool,
 }
 
 impl Triangles {
@@ -48,7 +50,14 @@ impl Triangles {
     /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and the fourth vertex,
     /// as in the engine's renderer: the diagonal is visible with per-vertex lighting.
     fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+        self.has_quads = true;
         self.indices.extend([a, b, d, b, c, d]);
+    }
+
+    /// Marks a vertex of a grid of quadrilaterals, with -1 and 1 as the colours of a chessboard. Both ends of a diagonal have the same parity, and the
+    /// ends of an edge different ones.
+    fn set_parity(&mut self, vertex: u32, [row, column]: [u32; 2]) {
+        self.vertices[vertex as usize].texcoord[0] = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
     }
 
     /// Appends a flat-shaded triangle, which shares no vertex with others. Skips a non-finite triangle.
@@ -143,6 +152,33 @@ mod tests {
         let max = Tessellation::MAX;
         assert_eq!(Tessellation::new(usize::MAX, 1 << 32, 1000), Tessellation { slices: max, stacks: max, quads: max });
         assert_eq!(Tessellation::new(28, 16, 4), Tessellation { slices: 28, stacks: 16, quads: 4 });
+    }
+
+    #[test]
+    fn parities_of_a_quadrilateral_differ_along_its_edges_only() {
+        let tessellation = Tessellation::new(28, 16, 4);
+        for triangles in [
+            super::plane(5),
+            super::cuboid(3),
+            super::sphere(tessellation),
+            super::hemisphere(tessellation),
+            super::cylinder(28, 3),
+            super::disk(28, 3),
+            super::cone(28, 3),
+        ] {
+            assert!(triangles.has_quads);
+            let parity = |index: u32| triangles.vertices[index as usize].texcoord[0];
+            let mut diagonals = 0;
+            for [a, b, c] in triangles.indices.as_chunks::<3>().0 {
+                let edges = [[a, b], [b, c], [c, a]].map(|ends| ends.map(|&index| parity(index)));
+                let equal = edges.iter().filter(|[one, other]| one == other).count();
+                // A triangle at a pole, whose parity is zero, has no diagonal.
+                let has_pole = edges.iter().any(|[one, _]| *one == 0.0);
+                assert_eq!(equal, usize::from(!has_pole), "{edges:?}");
+                diagonals += equal;
+            }
+            assert!(diagonals > 0);
+        }
     }
 
     #[test]

@@ -59,7 +59,8 @@ pub(crate) fn cone(slices: u32, stacks: u32) -> Triangles {
         for slice in 0..slices {
             let [cos, sin] = direction(slice, slices);
             let radius = 1.0 - z;
-            triangles.vertex([cos * radius, sin * radius, z], [cos * SLOPE, sin * SLOPE, SLOPE]);
+            let vertex = triangles.vertex([cos * radius, sin * radius, z], [cos * SLOPE, sin * SLOPE, SLOPE]);
+            set_parity(&mut triangles, vertex, [stack, slice], slices);
         }
     }
     for stack in 0..stacks {
@@ -96,8 +97,8 @@ struct ProfilePoint {
 fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Triangles {
     let mut triangles = Triangles::default();
     let mut previous: Option<Ring> = None;
-    for point in profile {
-        let ring = Ring::new(&mut triangles, slices, point);
+    for (stack, point) in (0..).zip(profile) {
+        let ring = Ring::new(&mut triangles, slices, stack, point);
         if let Some(previous) = previous {
             for slice in 0..slices {
                 let next = (slice + 1) % slices;
@@ -124,7 +125,7 @@ enum Ring {
 }
 
 impl Ring {
-    fn new(triangles: &mut Triangles, slices: u32, point: ProfilePoint) -> Self {
+    fn new(triangles: &mut Triangles, slices: u32, stack: u32, point: ProfilePoint) -> Self {
         let ProfilePoint { radius, z, normal: [radial, axial] } = point;
         if radius == 0.0 {
             return Self::Pole(triangles.vertex([0.0, 0.0, z], [radial, 0.0, axial]));
@@ -132,7 +133,8 @@ impl Ring {
         let first = triangles.vertices.len() as u32;
         for slice in 0..slices {
             let [cos, sin] = direction(slice, slices);
-            triangles.vertex([cos * radius, sin * radius, z], [cos * radial, sin * radial, axial]);
+            let vertex = triangles.vertex([cos * radius, sin * radius, z], [cos * radial, sin * radial, axial]);
+            set_parity(triangles, vertex, [stack, slice], slices);
         }
         Self::Circle(first)
     }
@@ -142,6 +144,13 @@ impl Ring {
             Self::Pole(index) => index,
             Self::Circle(first) => first + slice,
         }
+    }
+}
+
+/// Sets the parity of a vertex in a ring. A ring of an odd number of slices has no alternating parities; its diagonals remain visible.
+fn set_parity(triangles: &mut Triangles, vertex: u32, position: [u32; 2], slices: u32) {
+    if slices.is_multiple_of(2) {
+        triangles.set_parity(vertex, position);
     }
 }
 
