@@ -10,10 +10,10 @@ use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, Saved
 const LABEL_WIDTH: f32 = 56.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let status = cx.snapshot.status;
-    if status == Status::Program {
+    if cx.snapshot.modes.is_empty() {
         ui.label(RichText::new("The program steps this simulation.").weak());
         ui.horizontal(|ui| {
+            pause_button(ui, cx);
             if ui.button("Reset").clicked() {
                 cx.send(Request::Reset);
             }
@@ -29,11 +29,8 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 }
 
 fn buttons(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let paused = cx.snapshot.status == Status::Paused;
     ui.horizontal(|ui| {
-        if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(46.0, 0.0))).clicked() {
-            cx.send(Request::Pause(!paused));
-        }
+        let paused = pause_button(ui, cx);
         for (text, steps) in [("−50", -50), ("−1", -1), ("+1", 1), ("+50", 50)] {
             if ui.add_enabled(paused, Button::new(text)).clicked() {
                 cx.send(SimulationRequest::Step(steps));
@@ -43,6 +40,15 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             cx.send(Request::Reset);
         }
     });
+}
+
+/// Shows the button that pauses or resumes the simulation. Returns `true` if it is paused.
+fn pause_button(ui: &mut Ui, cx: &mut PanelContext<'_>) -> bool {
+    let paused = cx.snapshot.status == Status::Paused;
+    if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(46.0, 0.0))).clicked() {
+        cx.send(Request::Pause(!paused));
+    }
+    paused
 }
 
 fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
