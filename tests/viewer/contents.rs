@@ -24,7 +24,7 @@ fn is_shown(text: &str) -> bool {
 }
 
 /// Clicks on a text. Waits until it stays in one place, because sections open gradually.
-fn click(input: &Input, text: &str) {
+pub fn click(input: &Input, text: &str) {
     let mut before = None;
     wait_until(&format!("the text {text} is shown"), || {
         settle(input);

@@ -80,13 +80,18 @@ impl Screen {
         [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
     }
 
-    /// Saves the upper left part as a PNG file.
+    /// Saves the upper left part as a PNG file with a palette of 256 colours.
     pub fn save(&self, path: &Path, [width, height]: [u32; 2]) {
-        let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file is writable"));
-        let mut encoder = png::Encoder::new(file, width, height);
-        encoder.set_color(png::ColorType::Rgb);
         let rows = self.rgb.chunks_exact(3 * self.width).take(height as usize);
         let part: Vec<u8> = rows.flat_map(|row| &row[..3 * width as usize]).copied().collect();
-        encoder.write_header().and_then(|mut writer| writer.write_image_data(&part)).expect("the image is written");
+        // Speed 1 gives the best palette.
+        let image = gif::Frame::from_rgb_speed(width as u16, height as u16, &part, 1);
+        let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file is writable"));
+        let mut encoder = png::Encoder::new(file, width, height);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(image.palette.expect("a palette"));
+        encoder.set_compression(png::Compression::High);
+        let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&image.buffer));
+        written.expect("the image is written");
     }
 }

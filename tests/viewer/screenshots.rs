@@ -1,159 +1,236 @@
-//! Screenshots of the panels for visual inspection.
+//! Pictures of the panels and modes, for the documentation and for visual inspection.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions, test_hooks};
-use mujoco_safe::{Data, PdController, Trajectory, sample};
+use mujoco_safe::scene::NewGeom;
+use mujoco_safe::viewer::{self, Theme, Viewer, ViewerError, ViewerOptions, test_hooks};
+use mujoco_safe::{Data, Model, PdController, Trajectory, sample};
 
+use crate::contents::click;
 use crate::display::Screen;
-use crate::harness::{exit_on_panic, press, settle, show_window, state, unique_title};
+use crate::harness::{double_click, exit_on_panic, press, settle, show_window, state, unique_title};
 use crate::input::{Input, wait_until};
 use crate::instruments;
 
-const SIZE: [u32; 2] = [1280, 720];
+const SIZE: [u32; 2] = [1000, 700];
+/// Size of a window that shows several sections of a panel at once.
+const TALL: [u32; 2] = [600, 1080];
+/// Simulated time of the pictures of a running simulation, s.
+const RUN_TIME: f64 = 1.0;
 
+/// Saves all pictures in a directory.
 pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
-    draw_light(directory);
+    draw_modes(directory);
+    draw_left_panel(directory);
+    draw_physics(directory);
     draw_appearance(directory);
-    draw_instruments(directory);
-    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
-    let mut data = Data::new(sample::humanoid()).unwrap();
-    let mut trajectory = Trajectory::new(data.model());
-    let mut controller = PdController::new(data.model(), 5.0, 0.5);
-    trajectory.record(&mut data, &mut controller, 400).unwrap();
-    data.reset().unwrap();
-    test_hooks::start();
-    let title = unique_title();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            exit_on_panic(|| {
-                wait_until("the window is drawn", || test_hooks::latest().is_some());
-                let input = Input::at(&title);
-                let save = |name: &str| {
-                    let frame = state().frame;
-                    input.move_to([state().size[0] as i32 / 2, 20]);
-                    input.keys(&["F24"]);
-                    wait_until("another frame is drawn", || state().frame > frame);
-                    wait_for_idle();
-                    Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), state().size);
-                };
-                save("start");
-                press(&input, "F1", "the help is open", |state| state.panels[0]);
-                save("help");
-                press(&input, "F1", "the help is closed", |state| !state.panels[0]);
-                press(&input, "ctrl+1", "the left panel is open", |state| state.panels[2]);
-                press(&input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
-                press(&input, "space", "the simulation runs", |state| state.time > 0.4);
-                save("panels");
-                press(&input, "F3", "the profile is open", |state| state.panels[4]);
-                press(&input, "F4", "the sensor plot is open", |state| state.panels[5]);
-                wait_until("the simulation runs for two seconds", || state().time > 2.0);
-                save("plots");
-                press(&input, "space", "the simulation is paused", |state| state.status == "Paused");
-                // Opens the sections from the bottom up, so that the upper headings keep their positions.
-                for section in [686, 663, 640, 617, 594, 253, 230] {
-                    input.click([40, section], 1, 1);
-                    settle(&input);
-                    settle(&input);
-                }
-                save("sections");
-                input.click([100, 400], 5, 6);
-                save("appearance");
-                input.click([100, 400], 5, 30);
-                save("sections_below");
-                input.click([1100, 400], 5, 30);
-                save("joints");
-                press(&input, "F3", "the profile is closed", |state| !state.panels[4]);
-                press(&input, "F4", "the sensor plot is closed", |state| !state.panels[5]);
-                input.click([1100, 400], 4, 60);
-                input.click([1100, 41], 1, 1);
-                wait_until("the search is edited", || state().editing);
-                input.keys(&["k", "n", "e", "e"]);
-                save("find");
-                input.click([640, 100], 1, 1);
-                wait_until("the search is finished", || !state().editing);
-
-                press(&input, "ctrl+Right", "the trajectory mode is selected", |state| state.mode == "Trajectory");
-                press(&input, "ctrl+b", "the burst is on", |state| state.playback_flags[1]);
-                input.double_click([640, 380], 1);
-                input.click([100, 400], 4, 60);
-                press(&input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
-                save("trajectory");
-                press(&input, "F3", "the profile is open", |state| state.panels[4]);
-                press(&input, "F4", "the sensor plot is open", |state| state.panels[5]);
-                for (name, size) in [("small", [640, 480]), ("default", [1066, 666])] {
-                    input.resize(size);
-                    wait_until("the frame has the size of the window", || state().size == size);
-                    save(name);
-                }
-                input.key("ctrl+q");
-            });
-        });
-        let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
-        let viewer = Viewer::new().options(options.with_title(&*title).with_size(SIZE));
-        viewer.controller(controller).trajectories([trajectory]).run(data).expect("the window opens");
-    });
+    draw_controller(directory);
+    draw_program(directory);
+    draw_light(directory);
 }
 
-/// Saves screenshots of all settings of the appearance.
-fn draw_appearance(directory: &Path) {
+/// Saves a picture of the window after its last event.
+fn save(directory: &Path, name: &str) {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
-    let data = Data::new(sample::humanoid()).unwrap();
-    show_window(SIZE, ViewerOptions::default(), Viewer::new(), data, |input| {
-        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
-        // Closes the visualisation, and opens the appearance and its groups from the bottom up.
-        for heading in [253, 322, 483, 460, 437, 414, 391, 368, 345] {
-            settle(input);
-            input.click([40, heading], 1, 1);
-        }
-        for name in ["appearance_groups", "appearance_colours"] {
-            settle(input);
-            wait_for_idle();
-            Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), SIZE);
-            input.click([100, 500], 5, 40);
-        }
-    });
-}
-
-/// Saves a screenshot of a controller's plots, sliders and path.
-fn draw_instruments(directory: &Path) {
-    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
-    show_window(
-        SIZE,
-        ViewerOptions::default(),
-        instruments::viewer(0.02),
-        Data::new(sample::cartpole()).unwrap(),
-        |input| {
-            press(input, "space", "the simulation runs", |state| state.time > 1.0);
-            std::thread::sleep(std::time::Duration::from_millis(500));
-            Screen::read(&framebuffer).save(&directory.join("instruments.png"), SIZE);
-        },
-    );
+    wait_for_idle();
+    // The screen shows a frame some time after the window has drawn it.
+    std::thread::sleep(Duration::from_millis(300));
+    Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), state().size);
 }
 
 /// Waits until no frame is drawn for a moment, for example after scrolling. A running simulation is drawn continuously.
 fn wait_for_idle() {
     for _ in 0..10 {
         let frame = state().frame;
-        std::thread::sleep(std::time::Duration::from_millis(300));
+        std::thread::sleep(Duration::from_millis(300));
         if state().frame == frame {
             return;
         }
     }
 }
 
-/// Saves a screenshot of the light theme, with larger text.
-fn draw_light(directory: &Path) {
-    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
-    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
-    show_window(SIZE, options, Viewer::new(), Data::new(sample::humanoid()).unwrap(), |input| {
-        for (key, part) in [("Tab", 2), ("shift+Tab", 3), ("F4", 5)] {
-            press(input, key, "a panel is open", |state| state.panels[part]);
+/// Moves the pointer to a place without a tooltip.
+fn park(input: &Input) {
+    let [[left, _], [width, _]] = state().picture.map(|part| part.map(|pixels| pixels as i32));
+    input.move_to([left + width / 2, 20]);
+}
+
+fn humanoid() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data
+}
+
+/// The start, the help, a running simulation, plots, the search, and the trajectory mode.
+fn draw_modes(directory: &Path) {
+    let mut data = humanoid();
+    let controller = PdController::new(data.model(), 5.0, 0.5);
+    let mut trajectory = Trajectory::new(data.model());
+    trajectory.record(&mut data, &mut controller.clone(), 400).unwrap();
+    data.reset_to_key("squat").unwrap();
+    let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
+    let viewer = Viewer::new().controller(controller).trajectories([trajectory]);
+    show_window(SIZE, options, viewer, data, |input| {
+        save(directory, "start");
+        press(input, "F1", "the help is open", |state| state.panels[0]);
+        save(directory, "help");
+        press(input, "F1", "the help is closed", |state| !state.panels[0]);
+        press(input, "ctrl+Left", "the passive mode is selected", |state| state.mode == "Passive Dynamics");
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
+        let [[left, top], [width, height]] = state().picture.map(|part| part.map(|pixels| pixels as i32));
+        let middle = [left + width / 2, top + height / 2];
+        double_click(input, middle, 1, "a body is selected", |state| state.selected.is_some_and(|(body, _)| body > 0));
+        press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);
+        input.press(middle, 3, &["ctrl"]);
+        input.move_by([40, -30]);
+        wait_until("a force is applied", || state().force[..3].iter().any(|force| *force != 0.0));
+        save(directory, "pull");
+        input.release(3, &["ctrl"]);
+        press(input, "shift+Tab", "the right panel is closed", |state| !state.panels[3]);
+        press(input, "F3", "the profile is open", |state| state.panels[4]);
+        press(input, "F4", "the sensor plot is open", |state| state.panels[5]);
+        let time = state().time;
+        wait_until("the plots have curves", || state().time > time + RUN_TIME);
+        save(directory, "plots");
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        press(input, "F3", "the profile is closed", |state| !state.panels[4]);
+        press(input, "F4", "the sensor plot is closed", |state| !state.panels[5]);
+
+        press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
+        click(input, "Controls");
+        click(input, "name of an element");
+        wait_until("the search is edited", || state().editing);
+        input.write("knee");
+        save(directory, "find");
+        park(input);
+        input.click([left + width / 2, 20], 1, 1);
+        wait_until("the search is finished", || !state().editing);
+        press(input, "shift+Tab", "the right panel is closed", |state| !state.panels[3]);
+
+        press(input, "ctrl+Left", "the trajectory mode is selected", |state| state.mode == "Trajectory");
+        press(input, "ctrl+b", "the burst is on", |state| state.playback_flags[1]);
+        press(input, "ctrl+d", "the Doppler shading is on", |state| state.playback_flags[2]);
+        press(input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
+        save(directory, "trajectory");
+    });
+    std::fs::remove_file(directory.join("screenshot.png")).unwrap();
+}
+
+/// Keyframes, groups, rendering, watched values, and the theme.
+fn draw_left_panel(directory: &Path) {
+    show_window(TALL, ViewerOptions::default(), Viewer::new(), humanoid(), |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        click(input, "Visualisation");
+        click(input, "Simulation");
+        press(input, "ctrl+s", "a keyframe is captured", |state| state.captured == 1);
+        for section in ["Window", "Watch", "Rendering", "Groups", "Keyframes"] {
+            click(input, section);
         }
-        press(input, "space", "the simulation runs", |state| state.time > 1.0);
-        press(input, "ctrl+l", "a notice is shown", |state| !state.messages.is_empty());
-        std::thread::sleep(std::time::Duration::from_millis(500));
-        Screen::read(&framebuffer).save(&directory.join("light.png"), SIZE);
+        settle(input);
+        click(input, "qpos[2]");
+        wait_until("the watched value is edited", || state().editing);
+        input.write("qpos[2]");
+        input.key("Return");
+        wait_until("the value is watched", || !state().editing);
+        press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        park(input);
+        save(directory, "left_panel");
+    });
+}
+
+/// Physics options and equality constraints.
+fn draw_physics(directory: &Path) {
+    let text = r#"<mujoco><statistic center="0.1 0 0.4" extent="2.4"/><visual><headlight ambient=".4 .4 .4"/></visual>
+        <asset><texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".3 .4 .5" width="200" height="200"/>
+          <material name="grid" texture="grid" texrepeat="4 4" texuniform="true"/></asset>
+        <worldbody><light pos="0 -1 2" dir="0 .5 -1"/><geom type="plane" size="1 1 .1" material="grid"/>
+          <body name="arm" pos="0 0 .5"><joint name="shoulder" axis="0 1 0"/>
+            <geom type="capsule" fromto="0 0 0 .3 0 0" size=".04" rgba=".8 .5 .2 1"/>
+            <body name="hand" pos=".3 0 0"><joint name="wrist" axis="0 1 0"/><geom size=".06" rgba=".8 .5 .2 1"/></body></body>
+          <body name="cup" pos=".4 0 .5"><freejoint/><geom type="cylinder" size=".04 .06" rgba=".2 .6 .8 1"/></body>
+        </worldbody>
+        <equality><weld body1="hand" body2="cup"/><joint joint1="shoulder" joint2="wrist"/></equality></mujoco>"#;
+    let data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
+    show_window(TALL, ViewerOptions::default(), Viewer::new(), data, |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        for section in ["Visualisation", "Equality constraints", "Physics", "Simulation"] {
+            click(input, section);
+        }
+        press(input, "Right", "a step is taken", |state| state.time > 0.0);
+        park(input);
+        save(directory, "physics");
+    });
+}
+
+/// Groups of settings of the appearance.
+fn draw_appearance(directory: &Path) {
+    show_window(TALL, ViewerOptions::default(), Viewer::new(), humanoid(), |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        for section in ["Visualisation", "Simulation", "Appearance"] {
+            click(input, section);
+        }
+        for group in ["statistic", "rgba", "headlight"] {
+            click(input, group);
+        }
+        park(input);
+        save(directory, "appearance");
+    });
+}
+
+/// Plots, parameters and the path of a controller.
+fn draw_controller(directory: &Path) {
+    let data = Data::new(sample::cartpole()).unwrap();
+    show_window(SIZE, ViewerOptions::default(), instruments::viewer(0.02), data, |input| {
+        press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        save(directory, "controller");
+    });
+}
+
+/// A program that steps the simulation and adds a geom.
+fn draw_program(directory: &Path) {
+    test_hooks::start();
+    let title = unique_title();
+    let options = ViewerOptions::default().with_title(&*title).with_size(SIZE);
+    let mut data = humanoid();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            exit_on_panic(|| {
+                wait_until("the window is drawn", || test_hooks::latest().is_some());
+                let input = Input::at(&title);
+                press(&input, "Tab", "the left panel is open", |state| state.panels[2]);
+                wait_until("the simulation runs", || state().time > RUN_TIME);
+                save(directory, "program");
+                input.key("ctrl+q");
+            });
+        });
+        let goal = NewGeom::sphere(0.1).pos([0.0, 0.8, 0.8]).rgba([0.9, 0.2, 0.1, 0.7]);
+        let result = viewer::run(options, |handle| -> Result<(), ViewerError> {
+            handle.geoms_mut().push(goal);
+            while handle.is_running() {
+                if !handle.is_paused() {
+                    data.step()?;
+                }
+                handle.sync(&mut data)?;
+                handle.wait(Duration::from_millis(5));
+            }
+            Ok(())
+        });
+        result.expect("the window opens");
+    });
+}
+
+/// The light theme, with larger text.
+fn draw_light(directory: &Path) {
+    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
+    show_window(SIZE, options, Viewer::new(), humanoid(), |input| {
+        press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
+        press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        save(directory, "light");
     });
 }
