@@ -74,6 +74,7 @@ pub fn instruments() {
         press(input, "space", "the simulation runs", |state| state.status == "Forward Simulation");
         input.click(text, 1, 1);
         wait_until("the text field is edited", || state().editing);
+        input.key("ctrl+a");
         input.write("0.25");
         input.key("Return");
         wait_until("the controller uses the number", || state().ctrl == [0.25]);
