@@ -420,6 +420,58 @@ int mujoco_sys_historyLength(const mjModel* m) {
 #endif
 }
 
+int mujoco_sys_initiallyAsleep(const mjModel* m) {
+#if mjVERSION_HEADER >= 340
+  for (int i = 0; i < m->ntree; i++) {
+    if (m->tree_sleep_policy[i] == mjSLEEP_INIT) {
+      return m->tree_bodyadr[i];
+    }
+  }
+#endif
+  (void)m;
+  return -1;
+}
+
+int mujoco_sys_isAsleep(const mjModel* m, const mjData* d, int body) {
+#if mjVERSION_HEADER >= 340
+  int tree = m->body_treeid[body];
+  return tree >= 0 && d->tree_asleep[tree] >= 0;
+#else
+  (void)m, (void)d, (void)body;
+  return 0;
+#endif
+}
+
+int mujoco_sys_wake(const mjModel* m, mjData* d, int recompute_static) {
+  int woken = 0;
+#if mjVERSION_HEADER >= 340
+  for (int i = 0; i < m->ntree; i++) {
+    woken += d->tree_asleep[i] >= 0;
+    d->tree_asleep[i] = -(1 + mjMINAWAKE);
+    d->tree_awake[i] = 1;
+  }
+  for (int i = 0; i < m->nbody; i++) {
+    d->body_awake_ind[i] = i;
+    if (i > 0) {
+      d->parent_awake_ind[i - 1] = i;
+    }
+    // The engine computes the poses of awake bodies only, and counts those attached to mocap bodies as awake.
+    int is_static = m->body_treeid[i] < 0 && m->body_mocapid[m->body_rootid[i]] < 0;
+    d->body_awake[i] = is_static && !recompute_static ? mjS_STATIC : mjS_AWAKE;
+  }
+  for (int i = 0; i < m->nv; i++) {
+    d->dof_awake_ind[i] = i;
+  }
+  d->ntree_awake = (int)m->ntree;
+  d->nbody_awake = (int)m->nbody;
+  d->nparent_awake = (int)m->nbody - 1;
+  d->nv_awake = (int)m->nv;
+#else
+  (void)m, (void)d, (void)recompute_static;
+#endif
+  return woken;
+}
+
 int mujoco_sys_jacobianElements(const mjData* d) {
 #if mjVERSION_HEADER >= 325
   return d->nJ;

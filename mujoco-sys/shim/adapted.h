@@ -160,6 +160,16 @@ int mujoco_sys_limitsActuatorForces(const mjModel* m);
 mjtNum* mujoco_sys_history(const mjData* d);
 int mujoco_sys_historyLength(const mjModel* m);
 
+// Root of the first kinematic tree that sleeps initially (sleep="init", since 3.4), or -1.
+int mujoco_sys_initiallyAsleep(const mjModel* m);
+
+// Returns 1 if the kinematic tree of a body sleeps (since 3.4), else 0.
+int mujoco_sys_isAsleep(const mjModel* m, const mjData* d, int body);
+
+// Wakes all kinematic trees (since 3.4), and returns the number of those that slept. If `recompute_static` is 1, the next call that computes poses
+// also computes those of static bodies.
+int mujoco_sys_wake(const mjModel* m, mjData* d, int recompute_static);
+
 // Disables the islands of a model with flexes with 3.3.4 to 3.5. These engines search only the first row of each contact for the trees of its
 // island. The other rows of a contact with a flex can belong to other trees, for which the engine writes to the island with index -1.
 void mujoco_sys_disableUnsafeIslands(mjModel* m);

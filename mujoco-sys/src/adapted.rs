@@ -236,6 +236,13 @@ adapted! {
     mujoco_sys_history = history(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.
     mujoco_sys_historyLength = history_len(m: *const mjModel) -> c_int;
+    /// Returns the root of the first kinematic tree that sleeps initially (`mjSLEEP_INIT`, since 3.4), or -1.
+    mujoco_sys_initiallyAsleep = initially_asleep(m: *const mjModel) -> c_int;
+    /// Returns 1 if the kinematic tree of a body sleeps (`tree_asleep`, since 3.4), else 0.
+    mujoco_sys_isAsleep = is_asleep(m: *const mjModel, d: *const mjData, body: c_int) -> c_int;
+    /// Wakes all kinematic trees (since 3.4), and returns the number of those that slept. If `recompute_static` is 1, the next call that
+    /// computes poses also computes those of static bodies.
+    mujoco_sys_wake = wake(m: *const mjModel, d: *mut mjData, recompute_static: c_int) -> c_int;
     /// Reads the options that only some versions have, or the defaults of those that the engine does not have.
     mujoco_sys_getOptions = get_options(opt: *const mjOption, options: *mut AdaptedOptions);
     /// Writes those of the options that the engine has.

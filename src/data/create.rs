@@ -36,7 +36,7 @@ impl Data {
 
     /// Changes the model of this simulation. A shared model is copied first, so that other simulations keep theirs unchanged.
     ///
-    /// All results were computed for the old model, so they count as not computed afterwards.
+    /// All results were computed for the old model, so they count as not computed afterwards. Sleeping bodies wake.
     ///
     /// The closure returns nothing or a [`Result`], as for [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the
     /// value in its `Ok`.
@@ -96,17 +96,23 @@ impl Data {
     ///
     /// </details>
     pub fn edit_model<O: Outcome>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> O) -> Result<O::Value> {
+        self.own_model()?;
+        self.computed = PipelineFlags::empty();
+        #[cfg(engine_since = "3.0.0")]
+        let active = self.model.equality_active().to_vec();
+        let result = edit(&mut self.own_model()?.edit()).into_result();
+        #[cfg(engine_since = "3.0.0")]
+        self.switch_equalities(&active);
+        self.wake_for_new_model();
+        result
+    }
+
+    /// Returns the model for changes that no result depends on. A shared model is copied first.
+    pub(super) fn own_model(&mut self) -> Result<&mut Model> {
         if Arc::get_mut(&mut self.model).is_none() {
             self.model = Arc::new(self.model.try_clone()?);
         }
-        let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
-        self.computed = PipelineFlags::empty();
-        #[cfg(engine_since = "3.0.0")]
-        let active = model.equality_active().to_vec();
-        let result = edit(&mut model.edit()).into_result();
-        #[cfg(engine_since = "3.0.0")]
-        self.switch_equalities(&active);
-        result
+        Ok(Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared"))
     }
 
     /// Switches the equality constraints that an edit has switched in the model, where newer engines have only their initial activity.
@@ -134,6 +140,7 @@ impl Data {
             // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
             unsafe { ffi::array_mut(self.raw_mut().eq_active, active.len()) }.copy_from_slice(active);
         }
+        self.wake_for_new_model();
     }
 
     /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
@@ -160,12 +167,26 @@ impl Data {
     /// Copies all fields from another simulation without allocation. The models must have the same structure; this
     /// simulation keeps its own model and its [callbacks](Self::set_callbacks). Afterwards it is poisoned if and only if the other one is.
     ///
+    /// If the simulations do not share their model, all results count as not computed, and sleeping bodies wake.
+    ///
     /// # Errors
     ///
     /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine fails,
     /// which does not occur for two models of the same structure.
     #[doc(alias = "mj_copyData")]
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
+        self.copy_fields(other)?;
+        if Arc::ptr_eq(&self.model, &other.model) {
+            self.computed = other.computed;
+        } else {
+            // With other options, results may have another layout.
+            self.wake_for_new_model();
+        }
+        Ok(())
+    }
+
+    /// Copies all fields. All results count as not computed afterwards.
+    fn copy_fields(&mut self, other: &Self) -> Result<()> {
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });
         }
@@ -174,8 +195,7 @@ impl Data {
             // SAFETY: the models of both data have the same structure, so the data have the same sizes.
             other.with_empty_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
         })?;
-        // With other options, results may have another layout.
-        self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { PipelineFlags::empty() };
+        self.computed = PipelineFlags::empty();
         self.failure.clone_from(&other.failure);
         warning::restore_copied(self.raw_mut());
         Ok(())
@@ -217,7 +237,7 @@ impl Clone for Data {
     /// Reuses the memory if the models have the same structure. As after an assignment of a clone, this simulation has no
     /// [callbacks](Self::set_callbacks).
     fn clone_from(&mut self, source: &Self) {
-        if self.copy_from(source).is_ok() {
+        if self.copy_fields(source).is_ok() {
             self.model = source.model.clone();
             self.computed = source.computed;
             self.callbacks = ActiveCallbacks::default();

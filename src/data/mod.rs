@@ -21,6 +21,7 @@ mod history;
 pub(crate) mod length_range;
 pub mod pipeline;
 mod rigid_body;
+mod sleep;
 mod warning;
 
 use std::fmt;

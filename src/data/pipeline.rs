@@ -6,6 +6,10 @@
 //! The crate tracks the order of the calls. It does not track writes to the arrays, such as `qpos`: start again with
 //! [`kinematics`](Data::kinematics) after a change of positions.
 //!
+//! In a model with the option `sleep`, [`kinematics`](Data::kinematics), [`inv_position`](Data::inv_position), `inverse` and
+//! [`make_constraint`](Data::make_constraint) wake all bodies, because the engine does not wake those that the call needs. If one slept,
+//! all earlier results count as not computed.
+//!
 //! A method has the prefix `compute_` if the plain name is that of a field or an element.
 //!
 //! | part | engine | computes | inputs |
@@ -66,6 +70,7 @@ macro_rules! parts {
             pub fn $method(&mut self) -> Result<()> {
                 const READS: PipelineFlags = $reads;
                 const RESULTS: PipelineFlags = $results;
+                self.wake_before(RESULTS);
                 self.check_parts(stringify!($method), READS)?;
                 self.check_inputs()?;
                 self.clear_stale_inputs(RESULTS);
@@ -281,6 +286,7 @@ impl Data {
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, (C::VELOCITY | C::SOLVED) - C::POSITION),
             Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::SOLVED),
         };
+        self.wake_before(results);
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
         self.clear_stale_inputs(results);
@@ -300,8 +306,8 @@ impl Data {
     #[doc(alias = "mj_Euler")]
     pub fn euler(&mut self) -> Result<()> {
         let needs = C::CRB | C::ACTUATION | C::ACCELERATION | C::FORCE | C::CURRENT;
-        // The step evaluates delayed sensors of any stage.
-        let needs = if self.model().history_len() > 0 { needs | C::FORWARD } else { needs };
+        // The step evaluates delayed sensors of any stage, and all quantities that depend on velocities if bodies fall asleep.
+        let needs = if self.model().history_len() > 0 || self.model().has_sleep() { needs | C::FORWARD } else { needs };
         self.check_parts("euler", needs)?;
         self.check_inputs()?;
         self.run("mj_Euler", self.computed - C::CURRENT, |m, d| {

@@ -92,17 +92,14 @@ impl Data {
         let (pos, quat) = (part(StateSpec::MOCAP_POS), part(StateSpec::MOCAP_QUAT));
         let ctrl = part(StateSpec::CTRL);
         // No results depend on keyframes, so they stay valid.
-        let computed = self.computed;
-        self.edit_model(|model| {
-            model.key_time_mut()[key] = time;
-            model.key_qpos_mut().into_row(key).copy_from_slice(&qpos);
-            model.key_qvel_mut().into_row(key).copy_from_slice(&qvel);
-            model.key_act_mut().into_row(key).copy_from_slice(&act);
-            model.key_mpos_mut().into_row(key).copy_from_slice(&pos);
-            model.key_mquat_mut().into_row(key).copy_from_slice(&quat);
-            model.key_ctrl_mut().into_row(key).copy_from_slice(&ctrl);
-        })?;
-        self.computed = computed;
+        let mut model = self.own_model()?.edit();
+        model.key_time_mut()[key] = time;
+        model.key_qpos_mut().into_row(key).copy_from_slice(&qpos);
+        model.key_qvel_mut().into_row(key).copy_from_slice(&qvel);
+        model.key_act_mut().into_row(key).copy_from_slice(&act);
+        model.key_mpos_mut().into_row(key).copy_from_slice(&pos);
+        model.key_mquat_mut().into_row(key).copy_from_slice(&quat);
+        model.key_ctrl_mut().into_row(key).copy_from_slice(&ctrl);
         Ok(())
     }
 }

@@ -52,7 +52,8 @@ bitflags! {
         /// Inputs of the user: controls, applied forces, mocap poses and user data.
         const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
-        /// All inputs of the next step: a simulation that is set to this state continues bit for bit.
+        /// All inputs of the next step: a simulation that is set to this state continues bit for bit. (A state does not contain which
+        /// bodies sleep: all are awake in a simulation that is set to it.)
         const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
     }
 }
@@ -202,6 +203,9 @@ impl Data {
 
     /// Sets the parts of the state that are set in `spec`.
     ///
+    /// In a model with the option `sleep`, positions or velocities in `spec` wake all bodies, and results that were computed while one slept count
+    /// as not computed.
+    ///
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong length, and [`Error::Invalid`] for a [`HISTORY`](StateSpec::HISTORY) with the index of a sample that does
@@ -213,6 +217,20 @@ impl Data {
             let range = self.model().state_range(spec, StateSpec::HISTORY);
             self.model().check_history(&state[range])?;
         }
+        self.write_state(spec, state);
+        if spec.intersects(StateSpec::QPOS | StateSpec::QVEL) {
+            self.wake();
+        }
+        Ok(())
+    }
+
+    /// Sets the parts of the state to the values that they had before a call of [`forward`](Self::forward). Bodies that sleep continue to do so.
+    pub(crate) fn restore_after_forward(&mut self, spec: StateSpec, state: &[f64]) {
+        assert!(state.len() == self.model().state_size(spec), "Bug: a restored state has another length");
+        self.write_state(spec, state);
+    }
+
+    fn write_state(&mut self, spec: StateSpec, state: &[f64]) {
         let mut rest = state;
         for_each_component!(spec, PART => {
             let target = self.part_mut(PART);
@@ -221,7 +239,6 @@ impl Data {
             rest = after;
         });
         debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
-        Ok(())
     }
 
     /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to `qpos`. The velocity of the

@@ -124,6 +124,7 @@ impl Data {
     pub fn inverse(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
+        self.wake_before(PipelineFlags::AFTER_INVERSE);
         self.clear_stale_contacts();
         self.run("mj_inverse", PipelineFlags::AFTER_INVERSE, |m, d| {
             // SAFETY: as in `step`.

@@ -125,7 +125,7 @@ impl Lineariser {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately,
-    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
+    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, or with the option `sleep`, and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
     pub fn linear_system_into<'a>(
         &mut self,
         data: &mut Data,
@@ -135,6 +135,7 @@ impl Lineariser {
         outputs.check(data.model())?;
         self.adopt_model(data)?;
         data.model().check_without_delays("a linearisation")?;
+        data.model().check_without_sleep("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
@@ -236,6 +237,7 @@ impl Lineariser {
         }
         self.adopt_model(data)?;
         model.check_without_delays("a linearisation")?;
+        model.check_without_sleep("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

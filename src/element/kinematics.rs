@@ -131,6 +131,8 @@ fields!(Body on Data {
     /// Applied force, N, and torque, N·m, at the centre of mass, world frame: an input.
     #[doc(alias = "applied")]
     xfrc_applied: [f64; 6] = xfrc_applied, xfrc_applied_mut in xfrc_applied_mut;
+    /// Returns `true` if the engine leaves out the body because it is at rest. Only in models with the option `sleep`, since 3.4.
+    is_asleep: {bool} = |body| body.owner.is_asleep(body.index());
     /// Position, m, world frame.
     xpos: [f64; 3] = xpos;
     /// Orientation: a unit quaternion `[w, x, y, z]`, world frame.

@@ -1,6 +1,6 @@
 //! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
 
-use mujoco_sys::{mjENBL_IPC, mjENBL_SLEEP, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
+use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
 
 use super::{Model, Options};
 use crate::enums::{
@@ -17,13 +17,11 @@ impl Model {
         let version = built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
-        // State vectors contain neither the sleeping bodies nor the state of these contacts.
-        // A reset to bodies that sleep initially (sleep="init") also frees the data before it raises an error, if they are not at rest.
-        for (name, flag) in [("sleep", mjENBL_SLEEP), ("ipc", mjENBL_IPC)] {
-            if self.raw().opt.enableflags as u32 & flag != 0 {
-                return unsupported(format!("the option {name} is enabled"));
-            }
+        // State vectors do not contain the state of these contacts.
+        if self.raw().opt.enableflags as u32 & mjENBL_IPC != 0 {
+            return unsupported("the option ipc is enabled".to_owned());
         }
+        self.unsafe_sleep().map_or(Ok(()), unsupported)?;
         let controls = self.actuator_trntype().len();
         if controls != self.nu() || self.actuator_length0().len() != self.nu() {
             return unsupported(format!("the model has {controls} actuators with {} controls", self.nu()));

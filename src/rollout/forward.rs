@@ -11,6 +11,6 @@ pub(super) fn forward_between_steps(data: &mut Data, saved: &mut Vec<f64>) -> Re
     saved.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
     data.state_into(StateSpec::INTEGRATION, saved)?;
     let result = data.forward();
-    data.set_state(StateSpec::INTEGRATION, saved)?;
+    data.restore_after_forward(StateSpec::INTEGRATION, saved);
     result
 }

@@ -50,6 +50,8 @@ mod plugin_state;
 mod real_models;
 #[cfg(engine_since = "3.0.0")]
 mod signed_distance;
+#[cfg(engine_since = "3.5.0")]
+mod sleep;
 
 /// A data of the C API.
 struct Raw(*mut mjData);
@@ -364,11 +366,11 @@ fn a_trusted_binary_model_loads_with_every_engine() {
 
 #[test]
 fn unsupported_features_of_newer_engines_are_rejected_with_a_reason() {
-    let sleep = r#"<mujoco><option><flag sleep="enable"/></option></mujoco>"#;
-    let error = Model::from_xml_str(sleep).unwrap_err();
+    let ipc = r#"<mujoco><option integrator="discrete"><flag ipc="enable"/></option></mujoco>"#;
+    let error = Model::from_xml_str(ipc).unwrap_err();
     assert!(matches!(error, Error::Load { .. }), "{error}");
-    if is_newer() {
-        assert!(error.to_string().contains("sleep"), "{error}");
+    if cfg!(engine_since = "4.0.0") {
+        assert!(error.to_string().contains("the option ipc is enabled"), "{error}");
     }
 }
 

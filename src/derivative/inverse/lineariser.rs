@@ -72,6 +72,7 @@ impl Lineariser {
         let mut outputs = outputs.into();
         outputs.check(data.model())?;
         self.adopt_model(data)?;
+        data.model().check_without_sleep("inverse_jacobians")?;
         let requested = self.options().method;
         let eps = self.options().eps.unwrap_or(EPS);
         let differences = |reason| LinearisationReport::new(TransitionMethod::Engine, reason);

@@ -196,6 +196,7 @@ impl Data {
         self.check_usable()?;
         self.check_inputs()?;
         check_eps("inverse_fd", eps)?;
+        self.model().check_without_sleep("inverse_fd")?;
         let mut outputs = outputs.into();
         outputs.check(self.model())?;
         InversePerturbation::new(self, eps, force)?.differentiate(&mut outputs)

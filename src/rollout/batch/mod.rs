@@ -75,9 +75,10 @@ impl<'a> Batch<'a> {
     /// # Errors
     ///
     /// [`Error::Invalid`] if memory does not suffice, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a
-    /// simulation.
+    /// simulation, [`Error::Unsupported`] for a model with the option `sleep`.
     pub fn new(model: impl IntoModel, count: usize) -> Result<Self> {
         let model = model.into_model();
+        model.check_without_sleep("a batch")?;
         check_memory(&model, count)?;
         let (pool, mut slot) = (Pool::new(model.clone()), None);
         let (mut rows, mut states) = (Vec::new(), Matrix::zeros(count, model.state_size(StateSpec::INTEGRATION)));

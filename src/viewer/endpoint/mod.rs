@@ -130,7 +130,7 @@ impl SimulationEndpoint {
         self.state.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
         data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
         let result = data.forward();
-        data.set_state(StateSpec::INTEGRATION, &self.state)?;
+        data.restore_after_forward(StateSpec::INTEGRATION, &self.state);
         result
     }
 

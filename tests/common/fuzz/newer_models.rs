@@ -23,7 +23,7 @@ pub(super) const NEWER: [Newer; 11] = [
     Newer { name: "islands", share: 240, since: Some(version(3, 5, 0)), text: ISLANDS },
     Newer { name: "newer sensors", share: 240, since: Some(version(3, 5, 0)), text: SENSORS },
     Newer { name: "newer actuators", share: 240, since: Some(version(3, 17, 0)), text: ACTUATORS },
-    Newer { name: "sleep", share: 160, since: None, text: SLEEP },
+    Newer { name: "sleep", share: 240, since: Some(version(3, 5, 0)), text: SLEEP },
     Newer { name: "delays", share: 240, since: Some(version(3, 5, 0)), text: DELAYS },
     Newer { name: "several controls", share: 160, since: None, text: CONTROLS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
@@ -158,7 +158,7 @@ const SLEEP: &str = r#"<mujoco>
   <option><flag sleep="enable"/></option>
   <worldbody>
     <geom type="plane" size="3 3 .1"/>
-    <body pos="0 0 .1" sleep="init"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="0 0 .1" sleep="allowed"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     <body pos="1 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     <body pos="1 0 .3"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     <body pos="2 0 .5"><joint name="a" axis="0 1 0"/><geom type="capsule" size=".02 .1"/></body>
