@@ -74,6 +74,7 @@ impl Model {
     }
 
     /// Returns the reason why the engine cannot simulate sleeping bodies of this model safely.
+    #[cfg(engine_since = "2.3.0")]
     pub(crate) fn unsafe_sleep(&self) -> Option<String> {
         if !self.has_sleep() {
             return None;
