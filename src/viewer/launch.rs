@@ -44,6 +44,9 @@ pub struct ViewerOptions {
     pub size: Option<[u32; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
+    /// The side panels are open at the start, as in `simulate`, if the window has place for both beside the scene: about 840 pixels at a
+    /// scale of 1.
+    pub panels: bool,
     /// Colours of the panels.
     pub theme: Theme,
     /// Size of the panels and their text relative to the scale of the display. Values outside of 0.25 to 4 are limited to this range.
@@ -69,6 +72,7 @@ impl Default for ViewerOptions {
             title: "MuJoCo".to_owned(),
             size: None,
             vsync: true,
+            panels: true,
             theme: Theme::Dark,
             scale: 1.0,
             file: None,
@@ -84,6 +88,7 @@ with_methods!(ViewerOptions {
     with_title(title: impl Into<String>) = title.into(),
     with_size(size: [u32; 2]) = Some(size),
     with_vsync(vsync: bool),
+    with_panels(panels: bool),
     with_theme(theme: Theme),
     with_scale(scale: f64),
     with_file(file: impl Into<PathBuf>) = Some(file.into()),

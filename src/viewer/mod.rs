@@ -15,7 +15,8 @@
 //! ```
 //!
 //! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the screen and on the terminal. A
-//! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open the side panels: simulation,
+//! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open and close the side panels, which are open from the start
+//! in a window with place for them ([`ViewerOptions::panels`]): simulation,
 //! trajectories, keyframes, visualisation, appearance, physics options and watched values on the left; search, controls, joints and the
 //! selected body on the right. The panel of the simulation also adds noise to the controls, and saves the model and the engine's
 //! listings. F3 and F4 open plots there. A controller can add plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is dropped onto the window is loaded.

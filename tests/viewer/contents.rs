@@ -55,9 +55,9 @@ fn set_number(input: &Input, label: &str, number: &str) {
     settle(input);
 }
 
+/// Waits for the side panels, which are open from the start in a window with place for them.
 fn open_panels(input: &Input) {
-    press(input, "Tab", "the left panel is open", |state| state.panels[2]);
-    press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
+    wait_until("the side panels are open", || state().panels[2] && state().panels[3]);
     // Makes space for the other sections.
     click(input, "Visualisation");
 }

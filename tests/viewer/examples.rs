@@ -1,5 +1,6 @@
 //! Windows of the examples.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -16,10 +17,16 @@ pub fn windows() {
     )
     .unwrap();
     let model = model.to_str().unwrap();
-    show("view", &[model, "--size", "500x300", "--keyframe", "high"], model);
-    show("view", &["--size", "500x300"], "MuJoCo");
-    show("cartpole_lqr", &["--view"], "Cart-pole under LQR");
-    show("humanoid_predictive", &["--view"], "Humanoid with predictive control");
+    // Narrow windows start without side panels. The picture of the others begins at the end of the left panel.
+    let (narrow, wide) = (100..400, 300..500);
+    show("view", &[model, "--size", "500x300", "--keyframe", "high"], model, narrow.clone());
+    show("view", &["--size", "500x300"], "MuJoCo", narrow);
+    show("cartpole_lqr", &["--view"], "Cart-pole under LQR", wide.clone());
+    show("humanoid_predictive", &["--view"], "Humanoid with predictive control", wide.clone());
+    let out = folder.path().to_str().unwrap();
+    show("arm_tracking", &["--view", "--seconds", "0.5", "--out", out], "Arm that follows a target", wide.clone());
+    show("humanoid_lqr", &["--view", "--out", out], "Humanoid on one leg", wide.clone());
+    show("humanoid_stand_up", &["--view", "--seconds", "0.5", "--out", out], "Humanoid that gets up", wide);
 
     // A wrong argument is an error before a window opens.
     let output = command("view", &[model, "--keyframe", "low"]).output().unwrap();
@@ -51,8 +58,8 @@ impl Drop for Process {
     }
 }
 
-/// Runs an example, waits until its window with this title shows a scene, and closes it.
-fn show(name: &str, arguments: &[&str], title: &str) {
+/// Runs an example, waits until its window with this title shows a scene in these columns, and closes it.
+fn show(name: &str, arguments: &[&str], title: &str, columns: Range<usize>) {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
     let mut process = Process(command(name, arguments).stdout(Stdio::null()).spawn().unwrap());
     let input = Input::at(title);
@@ -60,7 +67,7 @@ fn show(name: &str, arguments: &[&str], title: &str) {
         let ended = process.0.try_wait().unwrap();
         assert!(ended.is_none(), "{name} {arguments:?} ended with {ended:?}");
         let screen = Screen::read(&framebuffer);
-        (0..300).any(|column| screen.pixel([100 + column, 150]) != screen.pixel([100, 150]))
+        columns.clone().any(|column| screen.pixel([column, 150]) != screen.pixel([columns.start, 150]))
     });
     input.key("ctrl+q");
     let mut status = None;

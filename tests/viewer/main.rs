@@ -51,6 +51,7 @@ const CASES: &[Case] = &[
     ("screenshots_and_recordings", window::outputs),
     ("mouse_gestures", mouse::gestures),
     ("trajectory_keys_and_wheel", trajectories::keys_and_wheel),
+    ("panels_are_open_at_the_start_of_a_wide_window", panels::start),
     ("panels_receive_their_input", panels::panels),
     ("panels_do_not_cover_the_picture", panels::layout),
     ("panels_do_not_edit_the_state", panels::no_edits),

@@ -73,6 +73,31 @@ fn humanoid() -> Data {
     data
 }
 
+/// Shows a simulation in a window of this size whose side panels are closed at the start.
+fn show_closed(size: [u32; 2], data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+    show_window(size, ViewerOptions::default().with_panels(false), Viewer::new(), data, act)
+}
+
+/// A window with place for both side panels and the picture has them at the start, unless the options close them.
+pub fn start() {
+    let sides = || [state().panels[2], state().panels[3]];
+    for (width, scale, panels, expected) in [
+        (1066, 1.0, true, true),
+        (1066, 1.0, false, false),
+        (820, 1.0, true, false),
+        (1066, 1.5, true, false),
+        (820, 0.8, true, true),
+    ] {
+        let options = ViewerOptions::default().with_panels(panels).with_scale(scale);
+        show_window([width, 400], options, Viewer::new(), humanoid(), |input| {
+            settle(input);
+            assert_eq!(sides(), [expected; 2], "width {width}, scale {scale}, panels {panels}");
+            input.key("Tab");
+            wait_until("Tab switches the left panel", || sides() == [!expected, expected]);
+        });
+    }
+}
+
 /// Opens the side panels and the plots.
 fn open_all(input: &Input) {
     for (key, part) in [("Tab", 2), ("shift+Tab", 3), ("F3", 4), ("F4", 5)] {
@@ -82,7 +107,7 @@ fn open_all(input: &Input) {
 
 pub fn layout() {
     for [width, height] in [[640, 480], [1066, 666]] {
-        show_sized([width, height], humanoid(), |input| {
+        show_closed([width, height], humanoid(), |input| {
             assert_eq!(state().picture, [[0, 0], [width, height]]);
             open_all(input);
             settle(input);
@@ -121,7 +146,7 @@ pub fn layout() {
 pub fn style() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
     let [width, height] = [1066, 666];
-    show_sized([width, height], humanoid(), |input| {
+    show_closed([width, height], humanoid(), |input| {
         press(input, "Tab", "the left panel is open", |state| state.panels[2]);
         // Closes the visualisation, and opens the section of the window.
         for heading in [253, 391] {
@@ -143,7 +168,7 @@ pub fn no_edits() {
     let data = humanoid();
     let [qpos, ctrl] = [data.qpos().to_vec(), data.ctrl().to_vec()];
     assert!(qpos.iter().any(|qpos| (1e3 * qpos).fract() != 0.0), "some positions have more than three decimals");
-    show_sized([1066, 666], data, |input| {
+    show_closed([1066, 666], data, |input| {
         open_all(input);
         settle(input);
         // A speed beyond the range of its slider.

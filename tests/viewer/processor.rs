@@ -90,7 +90,7 @@ pub fn measure() {
                 input.key("ctrl+q");
             });
         });
-        let options = ViewerOptions::default().with_title(&*title).with_size(SIZE);
+        let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
         Viewer::new().options(options).run(data).expect("the window opens");
     });
 }

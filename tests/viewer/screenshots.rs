@@ -78,8 +78,6 @@ fn draw_modes(directory: &Path) {
         save(directory, "help");
         press(input, "F1", "the help is closed", |state| !state.panels[0]);
         press(input, "ctrl+Left", "the passive mode is selected", |state| state.mode == "Passive Dynamics");
-        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
-        press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
         let [[left, top], [width, height]] = state().picture.map(|part| part.map(|pixels| pixels as i32));
         let middle = [left + width / 2, top + height / 2];
         double_click(input, middle, 1, "a body is selected", |state| state.selected.is_some_and(|(body, _)| body > 0));
@@ -184,7 +182,7 @@ fn draw_appearance(directory: &Path) {
 /// Plots, parameters and the path of a controller.
 fn draw_controller(directory: &Path) {
     let data = Data::new(sample::cartpole()).unwrap();
-    show_window(SIZE, ViewerOptions::default(), instruments::viewer(0.02), data, |input| {
+    show_window(SIZE, ViewerOptions::default().with_panels(false), instruments::viewer(0.02), data, |input| {
         press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);
         press(input, "space", "the simulation is paused", |state| state.status == "Paused");
         save(directory, "controller");
@@ -195,7 +193,7 @@ fn draw_controller(directory: &Path) {
 fn draw_program(directory: &Path) {
     test_hooks::start();
     let title = unique_title();
-    let options = ViewerOptions::default().with_title(&*title).with_size(SIZE);
+    let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
     let mut data = humanoid();
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -226,7 +224,7 @@ fn draw_program(directory: &Path) {
 
 /// The light theme, with larger text.
 fn draw_light(directory: &Path) {
-    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
+    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25).with_panels(false);
     show_window(SIZE, options, Viewer::new(), humanoid(), |input| {
         press(input, "shift+Tab", "the right panel is open", |state| state.panels[3]);
         press(input, "space", "the simulation runs", |state| state.time > RUN_TIME);

@@ -30,6 +30,11 @@ pub fn side_widths(view: &View, has_instruments: bool, window: f32) -> [f32; 2] 
     open.map(|open| if open { width } else { 0.0 })
 }
 
+/// Returns whether a window of this width, in points, has place for both side panels and the picture.
+pub fn has_place_for_sides(window: f32) -> bool {
+    window >= 2.0 * SIDE_WIDTH + MIN_PICTURE_WIDTH
+}
+
 fn side(context: &Context, id: &'static str, anchor: Align2, width: f32, content: impl FnOnce(&mut Ui)) {
     let height = context.content_rect().height();
     Area::new(Id::unique(id)).anchor(anchor, Vec2::ZERO).order(Order::Middle).show(context, |ui| {

@@ -15,8 +15,8 @@ mod visual;
 
 use egui::Ui;
 
-pub(super) use self::layout::side_widths;
-pub(super) use self::style::apply_style;
+pub(super) use self::layout::{has_place_for_sides, side_widths};
+pub(super) use self::style::{apply_style, limited_scale};
 use super::input::Action;
 use super::link::{Appearance, Request, Snapshot, Status};
 use super::view::View;

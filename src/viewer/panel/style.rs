@@ -103,8 +103,12 @@ pub fn apply_style(context: &Context, theme: Theme, scale: f64) {
         colours(&mut style.visuals);
         style.visuals.window_fill = style.visuals.panel_fill;
     });
-    let scale = if scale.is_finite() { scale.clamp(*SCALES.start(), *SCALES.end()) } else { 1.0 };
-    context.set_zoom_factor(scale as f32);
+    context.set_zoom_factor(limited_scale(scale) as f32);
+}
+
+/// Returns the scale of the panels for a wanted one.
+pub fn limited_scale(scale: f64) -> f64 {
+    if scale.is_finite() { scale.clamp(*SCALES.start(), *SCALES.end()) } else { 1.0 }
 }
 
 fn compact(style: &mut Style) {

@@ -9,7 +9,7 @@ use super::session::Session;
 use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
 use crate::viewer::link::{Event, Snapshot};
-use crate::viewer::panel::{PanelContext, Panels, WindowStatus, side_widths};
+use crate::viewer::panel::{PanelContext, Panels, WindowStatus, has_place_for_sides, limited_scale, side_widths};
 #[cfg(feature = "test-hooks")]
 use crate::viewer::test_hooks;
 use crate::viewer::view::View;
@@ -120,7 +120,12 @@ impl Session {
         let had_instruments = self.link.current().is_some_and(Snapshot::has_instruments);
         let Some((snapshot, _)) = self.link.latest() else { return };
         self.panels_stale |= snapshot.has_instruments() != had_instruments;
-        let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
+        let view = self.view.get_or_insert_with(|| {
+            let scale = self.window.scale_factor() * limited_scale(self.options.scale);
+            let width = f64::from(self.window.inner_size().width) / scale;
+            let panels = self.options.panels && has_place_for_sides(width as f32);
+            View { left_panel: panels, right_panel: panels, ..View::new(&snapshot.model) }
+        });
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
             view.model_replaced(&snapshot.model);
