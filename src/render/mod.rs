@@ -77,7 +77,8 @@
 //! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
 //! - In wireframe mode the lines are those of the engine, and are one pixel wide on every adapter. Without shadows at most 0.2 % of the pixels differ by
 //!   more than 8 of 255 (bench `render`, argument `pictures`). A light that casts shadows is brighter in the engine's images, which add it once for
-//!   each of the polygons that share an edge: 4 to 9 % of the pixels differ in most scenes, and up to 37 % if lines fill the image.
+//!   each of the polygons that share an edge: 4 to 9 % of the pixels differ in most scenes, and more if lines fill the image (23 % in the scene
+//!   `skin` of the bench, 37 % in `terrain`).
 //!   Diagonals are visible in round shapes with an odd number of slices.
 //!
 //! # Drivers

@@ -1,6 +1,7 @@
 //! Contents of the panels: names, rates, the search, saved files, control noise and the appearance of the model.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, sample};
@@ -76,6 +77,15 @@ pub fn names() {
         let elided = |end: char| position(|text| text.starts_with("the_") && text.contains('…') && text.ends_with(end));
         let (first, second) = (elided('1'), elided('2'));
         assert!(first.is_some() && second.is_some() && first != second, "the names are elided in the middle");
+        let mut step = 0;
+        wait_until("a tooltip shows the complete name", || {
+            // A click hides tooltips until the pointer moves more than a tenth of a second later.
+            step = 1 - step;
+            let [x, y] = elided('2').expect("the name is shown");
+            input.move_to([x + step, y]);
+            std::thread::sleep(Duration::from_secs(1));
+            is_shown("the_right_shoulder_joint_2")
+        });
 
         // The state changes once per second, less often than the window counts as idle.
         let rate = || texts_after("Refresh Rate").first().map(|(text, _)| text.clone()).unwrap_or_default();
@@ -128,6 +138,35 @@ pub fn saved_files() {
     assert_eq!(std::fs::read(path("model.mjb")).unwrap(), sample::humanoid().to_binary().unwrap());
     assert!(std::fs::read_to_string(path("model.txt")).unwrap().contains("left_knee"));
     assert!(std::fs::read_to_string(path("data.txt")).unwrap().contains("QPOS"));
+}
+
+/// Clicks on the buttons for a screenshot and for a recording save the files that the notices name.
+pub fn captured_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let options = ViewerOptions::default().with_screenshots(path("image.png")).with_recordings(path("film.gif"));
+    let mut size = [0; 2];
+    show_window(SIZE, options, Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
+        open_panels(input);
+        let is_noticed = |start: String| state().messages.iter().any(|message| message.starts_with(&start));
+        click(input, "Image");
+        wait_until("a notice shows the path", || is_noticed(format!("saved {}", path("image.png").display())));
+        size = state().picture[1];
+        click(input, "Record");
+        wait_until("a notice shows the path", || is_noticed(format!("recording to {}", path("film.gif").display())));
+        click(input, "Stop");
+        wait_until("a notice shows the length", || is_noticed(format!("{}: ", path("film.gif").display())));
+    });
+    let png = std::fs::read(path("image.png")).unwrap();
+    let [width, height] = size.map(u32::to_be_bytes);
+    assert_eq!(png[1..4], *b"PNG");
+    assert_eq!(
+        (&png[16..20], &png[20..24]),
+        (&width[..], &height[..]),
+        "the image shows the picture without the panels"
+    );
+    let film = std::fs::read(path("film.gif")).unwrap();
+    assert!(film.starts_with(b"GIF89a") && film.ends_with(b";"), "the recording is complete");
 }
 
 pub fn noise() {

@@ -59,6 +59,7 @@ const CASES: &[Case] = &[
     ("panels_show_names_and_rates", contents::names),
     ("search_selects_bodies", contents::search),
     ("panels_save_files", contents::saved_files),
+    ("panels_save_pictures_and_recordings", contents::captured_files),
     ("panels_set_control_noise", contents::noise),
     ("panels_set_the_appearance", contents::appearance),
     ("frames_follow_the_state_and_the_display", processor::frames),
