@@ -148,7 +148,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         if bytes.once_in(2) {
             must_panic(|| Parameters::new().with(scene.data.model(), mass, Distribution::Unchanged));
         } else {
-            must_panic(|| Batch::new(scene.data.model().clone(), 1)?.vary(parameters));
+            let batch = Batch::new(scene.data.model().clone(), 1)?;
+            must_panic(|| batch.vary(parameters));
         }
         Ok(())
     }),
