@@ -411,3 +411,25 @@ fn the_defaults_of_the_options_are_those_of_the_engine() {
     let model = Model::from_xml_str("<mujoco/>").unwrap();
     assert_eq!(Options::default(), model.options());
 }
+
+#[test]
+fn a_camera_or_light_of_a_body_that_is_fused_is_kept_or_rejected() {
+    let text = |world: &str, body: &str| {
+        format!(
+            r#"<mujoco><compiler fusestatic="true"/><worldbody>{world}<body><freejoint/><geom size=".1"/>
+            <body pos="0 0 1"><geom size=".1"/>{body}</body></body></worldbody></mujoco>"#
+        )
+    };
+    for view in ["<camera/>", "<light/>"] {
+        let in_world = Model::from_xml_str(&text(view, "")).unwrap();
+        assert_eq!((in_world.ncam() + in_world.nlight(), in_world.nbody()), (1, 2));
+        match Model::from_xml_str(&text("", view)) {
+            Ok(model) => assert_eq!(model.ncam() + model.nlight(), 1),
+            Err(error) => {
+                // The compilers of these engines use the camera after they have deleted it.
+                assert!(cfg!(all(engine_since = "3.2.0", not(engine_since = "3.6.0"))), "{error}");
+                assert!(error.to_string().contains("fusestatic"), "{error}");
+            }
+        }
+    }
+}

@@ -5,6 +5,7 @@
 mod assets;
 mod expansion;
 mod files;
+mod fusion;
 mod limits;
 mod place;
 mod simulation;
@@ -22,6 +23,7 @@ pub(super) use self::tags::{Tags, decoded};
 use self::assets::Format;
 use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::fusion::Fusion;
 use self::place::{Candidate, Place};
 use self::simulation::{Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
@@ -78,6 +80,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         assets: Vec::new(),
         muscles: Muscles::default(),
         rangefinders: Rangefinders::default(),
+        fusion: Fusion::default(),
     };
     check.model(source_name, text, &Rc::new(Place::new(files.directory)))?;
     check.assets()?;
@@ -85,6 +88,9 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
     if check.has_adhesion && check.has_small_njmax {
         let message =
             format!("adhesion needs an njmax of at least {LEAST_NJMAX}, or the njmax that the compiler computes");
+        return Err(Error::Load { source_name: source_name.to_owned(), message });
+    }
+    if let Some(message) = check.fusion.check() {
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
     check.rangefinders.check()?;
@@ -116,6 +122,7 @@ struct Check<'f> {
     assets: Vec<Asset>,
     muscles: Muscles,
     rangefinders: Rangefinders,
+    fusion: Fusion,
 }
 
 /// State of the check of one model and the texts that it includes.
@@ -165,6 +172,7 @@ impl<'f> Check<'f> {
             if tag.closes {
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
+                self.fusion.end(outer + depth);
                 continue;
             }
             if let Err(why) = self.model.expansion.start(&tag, outer + depth) {
@@ -178,6 +186,7 @@ impl<'f> Check<'f> {
             }
             self.muscles.record(&tag, self.depth > 0);
             self.rangefinders.record(&tag, source_name);
+            self.fusion.start(&tag, outer + depth, self.depth > 0);
             self.record_files(&tag, source_name, place);
             if self.folders.len() > MOST_FOLDERS {
                 return reject(tag.position, &format!("the model has more than {MOST_FOLDERS} asset directories"));
