@@ -50,7 +50,7 @@ impl Model {
     }
 
     /// Returns [`Error::Unsupported`] for a model with delays, whose states of earlier steps a linear system of one step does not contain.
-    pub(crate) fn check_without_delays(&self, call: &str) -> Result<()> {
+    pub(super) fn check_without_delays(&self, call: &str) -> Result<()> {
         if self.history_len() == 0 {
             return Ok(());
         }

@@ -65,6 +65,13 @@ impl Model {
         self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0
     }
 
+    /// Returns [`Error::Unsupported`] for a model with delays or with the option `sleep`: a linear system of one step does not contain the
+    /// states of earlier steps, nor which bodies sleep.
+    pub(crate) fn check_linearisable(&self, call: &str) -> Result<()> {
+        self.check_without_delays(call)?;
+        self.check_without_sleep(call)
+    }
+
     /// Returns [`Error::Unsupported`] for a model with the option `sleep`, whose sleeping bodies no state vector contains.
     pub(crate) fn check_without_sleep(&self, call: &str) -> Result<()> {
         if self.has_sleep() {

@@ -134,8 +134,7 @@ impl Lineariser {
         let outputs = outputs.into();
         outputs.check(data.model())?;
         self.adopt_model(data)?;
-        data.model().check_without_delays("a linearisation")?;
-        data.model().check_without_sleep("a linearisation")?;
+        data.model().check_linearisable("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
@@ -236,8 +235,7 @@ impl Lineariser {
             TransitionOutputs::from(system).check(model)?;
         }
         self.adopt_model(data)?;
-        model.check_without_delays("a linearisation")?;
-        model.check_without_sleep("a linearisation")?;
+        model.check_linearisable("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

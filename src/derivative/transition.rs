@@ -115,8 +115,7 @@ impl Data {
         self.check_usable()?;
         self.check_inputs()?;
         check_eps("transition_fd", eps)?;
-        self.model().check_without_delays("transition_fd")?;
-        self.model().check_without_sleep("transition_fd")?;
+        self.model().check_linearisable("transition_fd")?;
         if self.model().options().integrator == Integrator::Rk4 {
             return Err(Error::Unsupported(
                 "transition_fd supports the integrators Euler and Implicit, but this model uses Rk4".to_owned(),

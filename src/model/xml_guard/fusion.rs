@@ -4,7 +4,7 @@
 
 use super::tags::Tag;
 
-/// What the texts of a model reveal about the fusion of bodies.
+/// State of the check: whether the compiler fuses bodies, and whether one of them may have a camera or a light.
 #[derive(Default)]
 pub(super) struct Fusion {
     is_enabled: bool,
