@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use mujoco_safe::viewer::test_hooks::{self, WindowState};
 use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions};
@@ -157,7 +158,10 @@ pub fn style() {
         let corner = || Screen::read(&framebuffer).pixel([2, height as usize - 3]);
         assert!(corner().iter().all(|&part| part < 60), "the panel is dark");
         let left = state().picture[0][0];
-        input.click(LIGHT, 1, 1);
+        // A frame between press and release, and none after it but those that the panels request.
+        input.press(LIGHT, 1, &[]);
+        std::thread::sleep(Duration::from_millis(300));
+        input.release(1, &[]);
         wait_until("the panel is light", || corner().iter().all(|&part| part > 200));
         input.click(LARGER, 1, 1);
         wait_until("the panel is wider", || state().picture[0][0] == (1.1 * f64::from(left)).round() as u32);

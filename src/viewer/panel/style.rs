@@ -80,6 +80,8 @@ pub(super) fn show(ui: &mut Ui) {
     });
     if (theme, scale) != before {
         apply_style(ui.ctx(), theme, scale);
+        // A change of the theme is visible in the next pass only, which egui does not request.
+        ui.ctx().request_repaint();
     }
 }
 
