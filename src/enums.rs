@@ -20,10 +20,16 @@ macro_rules! engine_enum {
             /// Returns [`Error::Unsupported`](crate::Error::Unsupported) for a variant that only other versions of the engine have.
             #[allow(dead_code, reason = "not every enum is passed to the engine")]
             pub(crate) fn check_supported(self) -> crate::error::Result<()> {
-                let constant = match self {
+                let what = format_args!(concat!(stringify!($name), "::{:?}"), self);
+                crate::error::Error::check_constant(self.constant(), what)
+            }
+
+            /// Returns the name of the engine constant.
+            #[allow(dead_code, reason = "not every enum is passed to the engine")]
+            pub(crate) fn constant(self) -> &'static str {
+                match self {
                     $(Self::$variant => stringify!($constant),)*
-                };
-                crate::error::Error::check_constant(constant, format_args!(concat!(stringify!($name), "::{:?}"), self))
+                }
             }
 
             /// Returns the variant of an engine constant, or `None` for an unknown value.

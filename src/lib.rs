@@ -36,6 +36,7 @@
 //!
 //! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by [`Model::edit`] before it is shared and by
 //!   [`Data::edit_model`] afterwards. [`Options`], [`Visual`](model::Visual) and [`Statistics`](model::Statistics) are typed and checked.
+//! - [`spec`]: models in code, built element by element and joined with others.
 //! - [`Data`]: a simulation. Every array of the engine is a method with the engine's name: [`Data::qpos`],
 //!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
 //!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The search of this documentation finds them by their C names.
@@ -117,6 +118,7 @@ pub mod sample;
 pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
+pub mod spec;
 mod stage;
 mod trajectory;
 mod version;

@@ -71,6 +71,25 @@
 //! | `d.sensordata` | [`d.sensordata()`](Data::sensordata), with [`m.sensor("gyro")?.data_range()`](Model::sensor) |
 //! | `print(d.joint('knee'))` | `println!("{}", d.joint("knee")?)` |
 //!
+//! # Models in code
+//!
+//! A [`Spec`](crate::spec::Spec) works with every engine, also with those before 3.2, which have no `mjSpec`. Its attributes have the names and
+//! units of MJCF.
+//!
+//! | Python | here |
+//! |---|---|
+//! | `spec = mujoco.MjSpec()` | [`Spec::new("name")`](crate::spec::Spec::new) |
+//! | `mujoco.MjSpec.from_file(path)`, `from_string(xml)` | [`Spec::from_xml_path(path)?`](crate::spec::Spec::from_xml_path), [`Spec::from_xml_str(xml)?`](crate::spec::Spec::from_xml_str) |
+//! | `body = spec.worldbody.add_body(name='arm', pos=p)` | [`let body = spec.add_body(spec.world()).set_name("arm").set_pos(p).id();`](crate::spec::Spec::add_body) |
+//! | `body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])` | [`spec.add_geom(body).set_type(GeomType::Sphere).set_size(&[0.1]);`](crate::spec::Spec::add_geom) |
+//! | `spec.add_actuator(target='elbow', trntype=…)` | [`spec.add_motor().set_joint("elbow");`](crate::spec::Spec::add_motor) |
+//! | `spec.option.timestep = 0.001` | [`spec.section_mut("option")?.set("timestep", 0.001)?;`](crate::spec::Spec::section_mut) |
+//! | `spec.default.geom.rgba = …` | [`spec.default_mut("main", "geom")?.set("rgba", …)?;`](crate::spec::Spec::default_mut) |
+//! | `spec.body('arm').pos`, `spec.geoms` | [`spec.body("arm")?.numbers("pos")?`](crate::spec::Element::numbers), [`spec.ids::<Geom>()`](crate::spec::Spec::ids) |
+//! | `spec.attach(child, prefix='left_', site=site)` | [`spec.attach(&child, Mount::site(site), "left_")?`](crate::spec::Spec::attach) |
+//! | `spec.delete(body)` | [`spec.remove_with_references(body)?`](crate::spec::Spec::remove_with_references) |
+//! | `spec.compile()`, `spec.to_xml()` | [`spec.compile()?`](crate::spec::Spec::compile), [`spec.to_xml()`](crate::spec::Spec::to_xml) |
+//!
 //! # Contacts, rays and dynamics
 //!
 //! | Python | here |

@@ -34,6 +34,7 @@ use mujoco_sys::{self as sys, guard, mjModel};
 pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
+pub(crate) use self::load::TEXT;
 #[cfg(feature = "viewer")]
 pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};

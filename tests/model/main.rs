@@ -24,6 +24,7 @@ mod rejected_texts;
 mod save;
 #[cfg(feature = "serde")]
 mod serde;
+mod spec;
 mod urdf;
 
 use std::path::Path;

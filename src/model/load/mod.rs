@@ -23,7 +23,7 @@ use crate::id::Lineage;
 use crate::{ffi, file};
 
 /// File name of the main text for the engine's compiler.
-pub(super) const TEXT: &str = "(main).xml";
+pub(crate) const TEXT: &str = "(main).xml";
 
 /// Name of a text from memory in error messages.
 const FROM_MEMORY: &str = "the given XML";
@@ -165,7 +165,7 @@ impl Model {
     }
 
     /// Compiles a text as if it were the contents of the file `path`, whose file name must be [`TEXT`].
-    fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
+    pub(crate) fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
         let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
         let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
             .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))

@@ -36,6 +36,16 @@ pub struct LoadOptions<'a> {
 }
 
 impl<'a> LoadOptions<'a> {
+    /// Returns the content of a file in memory, which has the same name after the last slash.
+    pub(crate) fn file(&self, name: &str) -> Option<&'a [u8]> {
+        fn last(name: &str) -> Option<&str> {
+            name.rsplit(['/', '\\']).next()
+        }
+        let is =
+            |&&(known, _): &&(&str, &[u8])| last(known).zip(last(name)).is_some_and(|(a, b)| a.eq_ignore_ascii_case(b));
+        self.files.iter().find(is).map(|&(_, content)| content)
+    }
+
     /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height field or a texture (`.png`, or
     /// the engine's own formats). The compiler compares the part of a name after the last slash and ignores case, so two files
     /// must not differ only in their directories. Files in memory take precedence over files on disk.

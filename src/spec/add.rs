@@ -1,0 +1,360 @@
+//! Creation of elements.
+
+use super::key::{ElementId, Reference};
+use super::names::MAIN;
+use super::names::{self, Named};
+use super::tree::{Index, Tree};
+use super::{ElementMut, Spec};
+use crate::enums::SensorType;
+#[cfg(doc)]
+use crate::error::Error;
+use crate::error::Result;
+use crate::kind;
+
+/// Declares methods that add an element to a body or to a section.
+macro_rules! creators {
+    (body { $($(#[$doc:meta])* $method:ident $kind:ident = $tag:literal;)* } $($section:literal {
+        $($(#[$section_doc:meta])* $section_method:ident $section_kind:ident = $section_tag:literal;)*
+    })*) => {
+        /// # Elements of bodies
+        ///
+        /// These methods panic if the id belongs to another spec, or the body was removed.
+        impl Spec {
+            $(
+                $(#[$doc])*
+                #[track_caller]
+                pub fn $method(&mut self, body: ElementId<kind::Body>) -> ElementMut<'_, kind::$kind> {
+                    let index = self.index(body);
+                    let index = self.tree.add(index, $tag);
+                    self.element_mut(index)
+                }
+            )*
+        }
+
+        /// Sections and tags of the elements.
+        #[cfg(test)]
+        const CREATED: &[(&str, &str)] = &[$(("worldbody", $tag),)* $($(($section, $section_tag),)*)*];
+
+        /// # Other elements
+        impl Spec {
+            $($(
+                $(#[$section_doc])*
+                pub fn $section_method(&mut self) -> ElementMut<'_, kind::$section_kind> {
+                    let section = self.tree.section($section);
+                    let index = self.tree.add(section, $section_tag);
+                    self.element_mut(index)
+                }
+            )*)*
+        }
+    };
+}
+
+creators! {
+    body {
+        /// Adds a body.
+        #[doc(alias = "mjs_addBody")]
+        add_body Body = "body";
+        /// Adds a joint between the body and its parent, a hinge by default.
+        #[doc(alias = "mjs_addJoint")]
+        add_joint Joint = "joint";
+        /// Adds a free joint, with six degrees of freedom and without stiffness and damping. The body must be in the world.
+        #[doc(alias = "mjs_addFreeJoint")]
+        add_freejoint Joint = "freejoint";
+        /// Adds a geom, a sphere by default.
+        #[doc(alias = "mjs_addGeom")]
+        add_geom Geom = "geom";
+        /// Adds a site.
+        #[doc(alias = "mjs_addSite")]
+        add_site Site = "site";
+        /// Adds a camera.
+        #[doc(alias = "mjs_addCamera")]
+        add_camera Camera = "camera";
+        /// Adds a light.
+        #[doc(alias = "mjs_addLight")]
+        add_light Light = "light";
+    }
+    "asset" {
+        /// Adds a mesh.
+        #[doc(alias = "mjs_addMesh")]
+        add_mesh Mesh = "mesh";
+        /// Adds a height field.
+        #[doc(alias = "mjs_addHField")]
+        add_height_field HeightField = "hfield";
+        /// Adds a texture.
+        #[doc(alias = "mjs_addTexture")]
+        add_texture Texture = "texture";
+        /// Adds a material.
+        #[doc(alias = "mjs_addMaterial")]
+        add_material Material = "material";
+    }
+    "contact" {
+        /// Adds a pair of geoms that collide whatever their bit masks.
+        #[doc(alias = "mjs_addPair")]
+        add_pair Pair = "pair";
+        /// Excludes collisions between two bodies.
+        #[doc(alias = "mjs_addExclude")]
+        add_exclude Exclude = "exclude";
+    }
+    "equality" {
+        /// Adds a constraint that connects two bodies at a point.
+        #[doc(alias = "mjs_addEquality")]
+        add_connect Equality = "connect";
+        /// Adds a constraint that fixes two bodies to each other.
+        add_weld Equality = "weld";
+        /// Adds a constraint between the positions of two joints.
+        add_joint_equality Equality = "joint";
+        /// Adds a constraint between the lengths of two tendons.
+        add_tendon_equality Equality = "tendon";
+    }
+    "tendon" {
+        /// Adds a tendon along a path of sites and geoms.
+        #[doc(alias = "mjs_addTendon")]
+        add_spatial_tendon Tendon = "spatial";
+        /// Adds a tendon whose length is a linear combination of joint positions.
+        add_fixed_tendon Tendon = "fixed";
+    }
+    "actuator" {
+        /// Adds an actuator with a force or torque in proportion to its control.
+        #[doc(alias = "mjs_addActuator")]
+        #[doc(alias = "mjs_setToMotor")]
+        add_motor Actuator = "motor";
+        /// Adds a position servo.
+        #[doc(alias = "mjs_setToPosition")]
+        add_position Actuator = "position";
+        /// Adds a velocity servo.
+        #[doc(alias = "mjs_setToVelocity")]
+        add_velocity Actuator = "velocity";
+        /// Adds a position servo whose target is the integral of its control.
+        #[doc(alias = "mjs_setToIntVelocity")]
+        add_intvelocity Actuator = "intvelocity";
+        /// Adds a damper whose coefficient is in proportion to its control.
+        #[doc(alias = "mjs_setToDamper")]
+        add_damper Actuator = "damper";
+        /// Adds a pneumatic or hydraulic cylinder.
+        #[doc(alias = "mjs_setToCylinder")]
+        add_cylinder Actuator = "cylinder";
+        /// Adds a muscle.
+        #[doc(alias = "mjs_setToMuscle")]
+        add_muscle Actuator = "muscle";
+        /// Adds an adhesive body.
+        #[doc(alias = "mjs_setToAdhesion")]
+        add_adhesion Actuator = "adhesion";
+        /// Adds an actuator with general gain, bias and activation dynamics.
+        add_general Actuator = "general";
+    }
+    "custom" {
+        /// Adds an array of numbers for the program.
+        #[doc(alias = "mjs_addNumeric")]
+        add_numeric Numeric = "numeric";
+        /// Adds a text for the program.
+        #[doc(alias = "mjs_addText")]
+        add_text Text = "text";
+        /// Adds a list of elements for the program.
+        #[doc(alias = "mjs_addTuple")]
+        add_tuple Tuple = "tuple";
+    }
+    "keyframe" {
+        /// Adds a keyframe.
+        #[doc(alias = "mjs_addKey")]
+        #[doc(alias = "mj_setKeyframe")]
+        add_keyframe Keyframe = "key";
+    }
+}
+
+impl Spec {
+    /// Adds a sensor.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unsupported`] if the engine does not have the sensor.
+    #[doc(alias = "mjs_addSensor")]
+    pub fn add_sensor(&mut self, sensor: SensorType) -> Result<ElementMut<'_, kind::Sensor>> {
+        sensor.check_supported()?;
+        let tag = match sensor {
+            SensorType::JointActuatorForce => "jointactuatorfrc".to_owned(),
+            SensorType::TendonActuatorForce => "tendonactuatorfrc".to_owned(),
+            SensorType::GeomDistance => "distance".to_owned(),
+            SensorType::GeomNormal => "normal".to_owned(),
+            SensorType::GeomFromTo => "fromto".to_owned(),
+            sensor => sensor.constant().trim_start_matches("mjSENS_").to_ascii_lowercase(),
+        };
+        let section = self.tree.section("sensor");
+        self.check_child(section, &tag)?;
+        let index = self.tree.add(section, &tag);
+        Ok(self.element_mut(index))
+    }
+
+    /// Returns a section of the model, such as `option`, `compiler`, `visual` or `statistic`, and creates it if there is none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] if the engine does not have such a section.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let mut spec = Spec::new("weightless");
+    /// spec.section_mut("option")?.set("gravity", [0.0; 3])?;
+    /// spec.section_mut("visual")?.child_mut("headlight")?.set("ambient", [0.3; 3])?;
+    /// assert_eq!(spec.compile()?.options().gravity, [0.0; 3]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn section_mut(&mut self, tag: &str) -> Result<ElementMut<'_>> {
+        self.check_child(Tree::ROOT, tag)?;
+        let index = self.tree.section(tag);
+        Ok(self.element_mut(index))
+    }
+
+    /// Returns the defaults of a class for an element, such as `geom` or `motor`. Creates the class, directly in `main`, if there is
+    /// none with this name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] if elements with this tag have no defaults.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let mut spec = Spec::new("balls");
+    /// spec.default_mut("main", "geom")?.set("size", 0.1)?;
+    /// spec.default_mut("large", "geom")?.set("size", 0.2)?;
+    /// let world = spec.world();
+    /// spec.add_geom(world);
+    /// spec.add_geom(world).set_class("large");
+    /// let model = spec.compile()?;
+    /// assert_eq!([model.geom_size()[0][0], model.geom_size()[1][0]], [0.1, 0.2]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjs_addDefault")]
+    #[doc(alias = "mjs_getDefault")]
+    #[doc(alias = "mjs_findDefault")]
+    #[doc(alias = "mjs_getSpecDefault")]
+    pub fn default_mut(&mut self, class: &str, tag: &str) -> Result<ElementMut<'_>> {
+        let known = names::find(&self.tree, Named::Class, class);
+        let parent = known.unwrap_or_else(|| self.tree.section("default"));
+        self.check_child(parent, tag)?;
+        let class = match known {
+            None if class != MAIN => {
+                let index = self.tree.add(parent, "default");
+                self.tree.node_mut(index).set("class", class.to_owned());
+                index
+            }
+            _ => parent,
+        };
+        let index = self.child(class, tag);
+        Ok(self.element_mut(index))
+    }
+
+    /// Returns the last element with a tag in another one, and creates it if there is none.
+    fn child(&mut self, parent: Index, tag: &str) -> Index {
+        let last = self.tree.children(parent).iter().copied().rfind(|&child| self.tree.tag(child) == tag);
+        last.unwrap_or_else(|| self.tree.add(parent, tag))
+    }
+}
+
+impl<K> ElementMut<'_, K> {
+    /// Returns the last element with a tag in this one, and creates it if there is none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] if the engine does not accept the element here.
+    pub fn child_mut(&mut self, tag: &str) -> Result<ElementMut<'_>> {
+        let index = self.index();
+        let spec = self.spec();
+        spec.check_child(index, tag)?;
+        let index = spec.child(index, tag);
+        Ok(spec.element_mut(index))
+    }
+
+    fn index(&mut self) -> Index {
+        let id = self.id();
+        self.spec().index(id)
+    }
+}
+
+/// # Inertia
+impl ElementMut<'_, kind::Body> {
+    /// Sets the mass (kg), the centre of mass (metres, in the frame of the body) and the moments of inertia (kg m²) about axes through
+    /// it that are parallel to those of the body. Without this, the compiler computes them from the geoms.
+    pub fn set_inertial(&mut self, mass: f64, pos: [f64; 3], diaginertia: [f64; 3]) -> &mut Self {
+        let index = self.index();
+        let spec = self.spec();
+        let inertial = spec.child(index, "inertial");
+        // Other attributes, such as an orientation, would contradict these.
+        spec.tree.node_mut(inertial).attributes.clear();
+        let mut inertial: ElementMut<'_> = spec.element_mut(inertial);
+        inertial.put("pos", &pos).put("mass", &mass).put("diaginertia", &diaginertia);
+        self
+    }
+}
+
+/// # Paths of tendons
+impl ElementMut<'_, kind::Tendon> {
+    /// Adds a site to the path of a spatial tendon.
+    #[doc(alias = "mjs_wrapSite")]
+    pub fn wrap_site(&mut self, site: impl Reference<kind::Site>) -> &mut Self {
+        let site = site.name(self.spec());
+        self.append("site").put("site", &site);
+        self
+    }
+
+    /// Adds a sphere or cylinder, around which a spatial tendon wraps.
+    #[doc(alias = "mjs_wrapGeom")]
+    pub fn wrap_geom(&mut self, geom: impl Reference<kind::Geom>) -> &mut Self {
+        let geom = geom.name(self.spec());
+        self.append("geom").put("geom", &geom);
+        self
+    }
+
+    /// Adds a sphere or cylinder, around which a spatial tendon wraps on the side of a site.
+    pub fn wrap_geom_on_side(
+        &mut self,
+        geom: impl Reference<kind::Geom>,
+        sidesite: impl Reference<kind::Site>,
+    ) -> &mut Self {
+        let geom = geom.name(self.spec());
+        let sidesite = sidesite.name(self.spec());
+        self.append("geom").put("geom", &geom).put("sidesite", &sidesite);
+        self
+    }
+
+    /// Adds a pulley, after which a spatial tendon starts a new branch with its length divided by `divisor`.
+    #[doc(alias = "mjs_wrapPulley")]
+    pub fn wrap_pulley(&mut self, divisor: f64) -> &mut Self {
+        self.append("pulley").put("divisor", &divisor);
+        self
+    }
+
+    /// Adds a joint position times a coefficient to the length of a fixed tendon.
+    #[doc(alias = "mjs_wrapJoint")]
+    pub fn wrap_joint(&mut self, joint: impl Reference<kind::Joint>, coef: f64) -> &mut Self {
+        let joint = joint.name(self.spec());
+        self.append("joint").put("joint", &joint).put("coef", &coef);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CREATED;
+    use crate::enums::SensorType;
+    use crate::spec::Spec;
+
+    #[test]
+    fn every_engine_accepts_the_created_elements() {
+        let mut spec = Spec::new("all");
+        for (section, tag) in CREATED {
+            let section = spec.tree.section(section);
+            spec.check_child(section, tag).unwrap();
+        }
+    }
+
+    /// The tags of sensors follow from the names of constants.
+    #[test]
+    fn every_sensor_has_a_tag_that_the_engine_accepts() {
+        for raw in 0..100 {
+            let Some(sensor) = SensorType::from_raw(raw) else { continue };
+            Spec::new("sensor").add_sensor(sensor).unwrap();
+        }
+    }
+}

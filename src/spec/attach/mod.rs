@@ -1,0 +1,246 @@
+//! Attachment of a spec to another one.
+
+mod angles;
+mod classes;
+mod pose;
+mod settings;
+
+use std::path::{Path, PathBuf};
+
+use self::angles::Angles;
+use super::key::{ElementId, name_or_create};
+use super::names::{self, Named, WORLD};
+use super::schema::Schema;
+use super::tree::{Index, Tree};
+use super::{Spec, paths};
+use crate::error::{Error, Result};
+use crate::kind::{self, Kind};
+use crate::math::{self, Pose};
+
+/// Place at which [`Spec::attach`] puts the world of another spec: a body or a site, and a pose in its frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Mount {
+    place: Place,
+    pose: Pose,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Body(ElementId<kind::Body>),
+    Site(ElementId<kind::Site>),
+}
+
+impl Mount {
+    /// Returns the place at the frame of a body, which may be the world.
+    pub fn body(body: ElementId<kind::Body>) -> Self {
+        Self { place: Place::Body(body), pose: Pose::default() }
+    }
+
+    /// Returns the place at the frame of a site, in the body of the site.
+    pub fn site(site: ElementId<kind::Site>) -> Self {
+        Self { place: Place::Site(site), pose: Pose::default() }
+    }
+
+    /// Sets the position, metres, in the frame of the body or site.
+    #[must_use]
+    pub fn with_pos(mut self, pos: [f64; 3]) -> Self {
+        self.pose.pos = pos;
+        self
+    }
+
+    /// Sets the orientation in the frame of the body or site. It is normalised.
+    #[must_use]
+    pub fn with_quat(mut self, mut quat: [f64; 4]) -> Self {
+        math::normalize4(&mut quat);
+        self.pose.quat = quat;
+        self
+    }
+}
+
+/// Sections whose elements are copied. The order does not matter to the compiler.
+const COPIED: [&str; 10] =
+    ["default", "extension", "custom", "asset", "contact", "equality", "tendon", "actuator", "sensor", "deformable"];
+
+/// # Attachment
+impl Spec {
+    /// Attaches another spec: adds copies of the elements of its world to a body, and copies of its other elements, with `prefix` before all
+    /// names. Returns the ids of the bodies that were in its world.
+    ///
+    /// The attached elements keep the defaults, angles, limits and directories of their own spec: classes of defaults are copied, angles are
+    /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
+    /// independent of `meshdir` and `texturedir`. If this spec has defaults in `main`, they move to a class of their own, which its present elements get. References to the
+    /// world become references to the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied.
+    ///
+    /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
+    /// those of the first one that is attached.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
+    /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or is relative to the world in a way that the
+    /// body does not allow.
+    ///
+    /// # Panics
+    ///
+    /// If the body or site of `mount` belongs to another spec, or was removed.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::{Mount, Spec};
+    ///
+    /// let pole = Spec::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/models/cartpole.xml"))?;
+    /// let mut scene = Spec::new("two carts");
+    /// let world = Mount::body(scene.world());
+    /// scene.attach(&pole, world, "near_")?;
+    /// scene.attach(&pole, world.with_pos([0.0, 2.0, 0.0]), "far_")?;
+    /// let model = scene.compile()?;
+    /// assert_eq!(model.nv(), 4);
+    /// assert!(model.joint("far_hinge").is_ok());
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjs_attach")]
+    #[track_caller]
+    pub fn attach(&mut self, other: &Self, mount: Mount, prefix: &str) -> Result<Vec<ElementId<kind::Body>>> {
+        let (body, pose) = self.mounted(mount)?;
+        let mut tree = self.tree.clone();
+        let mut child = other.tree.clone();
+
+        settings::agree(&mut tree, &mut child)?;
+        Angles::of(&child).convert(&mut child, &Angles::of(&tree))?;
+        if child.descendants(Tree::ROOT).iter().any(|&index| paths::is_asset(&child, index)) {
+            paths::resolve(&mut tree, None);
+            paths::resolve(&mut child, self.foreign_directory(other).as_deref());
+        }
+        let body_name = if body == self.world { WORLD.to_owned() } else { name_or_create(&mut tree, body, BODY) };
+        refer_to_body(&mut child, &body_name, &pose)?;
+        classes::separate(&mut tree, &mut child, body, prefix)?;
+        add_prefix(&mut child, prefix, &body_name);
+        if let Some((class, name)) = shared_name(&tree, &child) {
+            let what = format!("the prefix '{prefix}' of the attached {}", other.source_name());
+            return Err(Error::invalid(what, format!("not unique: the {class} '{name}' exists"), "another text"));
+        }
+
+        let angles = Angles::of(&tree);
+        let worlds: Vec<Index> = child.sections("worldbody").collect();
+        let elements: Vec<Index> = worlds.into_iter().flat_map(|world| child.children(world).to_vec()).collect();
+        let mut bodies = Vec::new();
+        for element in elements {
+            let element = pose::moved(&mut child, element, &pose, &angles)?;
+            let copy = tree.copy(&child, element, body);
+            if tree.tag(copy) == "body" {
+                bodies.push(self.id(copy));
+            }
+        }
+        for section in COPIED {
+            let elements = child.sections(section).flat_map(|index| child.children(index)).copied();
+            for element in elements {
+                let section = tree.section(section);
+                tree.copy(&child, element, section);
+            }
+        }
+        self.tree = tree;
+        Ok(bodies)
+    }
+
+    /// Returns the body and the pose in its frame.
+    #[track_caller]
+    fn mounted(&self, mount: Mount) -> Result<(Index, Pose)> {
+        let site = match mount.place {
+            Place::Body(body) => return Ok((self.index(body), mount.pose)),
+            Place::Site(site) => self.index(site),
+        };
+        let frame = pose::of(&self.tree, site, &Angles::of(&self.tree))?;
+        let pose = math::mul_pose(&frame, &mount.pose);
+        // A frame or a copy (`replicate`) has a pose of its own.
+        match self.tree.parent(site) {
+            Some(body) if matches!(self.tree.tag(body), "body" | "worldbody") => Ok((body, pose)),
+            _ => {
+                let site = names::describe(&self.tree, site);
+                Err(Error::Unsupported(format!("cannot attach a spec to {site}, which is not directly in a body")))
+            }
+        }
+    }
+
+    /// Returns the directory of another spec if it is not the one of this spec.
+    fn foreign_directory(&self, other: &Self) -> Option<PathBuf> {
+        let of = |spec: &Self| {
+            let directory = spec.directory.as_deref().filter(|path| !path.as_os_str().is_empty());
+            std::path::absolute(directory.unwrap_or(Path::new("."))).ok()
+        };
+        of(other).filter(|directory| of(self).as_ref() != Some(directory))
+    }
+}
+
+const BODY: Named = Named::Kind(Kind::Body);
+
+/// Makes the body explicit to which constraints without a second body connect, which is the world by default.
+fn refer_to_body(child: &mut Tree, body: &str, pose: &Pose) -> Result<()> {
+    let is_moved = body != WORLD || *pose != Pose::default();
+    let constraints: Vec<Index> =
+        child.sections("equality").flat_map(|section| child.children(section).to_vec()).collect();
+    for index in constraints {
+        let node = child.node(index);
+        let connects = matches!(&node.tag[..], "connect" | "weld") && node.attribute("body1").is_some();
+        let first = node.attribute("body1").unwrap_or_default();
+        let second = node.attribute("body2").unwrap_or(WORLD);
+        if !connects || (first != WORLD && second != WORLD) {
+            continue;
+        }
+        // The relative pose of a weld and the anchor of the world are in the frame of the world.
+        if is_moved && (node.attribute("relpose").is_some() || first == WORLD) {
+            let constraint = names::describe(child, index);
+            let message = format!(
+                "cannot move {constraint}, which has a pose in the world; give it a body in place of the world"
+            );
+            return Err(Error::Unsupported(message));
+        }
+        if node.attribute("body2").is_none() {
+            child.node_mut(index).set("body2", WORLD.to_owned());
+        }
+    }
+    Ok(())
+}
+
+/// Puts a prefix before all names and references. References to the world become references to `body`.
+fn add_prefix(child: &mut Tree, prefix: &str, body: &str) {
+    names::map_references(child, &mut |class, name| {
+        let is_world = class == BODY && name == WORLD;
+        Some(if is_world { body.to_owned() } else { format!("{prefix}{name}") })
+    });
+    let elements: Vec<Index> =
+        child.sections("worldbody").chain(COPIED.iter().flat_map(|tag| child.sections(tag))).collect();
+    let elements: Vec<Index> = elements.into_iter().flat_map(|section| child.descendants(section)).collect();
+    for index in elements {
+        if child.tag(index) == "worldbody" || (child.tag(index) == "default" && child.parent(index) == Some(Tree::ROOT))
+        {
+            continue;
+        }
+        if let Some((class, name)) = names::named(child, index).zip(names::name(child, index)) {
+            let name = format!("{prefix}{name}");
+            child.node_mut(index).set(names::name_attribute(class), name);
+        }
+        // The names of the elements that these create start with an attribute.
+        if matches!(child.tag(index), "composite" | "attach") {
+            let name = format!("{prefix}{}", child.attribute(index, "prefix").unwrap_or_default());
+            child.node_mut(index).set("prefix", name);
+        }
+    }
+}
+
+/// Returns the class of names and a name that both trees have.
+fn shared_name(tree: &Tree, child: &Tree) -> Option<(Named, String)> {
+    let all = |tree: &Tree| {
+        let elements = tree.descendants(Tree::ROOT).into_iter();
+        let named = elements.filter(|&index| tree.tag(index) != "worldbody" && tree.tag(index) != "key");
+        let named = named.filter(|&index| !(tree.tag(index) == "default" && tree.parent(index) == Some(Tree::ROOT)));
+        let named = named.filter_map(|index| Some((names::named(tree, index)?, names::name(tree, index)?.to_owned())));
+        named.collect::<Vec<_>>()
+    };
+    let known: std::collections::HashSet<(String, String)> =
+        all(tree).into_iter().map(|(class, name)| (class.to_string(), name)).collect();
+    all(child).into_iter().find(|(class, name)| known.contains(&(class.to_string(), name.clone())))
+}
+
+/// Returns `true` if the compiler accepts a class of defaults for an element.
+fn has_class(tree: &Tree, index: Index) -> Result<bool> {
+    Ok(Schema::of_engine()?.has(tree, index, "class"))
+}

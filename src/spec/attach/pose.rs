@@ -1,0 +1,97 @@
+//! Poses of the elements of a world that becomes part of a body.
+
+use super::super::names;
+use super::super::tree::{Index, Tree};
+use super::super::value::Value;
+use super::angles::{Angles, ORIENTATIONS, parsed};
+use super::classes;
+use crate::error::{Error, Result};
+use crate::math::{self, Pose};
+
+/// Returns the pose of an element in the frame of its body.
+pub(super) fn of(tree: &Tree, index: Index, angles: &Angles) -> Result<Pose> {
+    Ok(Pose { pos: triple(tree, index, "pos")?.unwrap_or_default(), quat: orientation(tree, index, angles)? })
+}
+
+/// Moves an element by a pose. Returns the element, or a frame around it.
+pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<Index> {
+    if *pose == Pose::default() {
+        return Ok(index);
+    }
+    match tree.tag(index) {
+        "body" | "frame" | "geom" | "site" | "camera" => {
+            if let Some(ends) = classes::effective(tree, index, "fromto").map(str::to_owned) {
+                let shape = classes::effective(tree, index, "type");
+                if matches!(shape, Some("box" | "ellipsoid")) && pose.quat != Pose::default().quat {
+                    // The compiler chooses the rotation about the axis, which would be another one.
+                    return Err(not_movable(tree, index));
+                }
+                let ends = parsed(tree, index, "fromto", &ends)?;
+                let moved =
+                    ends.chunks_exact(3).flat_map(|point| math::trn_vec_pose(pose, &[point[0], point[1], point[2]]));
+                let moved: Vec<f64> = moved.collect();
+                tree.node_mut(index).set("fromto", (&moved[..]).text().into_owned());
+                return Ok(index);
+            }
+            let old = of(tree, index, angles)?;
+            let new = math::mul_pose(pose, &old);
+            tree.node_mut(index).set("pos", new.pos.text().into_owned());
+            if pose.quat != Pose::default().quat {
+                // A quaternion does not replace these attributes of a class.
+                let of_class = |name: &&str| {
+                    tree.attribute(index, name).is_none() && classes::effective(tree, index, name).is_some()
+                };
+                if ORIENTATIONS[1..].iter().any(of_class) {
+                    return Err(not_movable(tree, index));
+                }
+                let node = tree.node_mut(index);
+                for attribute in ORIENTATIONS {
+                    node.unset(attribute);
+                }
+                node.set("quat", new.quat.text().into_owned());
+            }
+        }
+        "light" => {
+            let pos = triple(tree, index, "pos")?.unwrap_or_default();
+            let dir = triple(tree, index, "dir")?.unwrap_or([0.0, 0.0, -1.0]);
+            let node = tree.node_mut(index);
+            node.set("pos", math::trn_vec_pose(pose, &pos).text().into_owned());
+            node.set("dir", math::rot_vec_quat(&dir, &pose.quat).text().into_owned());
+        }
+        // These have no pose, or one with another meaning.
+        _ if cfg!(engine_since = "3.2.0") => {
+            let parent = tree.parent(index).unwrap_or(Tree::ROOT);
+            let frame = tree.add(parent, "frame");
+            tree.node_mut(frame).set("pos", pose.pos.text().into_owned());
+            tree.node_mut(frame).set("quat", pose.quat.text().into_owned());
+            tree.relocate(index, frame);
+            return Ok(frame);
+        }
+        _ => return Err(not_movable(tree, index)),
+    }
+    Ok(index)
+}
+
+fn not_movable(tree: &Tree, index: Index) -> Error {
+    let element = names::describe(tree, index);
+    Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec"))
+}
+
+/// Returns the orientation of an element, by its attributes or those of its class.
+fn orientation(tree: &Tree, index: Index, angles: &Angles) -> Result<[f64; 4]> {
+    let own = ORIENTATIONS.iter().find_map(|name| Some((name, tree.attribute(index, name)?)));
+    let found =
+        own.or_else(|| ORIENTATIONS.iter().find_map(|name| Some((name, classes::effective(tree, index, name)?))));
+    found.map_or(Ok(Pose::default().quat), |(attribute, text)| angles.quaternion(tree, index, attribute, text))
+}
+
+/// Returns an attribute with three numbers.
+fn triple(tree: &Tree, index: Index, attribute: &str) -> Result<Option<[f64; 3]>> {
+    let Some(text) = classes::effective(tree, index, attribute) else { return Ok(None) };
+    let numbers = parsed(tree, index, attribute, text)?;
+    let triple = numbers.try_into().map_err(|_| {
+        let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
+        Error::invalid(what, format!("'{text}'"), "3 numbers")
+    })?;
+    Ok(Some(triple))
+}

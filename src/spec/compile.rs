@@ -1,0 +1,89 @@
+//! Compilation of a spec, and its text.
+
+use std::path::Path;
+
+use super::text::{self, Written};
+use super::{Spec, names};
+use crate::error::{Error, Result};
+use crate::model::{LoadOptions, Model, TEXT};
+
+/// # Compilation
+impl Spec {
+    /// Compiles the spec. Files of assets are relative to the [`directory`](Self::directory).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Load`] with the message of the engine's compiler, and the element if the compiler names its place. The spec is unchanged and can be
+    /// corrected.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let mut spec = Spec::new("arm");
+    /// let arm = spec.add_body(spec.world()).set_name("arm").id();
+    /// spec.add_joint(arm).set_name("elbow");
+    /// let error = spec.compile().unwrap_err();
+    /// assert!(error.to_string().contains("body 'arm'"), "{error}"); // it has no mass
+    ///
+    /// spec.add_geom(arm).set_size(&[0.1]);
+    /// assert_eq!(spec.compile()?.nv(), 1);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_compile")]
+    #[doc(alias = "mj_recompile")]
+    #[doc(alias = "mjs_getError")]
+    pub fn compile(&self) -> Result<Model> {
+        self.compile_with(&LoadOptions::default())
+    }
+
+    /// Compiles the spec with [`LoadOptions`]: files of assets can be in memory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for [`Model::from_xml_str_with`].
+    pub fn compile_with(&self, options: &LoadOptions<'_>) -> Result<Model> {
+        let written = text::write(&self.tree);
+        let path = self.directory.as_deref().unwrap_or(Path::new("")).join(TEXT);
+        Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options).map_err(|error| match error {
+            Error::Load { source_name, message } => {
+                Error::Load { source_name, message: self.located(message, &written) }
+            }
+            other => other,
+        })
+    }
+
+    /// Returns the MJCF text of the spec. Includes are replaced by their content.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let spec = Spec::from_xml_str("<mujoco model='ball'><worldbody><geom size='.1'/></worldbody></mujoco>")?;
+    /// assert!(spec.to_xml().contains(r#"<geom size=".1"/>"#));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_saveXMLString")]
+    pub fn to_xml(&self) -> String {
+        text::write(&self.tree).text
+    }
+
+    /// Returns the name of the spec for messages.
+    pub(super) fn source_name(&self) -> String {
+        if self.name().is_empty() { "the spec".to_owned() } else { format!("the spec '{}'", self.name()) }
+    }
+
+    /// Appends the element at a line that a message of the compiler contains.
+    fn located(&self, message: String, written: &Written) -> String {
+        let Some(line) = line(&message) else { return message };
+        let Some(&index) = line.checked_sub(1).and_then(|line| written.lines.get(line)) else { return message };
+        format!("{message} ({})", names::describe(&self.tree, index))
+    }
+}
+
+/// Returns the number of a line in a message: `line 3` or `line = 3`.
+fn line(message: &str) -> Option<usize> {
+    message.match_indices("line ").find_map(|(position, word)| {
+        let rest = message[position + word.len()..].trim_start_matches(['=', ' ']);
+        let digits = rest.find(|character: char| !character.is_ascii_digit()).unwrap_or(rest.len());
+        rest[..digits].parse().ok().filter(|&line| line > 0)
+    })
+}

@@ -1,0 +1,214 @@
+//! Models in code: a [`Spec`] is an MJCF model that a program builds, reads, edits, joins with others, and compiles.
+//!
+//! ```
+//! use mujoco_safe::enums::GeomType;
+//! use mujoco_safe::spec::{Mount, Spec};
+//!
+//! // A link with a hinge and a motor.
+//! let mut arm = Spec::new("arm");
+//! let upper = arm.add_body(arm.world()).set_name("upper").id();
+//! arm.add_joint(upper).set_name("shoulder").set_axis([0.0, 1.0, 0.0]);
+//! arm.add_geom(upper).set_type(GeomType::Capsule).set_fromto([0.0, 0.0, 0.0, 0.3, 0.0, 0.0]).set_size(&[0.03]);
+//! arm.add_motor().set_name("torque").set_joint("shoulder");
+//!
+//! // Two of them on a stand.
+//! let mut robot = Spec::new("robot");
+//! let stand = robot.add_body(robot.world()).set_name("stand").set_pos([0.0, 0.0, 1.0]).id();
+//! robot.add_geom(stand).set_type(GeomType::Box).set_size(&[0.1, 0.2, 0.02]);
+//! robot.attach(&arm, Mount::body(stand).with_pos([0.0, 0.2, 0.0]), "left_")?;
+//! robot.attach(&arm, Mount::body(stand).with_pos([0.0, -0.2, 0.0]), "right_")?;
+//!
+//! let model = robot.compile()?;
+//! assert_eq!((model.nbody(), model.nv(), model.nu()), (4, 2, 2));
+//! let shoulder = model.joint("left_shoulder")?;
+//! assert_eq!(shoulder.axis(), &[0.0, 1.0, 0.0]);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Relation to `mjSpec`
+//!
+//! A spec is a tree of MJCF elements, and [`Spec::compile`] writes it as text and compiles the text as [`Model::from_xml_str`] does. So it
+//! works with every engine, also with those before 3.2, which have no `mjSpec`, and the checks of untrusted texts apply to it. The differences
+//! from `mjSpec`: attributes have the names and units of MJCF (angles are in degrees unless `compiler` says otherwise), and vertices of meshes and
+//! pixels of textures are files, which can be in memory ([`LoadOptions`]).
+//!
+//! # Elements
+//!
+//! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a method are set by
+//! [`ElementMut::set`], which checks their names against the schema of the engine. Each element has an [`ElementId`], which stays valid until the
+//! element is removed. Elements are looked up by name or id, like those of a [`Model`]: `spec.geom("foot")?`, `spec.geom_mut(id)`.
+//!
+//! The methods do not check values: the compiler does, and its error names the element.
+
+mod add;
+mod attach;
+mod compile;
+mod element;
+mod key;
+mod names;
+mod paths;
+mod read;
+mod remove;
+mod schema;
+mod setters;
+mod text;
+mod tree;
+mod value;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+pub use self::attach::Mount;
+pub use self::element::{Element, ElementMut};
+pub use self::key::{Any, ElementId, Key, Reference, SpecKind};
+use self::names::Named;
+use self::read::Sources;
+use self::schema::Schema;
+use self::tree::{Index, Tree};
+pub use self::value::Value;
+use crate::error::{Error, Result};
+use crate::file;
+use crate::id::Lineage;
+use crate::kind;
+use crate::model::LoadOptions;
+#[cfg(doc)]
+use crate::model::Model;
+
+/// Editable description of a model. See the [module](self).
+#[doc(alias = "mjSpec")]
+#[doc(alias = "mj_makeSpec")]
+#[doc(alias = "mj_copySpec")]
+#[doc(alias = "mj_deleteSpec")]
+#[derive(Clone)]
+pub struct Spec {
+    tree: Tree,
+    lineage: Lineage,
+    world: Index,
+    /// Directory of the file, to which the names of assets are relative.
+    directory: Option<PathBuf>,
+}
+
+/// # Creation
+impl Spec {
+    /// Creates the description of a model that has a world only. Ranges are limits (`autolimits` of `compiler`) with every engine.
+    pub fn new(name: &str) -> Self {
+        let mut tree = Tree::new("mujoco");
+        tree.node_mut(Tree::ROOT).set("model", name.to_owned());
+        // Not the default of 2.2.2.
+        let compiler = tree.section("compiler");
+        tree.node_mut(compiler).set("autolimits", "true".to_owned());
+        Self::from_tree(tree, None)
+    }
+
+    /// Reads an MJCF file, and the files that it includes. The names of other files in it stay relative to its directory.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, [`Error::Load`] if it or an included file is not XML, or if it is a URDF. The spec is not
+    /// compiled, so other mistakes are errors of [`compile`](Self::compile).
+    ///
+    /// ```
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let mut spec = Spec::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/models/cartpole.xml"))?;
+    /// spec.section_mut("option")?.set("timestep", 0.001)?;
+    /// assert_eq!(spec.compile()?.options().timestep, 0.001);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_parseXML")]
+    pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let source_name = path.display().to_string();
+        let text = file::read_regular(path).map_err(Error::file(path))?;
+        let text = String::from_utf8(text).map_err(|_| Error::Load {
+            source_name: source_name.clone(),
+            message: "the text is not UTF-8".to_owned(),
+        })?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let sources = Sources { directory: Some(directory), options: &LoadOptions::default() };
+        Ok(Self::from_tree(sources.read(&source_name, &text)?, Some(directory.to_owned())))
+    }
+
+    /// Reads MJCF text. Included files are read relative to the working directory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_path`](Self::from_xml_path).
+    #[doc(alias = "mj_parseXMLString")]
+    #[doc(alias = "mj_parse")]
+    pub fn from_xml_str(xml: &str) -> Result<Self> {
+        Self::from_xml_str_with(xml, &LoadOptions::default())
+    }
+
+    /// Reads MJCF text. Included files can be in memory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_path`](Self::from_xml_path).
+    pub fn from_xml_str_with(xml: &str, options: &LoadOptions<'_>) -> Result<Self> {
+        let tree = Sources { directory: None, options }.read("the given XML", xml)?;
+        Ok(Self::from_tree(tree, None))
+    }
+
+    fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
+        let world = tree.sections("worldbody").next();
+        let world = world.unwrap_or_else(|| tree.section("worldbody"));
+        Self { tree, lineage: Lineage::new(), world, directory }
+    }
+
+    /// Returns the name of the model, the attribute `model` of the root.
+    pub fn name(&self) -> &str {
+        self.tree.attribute(Tree::ROOT, "model").unwrap_or_default()
+    }
+
+    /// Returns the world, the body that contains all others.
+    pub fn world(&self) -> ElementId<kind::Body> {
+        self.id(self.world)
+    }
+
+    /// Returns the directory to which the names of files are relative, or `None` for the working directory.
+    pub fn directory(&self) -> Option<&Path> {
+        self.directory.as_deref()
+    }
+}
+
+impl Spec {
+    fn id<K>(&self, index: Index) -> ElementId<K> {
+        ElementId::new(index, self.lineage)
+    }
+
+    /// Returns the index of an element.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another spec, or the element was removed.
+    #[track_caller]
+    fn index<K>(&self, id: ElementId<K>) -> Index {
+        assert!(id.lineage() == self.lineage, "the id belongs to another spec");
+        assert!(self.tree.contains(id.index()), "the element was removed from its spec");
+        id.index()
+    }
+
+    fn element_mut<K>(&mut self, index: Index) -> ElementMut<'_, K> {
+        ElementMut::new(self, index)
+    }
+
+    /// Checks that the compiler accepts an element in another one.
+    fn check_child(&self, parent: Index, tag: &str) -> Result<()> {
+        let known = Schema::of_engine()?.children(&self.tree, parent);
+        if known.contains(&tag) {
+            return Ok(());
+        }
+        let place = names::describe(&self.tree, parent);
+        Err(Error::invalid(format!("the tag of an element in {place}"), format!("'{tag}'"), known.join(", ")))
+    }
+}
+
+impl fmt::Debug for Spec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |class| names::all(&self.tree, class).count();
+        let [bodies, joints, geoms] =
+            [kind::Kind::Body, kind::Kind::Joint, kind::Kind::Geom].map(|kind| count(Named::Kind(kind)));
+        write!(f, "Spec '{}': bodies {bodies}, joints {joints}, geoms {geoms}", self.name())
+    }
+}

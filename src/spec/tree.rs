@@ -1,0 +1,164 @@
+//! Elements of a model description, as a tree with stable indices.
+
+/// Index of an element in a [`Tree`]. The index of a removed element is not used again.
+pub(super) type Index = u32;
+
+/// Element of MJCF: a tag, attributes in the order of the text, and elements in it.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) tag: String,
+    pub(super) attributes: Vec<(String, String)>,
+    pub(super) children: Vec<Index>,
+    /// `None` for the root.
+    pub(super) parent: Option<Index>,
+}
+
+impl Node {
+    pub(super) fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| &value[..])
+    }
+
+    pub(super) fn set(&mut self, name: &str, value: String) {
+        match self.attributes.iter_mut().find(|(found, _)| found == name) {
+            Some((_, old)) => *old = value,
+            // A name is the first attribute in the text, as is usual.
+            None if name == "name" => self.attributes.insert(0, (name.to_owned(), value)),
+            None => self.attributes.push((name.to_owned(), value)),
+        }
+    }
+
+    pub(super) fn unset(&mut self, name: &str) -> Option<String> {
+        let position = self.attributes.iter().position(|(found, _)| found == name)?;
+        Some(self.attributes.remove(position).1)
+    }
+}
+
+/// Tree of elements. The root is the element `mujoco`.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    /// `None` for a removed element.
+    nodes: Vec<Option<Node>>,
+}
+
+impl Tree {
+    pub(super) const ROOT: Index = 0;
+
+    /// Creates a tree with a root only.
+    pub(super) fn new(tag: &str) -> Self {
+        let root = Node { tag: tag.to_owned(), attributes: Vec::new(), children: Vec::new(), parent: None };
+        Self { nodes: vec![Some(root)] }
+    }
+
+    pub(super) fn contains(&self, index: Index) -> bool {
+        self.nodes.get(index as usize).is_some_and(Option::is_some)
+    }
+
+    /// # Panics
+    ///
+    /// If the element was removed.
+    #[track_caller]
+    pub(super) fn node(&self, index: Index) -> &Node {
+        self.nodes[index as usize].as_ref().expect("the element was removed from its spec")
+    }
+
+    /// # Panics
+    ///
+    /// If the element was removed.
+    #[track_caller]
+    pub(super) fn node_mut(&mut self, index: Index) -> &mut Node {
+        self.nodes[index as usize].as_mut().expect("the element was removed from its spec")
+    }
+
+    pub(super) fn tag(&self, index: Index) -> &str {
+        &self.node(index).tag
+    }
+
+    pub(super) fn parent(&self, index: Index) -> Option<Index> {
+        self.node(index).parent
+    }
+
+    pub(super) fn children(&self, index: Index) -> &[Index] {
+        &self.node(index).children
+    }
+
+    pub(super) fn attribute(&self, index: Index, name: &str) -> Option<&str> {
+        self.node(index).attribute(name)
+    }
+
+    /// Appends an element without attributes to the elements in `parent`.
+    #[track_caller]
+    pub(super) fn add(&mut self, parent: Index, tag: &str) -> Index {
+        let index = Index::try_from(self.nodes.len()).expect("a spec has fewer than 2³² elements");
+        self.node_mut(parent).children.push(index);
+        let (attributes, children) = (Vec::new(), Vec::new());
+        self.nodes.push(Some(Node { tag: tag.to_owned(), attributes, children, parent: Some(parent) }));
+        index
+    }
+
+    /// Removes an element and those in it.
+    #[track_caller]
+    pub(super) fn remove(&mut self, index: Index) {
+        if let Some(parent) = self.parent(index) {
+            self.node_mut(parent).children.retain(|&child| child != index);
+        }
+        for index in self.descendants(index) {
+            self.nodes[index as usize] = None;
+        }
+    }
+
+    /// Moves an element to the end of the elements in `parent`.
+    pub(super) fn relocate(&mut self, index: Index, parent: Index) {
+        if let Some(old) = self.node_mut(index).parent.replace(parent) {
+            self.node_mut(old).children.retain(|&child| child != index);
+        }
+        self.node_mut(parent).children.push(index);
+    }
+
+    /// Appends a copy of an element of another tree, with the elements in it, to those in `parent`.
+    pub(super) fn copy(&mut self, from: &Self, source: Index, parent: Index) -> Index {
+        let mut first = None;
+        let mut open = vec![(source, parent)];
+        while let Some((source, parent)) = open.pop() {
+            let node = from.node(source);
+            let copy = self.add(parent, &node.tag);
+            self.node_mut(copy).attributes.clone_from(&node.attributes);
+            open.extend(node.children.iter().rev().map(|&child| (child, copy)));
+            first.get_or_insert(copy);
+        }
+        first.expect("the source was copied")
+    }
+
+    /// Replaces an element by copies of the elements in the root of another tree, and returns the copies.
+    pub(super) fn replace(&mut self, index: Index, from: &Self) -> Vec<Index> {
+        let Some(parent) = self.parent(index) else { return Vec::new() };
+        let position = self.children(parent).iter().position(|&child| child == index).unwrap_or_default();
+        let after = self.node_mut(parent).children.split_off(position + 1);
+        let copies: Vec<Index> =
+            from.children(Self::ROOT).iter().map(|&child| self.copy(from, child, parent)).collect();
+        self.node_mut(parent).children.extend(after);
+        self.remove(index);
+        copies
+    }
+
+    /// Returns an element and all elements in it, in the order of the text.
+    pub(super) fn descendants(&self, index: Index) -> Vec<Index> {
+        let mut found = Vec::new();
+        let mut open = vec![index];
+        while let Some(index) = open.pop() {
+            found.push(index);
+            open.extend(self.children(index).iter().rev());
+        }
+        found
+    }
+
+    /// Returns the elements directly in the root with this tag. MJCF may repeat its sections.
+    pub(super) fn sections(&self, tag: &str) -> impl DoubleEndedIterator<Item = Index> {
+        self.children(Self::ROOT).iter().copied().filter(move |&index| self.tag(index) == tag)
+    }
+
+    /// Returns the last section with this tag, and creates it if there is none.
+    pub(super) fn section(&mut self, tag: &str) -> Index {
+        let last = self.sections(tag).next_back();
+        last.unwrap_or_else(|| self.add(Self::ROOT, tag))
+    }
+}

@@ -1,0 +1,21 @@
+//! Models in code, compared with texts that the engine compiles itself.
+
+mod attach;
+mod building;
+mod editing;
+mod reading;
+
+use mujoco_safe::Model;
+use mujoco_safe::spec::Spec;
+
+/// Checks that a spec compiles to the same bytes as a text.
+#[track_caller]
+fn same(spec: &Spec, text: &str) {
+    let expected = Model::from_xml_str(text).unwrap();
+    let compiled = spec.compile().unwrap_or_else(|error| panic!("{error}\n{}", spec.to_xml()));
+    assert!(super::bytes(&compiled) == super::bytes(&expected), "differs:\n{}\nfrom:\n{text}", spec.to_xml());
+}
+
+fn parse(text: &str) -> Spec {
+    Spec::from_xml_str(text).unwrap()
+}
