@@ -117,7 +117,12 @@ pub(super) fn find(tree: &Tree, class: Named, wanted: &str) -> Option<Index> {
 
 /// Returns all elements of a class of names, in the order of the text.
 pub(super) fn all(tree: &Tree, class: Named) -> impl Iterator<Item = Index> {
-    tree.descendants(Tree::ROOT).into_iter().filter(move |&index| named(tree, index) == Some(class))
+    // Classes are looked up for every attribute that may have a default.
+    let places = match class {
+        Named::Class => tree.sections("default").flat_map(|section| tree.descendants(section)).collect(),
+        _ => tree.descendants(Tree::ROOT),
+    };
+    places.into_iter().filter(move |&index| named(tree, index) == Some(class))
 }
 
 /// Attributes that contain the name of an element, and the class of the name. The attributes of these names in the section `visual` are

@@ -3,6 +3,8 @@
 mod attach;
 mod building;
 mod editing;
+mod kept;
+mod random;
 mod reading;
 
 use mujoco_safe::Model;
