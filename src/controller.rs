@@ -188,6 +188,10 @@ impl PdController {
 
 impl Controller for PdController {
     fn control(&mut self, data: &mut Data) -> Result<()> {
+        if data.model().has_several_controls() {
+            let message = "a PD controller for actuators with several controls or forces";
+            return Err(Error::Unsupported(message.to_owned()));
+        }
         Error::check_length("the targets of a PD controller", self.target.len(), data.model().nu())?;
         // After a step, actuator lengths are those of the previous state.
         data.forward()?;

@@ -223,6 +223,8 @@ engine_enum! {
         Site = mjTRN_SITE,
         /// Contacts of a body (adhesion).
         Body = mjTRN_BODY,
+        /// Orientation of a ball joint, or of a site relative to another one. With engines from 3.11.0.
+        So3 = mjTRN_SO3,
     }
 }
 engine_enum! {

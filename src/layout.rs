@@ -2,6 +2,7 @@
 
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
+use std::ops::Range;
 use std::ptr;
 
 use mujoco_sys::{adapted, mjData, mjModel};
@@ -64,11 +65,25 @@ impl<'a> Row<'a> {
 }
 
 impl Data {
-    /// Returns the derivative of an actuator's length with respect to each degree of freedom, from `actuator_moment`.
-    pub(crate) fn moment_row(&self, actuator: usize) -> Row<'_> {
-        assert!(actuator < self.model().nu(), "Bug: actuator {actuator} of {}", self.model().nu());
-        // SAFETY: an actuator of the model. Zeroed arrays of a new data are rows without elements.
-        unsafe { Row::read(|row| adapted::moment_row(self.model().as_ptr(), self.as_ptr(), actuator as c_int, row)) }
+    /// Returns the derivative of a length of an actuator with respect to each degree of freedom, from `actuator_moment`. The actuators have
+    /// one output each, except those with several forces.
+    pub(crate) fn moment_row(&self, output: usize) -> Row<'_> {
+        let outputs = self.model().actuator_length0().len();
+        assert!(output < outputs, "Bug: output {output} of {outputs}");
+        // SAFETY: an output of the model. Zeroed arrays of a new data are rows without elements.
+        unsafe { Row::read(|row| adapted::moment_row(self.model().as_ptr(), self.as_ptr(), output as c_int, row)) }
+    }
+
+    /// See [`Model::first_control`].
+    #[inline]
+    pub(crate) fn first_control(&self, actuator: usize) -> usize {
+        self.model().first_control(actuator)
+    }
+
+    /// See [`Model::first_output`].
+    #[inline]
+    pub(crate) fn first_output(&self, actuator: usize) -> usize {
+        self.model().first_output(actuator)
     }
 
     /// Returns the derivative of a tendon's length with respect to each degree of freedom, in the layout of the present options.
@@ -210,15 +225,87 @@ impl Model {
 
     /// Returns the address of an actuator's activation.
     pub(crate) fn activation_of(&self, actuator: usize) -> Option<usize> {
-        assert!(actuator < self.nu(), "Bug: actuator {actuator} of {}", self.nu());
+        assert!(actuator < self.nactuator(), "Bug: actuator {actuator} of {}", self.nactuator());
         // SAFETY: an actuator of the model.
         usize::try_from(unsafe { adapted::activation(self.as_ptr(), actuator as c_int) }).ok()
     }
 
     /// Returns the actuator that has an activation.
     pub(crate) fn actuator_of_activation(&self, activation: usize) -> usize {
-        let has = |&actuator: &usize| self.activation_of(actuator) == Some(activation);
-        (0..self.nu()).find(has).expect("Bug: an activation without an actuator")
+        let has = |&actuator: &usize| self.activations_of(actuator).contains(&activation);
+        (0..self.nactuator()).find(has).expect("Bug: an activation without an actuator")
+    }
+
+    /// Returns the actuator that has a control.
+    pub(crate) fn actuator_of_control(&self, control: usize) -> usize {
+        let has = |&actuator: &usize| self.controls_of(actuator).contains(&control);
+        (0..self.nactuator()).find(has).expect("Bug: a control without an actuator")
+    }
+
+    /// Returns the index of the first control of an actuator.
+    #[inline]
+    #[cfg_attr(
+        not(engine_since = "3.17.0"),
+        allow(clippy::unused_self, reason = "the model of newer engines has the place")
+    )]
+    pub(crate) fn first_control(&self, actuator: usize) -> usize {
+        #[cfg(engine_since = "3.17.0")]
+        return ffi::size(self.actuator_ctrladr()[actuator]);
+        #[cfg(not(engine_since = "3.17.0"))]
+        actuator
+    }
+
+    /// Returns the index of the first force and length of an actuator.
+    #[inline]
+    #[cfg_attr(
+        not(engine_since = "3.17.0"),
+        allow(clippy::unused_self, reason = "the model of newer engines has the place")
+    )]
+    pub(crate) fn first_output(&self, actuator: usize) -> usize {
+        #[cfg(engine_since = "3.17.0")]
+        return ffi::size(self.actuator_outadr()[actuator]);
+        #[cfg(not(engine_since = "3.17.0"))]
+        actuator
+    }
+
+    /// Returns the indices of the controls of an actuator.
+    #[inline]
+    pub(crate) fn controls_of(&self, actuator: usize) -> Range<usize> {
+        #[cfg(engine_since = "3.17.0")]
+        let count = ffi::size(self.actuator_ctrlnum()[actuator]);
+        #[cfg(not(engine_since = "3.17.0"))]
+        let count = 1;
+        let first = self.first_control(actuator);
+        first..first + count
+    }
+
+    /// Returns the indices of the forces and lengths of an actuator.
+    #[inline]
+    pub(crate) fn outputs_of(&self, actuator: usize) -> Range<usize> {
+        #[cfg(engine_since = "3.17.0")]
+        let count = ffi::size(self.actuator_outnum()[actuator]);
+        #[cfg(not(engine_since = "3.17.0"))]
+        let count = 1;
+        let first = self.first_output(actuator);
+        first..first + count
+    }
+
+    /// Returns the indices of the activations of an actuator.
+    pub(crate) fn activations_of(&self, actuator: usize) -> Range<usize> {
+        let Some(first) = self.activation_of(actuator) else { return 0..0 };
+        #[cfg(engine_since = "2.3.7")]
+        let count = ffi::size(self.actuator_actnum()[actuator]);
+        #[cfg(not(engine_since = "2.3.7"))]
+        let count = 1;
+        first..first + count
+    }
+
+    /// Returns `true` if an actuator has several controls, forces or activations.
+    pub(crate) fn has_several_controls(&self) -> bool {
+        let actuators = self.nactuator();
+        self.nu() != actuators
+            || self.actuator_length0().len() != actuators
+            || (0..actuators).any(|actuator| self.activations_of(actuator).len() > 1)
     }
 
     /// Returns the places of the normals and texture coordinates of a mesh.

@@ -2,12 +2,13 @@
 
 /// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
 /// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
-const CONSTANTS: [(&str, &str); 59] = [
+const CONSTANTS: [(&str, &str); 60] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
     ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
     ("mjINT_IMPLICITFAST", "2.3.3 and later"),
     ("mjINT_DISCRETE", "3.13.0 and later"),
+    ("mjTRN_SO3", "3.11.0 and later"),
     ("mjDYN_FILTEREXACT", "3.0.0 and later"),
     ("mjDYN_DCMOTOR", "3.7.0 and later"),
     ("mjDYN_PID", "3.12.0 and later"),

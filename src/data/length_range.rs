@@ -274,12 +274,12 @@ impl MuscleSimulation {
     pub(crate) fn check(&self, model: &mut Model) -> Result<(), String> {
         let Self { options, timestep } = self;
         let is_simulated = |index: usize, model: &Model| {
-            let [low, high] = model.actuator_lengthrange()[index];
+            let [low, high] = model.actuator_lengthrange()[model.first_output(index)];
             let is_known = (options.useexisting && low < high)
                 || (options.uselimit && model.limit_of_transmission(index).is_some());
             !is_known && !model.is_excluded(index, options.mode)
         };
-        let actuators: Vec<usize> = (0..model.nu()).filter(|&index| is_simulated(index, model)).collect();
+        let actuators: Vec<usize> = (0..model.nactuator()).filter(|&index| is_simulated(index, model)).collect();
         if actuators.is_empty() {
             return Ok(());
         }

@@ -210,7 +210,7 @@ impl Data {
         let name = match field {
             UnstableField::Position => joint(model.jnt_qposadr()),
             UnstableField::Velocity | UnstableField::Acceleration => joint(model.jnt_dofadr()),
-            UnstableField::Control => model.name_at(Kind::Actuator, index),
+            UnstableField::Control => model.name_at(Kind::Actuator, model.actuator_of_control(index)),
         };
         Instability { field, index, name: name.map(str::to_owned), value, time }
     }

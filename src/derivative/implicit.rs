@@ -104,6 +104,7 @@ fn has_newer_feature(model: &Model) -> bool {
         |&raw: &i32| matches!(ActuatorDynamics::from_raw(raw), Some(ActuatorDynamics::DcMotor | ActuatorDynamics::Pid));
     options.enable.intersects(EnableFlags::INVDISCRETE | EnableFlags::SPECULATIVE)
         || options.disable.contains(DisableFlags::EULERDAMP)
+        || model.has_several_controls()
         || model.limits_actuator_forces()
         || model.actuator_dyntype().iter().any(is_newer)
         || has_sensor(&[

@@ -14,6 +14,8 @@
 /// - `name: [f64] = array;` a row of a matrix, likewise;
 /// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
 /// - `name: {type} = |view| expression;` any other field.
+///
+/// `array by function` is an array that has its entry for the element at another index, which a method of the owner returns.
 macro_rules! fields {
     ($kind:ident on Model { $($body:tt)* }) => {
         fields!(@each $kind, Model, "", {ModelMut<'_>}, [] {} {} $($body)*);
@@ -24,7 +26,7 @@ macro_rules! fields {
 
     // A byte that is 0 or 1.
     (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
-        $(#[$doc:meta])* $name:ident: bool = $array:ident $(, $set:ident)?; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: bool = $array:ident by $by:ident $(, $set:ident)?; $($rest:tt)*
     ) => {
         fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
             {
@@ -34,7 +36,7 @@ macro_rules! fields {
                 #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
                 pub fn $name(&self) -> bool {
-                    self.owner.$array()[self.id.index()] != 0
+                    self.owner.$array()[fields!(@index self $by)] != 0
                 }
             }
             {
@@ -43,7 +45,7 @@ macro_rules! fields {
                 $(
                     #[doc = concat!("Sets `", stringify!($name), "`.")]
                     pub fn $set(&mut self, value: bool) {
-                        fields!(@write self, $array, u8::from(value));
+                        fields!(@write self, $array, fields!(@index self $by), u8::from(value));
                     }
                 )?
             }
@@ -62,7 +64,7 @@ macro_rules! fields {
 
                 #[doc = concat!("Sets `", stringify!($name), "`.")]
                 pub fn $set(&mut self, value: i32) {
-                    fields!(@write self, $array, value);
+                    fields!(@write self, $array, self.id.index(), value);
                 }
             }
             $(#[$doc])* $name: i32 = $array; $($rest)*
@@ -91,7 +93,7 @@ macro_rules! fields {
                             concat!("one of ", stringify!($($allowed),+)),
                         ));
                     }
-                    fields!(@write self, $array, value);
+                    fields!(@write self, $array, self.id.index(), value);
                     Ok(())
                 }
             }
@@ -99,9 +101,13 @@ macro_rules! fields {
         );
     };
 
+    // Index of the element's entry in an array.
+    (@index $self:ident own) => { $self.id.index() };
+    (@index $self:ident $by:ident) => { $self.owner.$by($self.id.index()) };
+
     // Writes an integer. The generated accessors give no mutable access to integers, because most are addresses and ids.
-    (@write $self:ident, $array:ident, $value:expr) => {
-        let (index, length) = ($self.id.index(), $self.owner.$array().len());
+    (@write $self:ident, $array:ident, $index:expr, $value:expr) => {
+        let (index, length) = ($index, $self.owner.$array().len());
         let array = $self.owner.raw_mut().$array;
         // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
         let array = unsafe { $crate::ffi::array_mut(array, length) };
@@ -110,7 +116,7 @@ macro_rules! fields {
 
     // A number.
     (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
-        $(#[$doc:meta])* $name:ident: $type:ident = $array:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: $type:ident = $array:ident by $by:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
         fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
             {
@@ -120,7 +126,7 @@ macro_rules! fields {
                 #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
                 pub fn $name(&self) -> $type {
-                    self.owner.$array()[self.id.index()]
+                    self.owner.$array()[fields!(@index self $by)]
                 }
             }
             {
@@ -130,7 +136,8 @@ macro_rules! fields {
                     #[doc = concat!("Sets `", stringify!($name), "`.")]
                     #[inline]
                     pub fn $set(&mut self, value: $type) {
-                        self.owner.$array_mut()[self.id.index()] = value;
+                        let index = fields!(@index self $by);
+                        self.owner.$array_mut()[index] = value;
                     }
                 )?
             }
@@ -140,7 +147,7 @@ macro_rules! fields {
 
     // A row of fixed length.
     (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
-        $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident by $by:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
         fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
             {
@@ -150,7 +157,7 @@ macro_rules! fields {
                 #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
                 pub fn $name(&self) -> &'a [$type; $columns] {
-                    &self.owner.$array()[self.id.index()]
+                    &self.owner.$array()[fields!(@index self $by)]
                 }
             }
             {
@@ -160,7 +167,7 @@ macro_rules! fields {
                     #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
                     #[inline]
                     pub fn $name_mut(&mut self) -> &mut [$type; $columns] {
-                        let index = self.id.index();
+                        let index = fields!(@index self $by);
                         &mut self.owner.$array_mut()[index]
                     }
                 )?
@@ -253,6 +260,29 @@ macro_rules! fields {
                 )?
             }
             $($rest)*
+        );
+    };
+
+    // Entries at the index of the element.
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
+        $(#[$doc:meta])* $name:ident: bool = $array:ident $(, $set:ident)?; $($rest:tt)*
+    ) => {
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*] {$($read)*} {$($write)*}
+            $(#[$doc])* $name: bool = $array by own $(, $set)?; $($rest)*
+        );
+    };
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
+        $(#[$doc:meta])* $name:ident: $type:ident = $array:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*] {$($read)*} {$($write)*}
+            $(#[$doc])* $name: $type = $array by own $(, $set in $array_mut)?; $($rest)*
+        );
+    };
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
+        $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*] {$($read)*} {$($write)*}
+            $(#[$doc])* $name: [$type; $columns] = $array by own $(, $name_mut in $array_mut)?; $($rest)*
         );
     };
 

@@ -11,8 +11,8 @@ use crate::ffi;
 use crate::version::built_against;
 
 impl Model {
-    /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
-    /// one force and at most one activation.
+    /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, and actuators have at least
+    /// one control and one force.
     pub(super) fn validate(&self) -> Result<(), String> {
         let version = built_against();
         let unsupported =
@@ -22,12 +22,9 @@ impl Model {
             return unsupported("the option ipc is enabled".to_owned());
         }
         self.unsafe_sleep().map_or(Ok(()), unsupported)?;
-        let controls = self.actuator_trntype().len();
-        if controls != self.nu() || self.actuator_length0().len() != self.nu() {
-            return unsupported(format!("the model has {controls} actuators with {} controls", self.nu()));
-        }
-        if let Some(actuator) = self.actuator_actnum().iter().position(|&count| count > 1) {
-            return unsupported(format!("actuator {actuator} has several activations"));
+        let lacks = |&actuator: &usize| self.controls_of(actuator).is_empty() || self.outputs_of(actuator).is_empty();
+        if let Some(actuator) = (0..self.nactuator()).find(lacks) {
+            return unsupported(format!("actuator {actuator} has no control or no force"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
         self.check_limits()

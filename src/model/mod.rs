@@ -202,7 +202,7 @@ impl fmt::Debug for Model {
             count(self.ngeom(), "geom", "geoms")
         )?;
         for (number, one, many) in [
-            (self.nu(), "actuator", "actuators"),
+            (self.nactuator(), "actuator", "actuators"),
             (self.nsensor(), "sensor", "sensors"),
             (self.ntendon(), "tendon", "tendons"),
             (self.nkey(), "keyframe", "keyframes"),

@@ -13,6 +13,14 @@ use crate::kind::{ElementKind, Kind};
 
 /// # Names and counts
 impl Model {
+    /// Returns the number of actuators. It is the number of controls [`nu`](Self::nu) unless actuators have several controls, which those
+    /// of the types `pid` and `orientation` have in newer engines.
+    #[cfg(not(engine_since = "3.17.0"))]
+    #[inline]
+    pub fn nactuator(&self) -> usize {
+        self.nu()
+    }
+
     /// Returns the number of elements of a kind.
     #[inline]
     pub fn count(&self, kind: Kind) -> usize {
@@ -32,7 +40,7 @@ impl Model {
             Kind::Exclude => self.nexclude(),
             Kind::Equality => self.neq(),
             Kind::Tendon => self.ntendon(),
-            Kind::Actuator => self.nu(),
+            Kind::Actuator => self.nactuator(),
             Kind::Sensor => self.nsensor(),
             Kind::Numeric => self.nnumeric(),
             Kind::Text => self.ntext(),

@@ -34,6 +34,8 @@ macro_rules! c {
 }
 
 mod collision_table;
+#[cfg(engine_since = "3.17.0")]
+mod controls;
 #[cfg(engine_since = "3.5.0")]
 mod engine_functions;
 #[cfg(engine_since = "3.0.0")]

@@ -6,8 +6,8 @@ use crate::matrix::Matrix;
 
 /// # Actuator moments
 impl Data {
-    /// Returns the moments of all actuators as a full matrix `(nu, nv)`. Row `i` is the derivative of the length of actuator `i` with
-    /// respect to each degree of freedom, including the gear: `momentᵀ · force` is [`qfrc_actuator`](Self::qfrc_actuator).
+    /// Returns the moments of all actuators as a full matrix with a row per force of the actuators, `(nu, nv)` unless an actuator has several
+    /// controls or forces. Row `i` is the derivative of `actuator_length[i]` with respect to each degree of freedom, including the gear: `momentᵀ · force` is [`qfrc_actuator`](Self::qfrc_actuator).
     ///
     /// The engine's array `actuator_moment` is this matrix in engines before 3.2.5. Newer engines store sparse rows, which
     /// `moment_rownnz`, `moment_rowadr` and `moment_colind` describe.
@@ -33,12 +33,12 @@ impl Data {
     #[doc(alias = "actuator_moment")]
     #[doc(alias = "moment_rownnz")]
     pub fn full_moment(&self) -> Result<Matrix> {
-        let mut full = Matrix::zeros(self.model().nu(), self.model().nv());
+        let mut full = Matrix::zeros(self.model().actuator_length0().len(), self.model().nv());
         self.full_moment_into(&mut full)?;
         Ok(full)
     }
 
-    /// Writes the moments of all actuators to a full matrix of the shape `(nu, nv)`, without an allocation. See
+    /// Writes the moments of all actuators to a full matrix, without an allocation. See
     /// [`full_moment`](Self::full_moment).
     ///
     /// # Errors
@@ -47,10 +47,10 @@ impl Data {
     #[doc(alias = "actuator_moment")]
     pub fn full_moment_into(&self, full: &mut Matrix) -> Result<()> {
         self.check_computed("full_moment", Stage::Position)?;
-        let shape = (self.model().nu(), self.model().nv());
+        let shape = (self.model().actuator_length0().len(), self.model().nv());
         Error::check_shape("the output of full_moment", full.shape(), shape)?;
-        for actuator in 0..shape.0 {
-            self.moment_row(actuator).write_into(full.row_mut(actuator));
+        for output in 0..shape.0 {
+            self.moment_row(output).write_into(full.row_mut(output));
         }
         Ok(())
     }

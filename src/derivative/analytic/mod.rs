@@ -112,6 +112,7 @@ fn has_newer_feature(model: &Model) -> bool {
     disables_one
         || options.enable.contains(EnableFlags::DIAGEXACT)
         || options.disableactuator != 0
+        || model.has_several_controls()
         || model.has_newer_terms()
         || (0..model.neq()).any(|equality| model.couples_sites(equality))
 }

@@ -8,6 +8,9 @@ use crate::field_docs::FieldDoc;
 use crate::kind::Kind;
 use crate::model::Model;
 
+/// Array of the first control of each actuator. Older engines have one control per actuator.
+const CONTROLS: &[&str] = if cfg!(engine_since = "3.17.0") { &["actuator_ctrladr"] } else { &[] };
+
 /// Owners of the rows of arrays: the size that counts the rows, and the kind of element. If an element has several rows, the last entry names
 /// the arrays with the first row of each element, from the rows to the elements.
 const OWNERS: [(&str, Kind, &[&str]); 42] = [
@@ -42,10 +45,9 @@ const OWNERS: [(&str, Kind, &[&str]); 42] = [
     ("neq", Kind::Equality, &[]),
     ("ntendon", Kind::Tendon, &[]),
     ("nwrap", Kind::Tendon, &["tendon_adr"]),
-    ("nu", Kind::Actuator, &[]),
-    // Since 3.11 an actuator can have several controls or forces, but models with such actuators are rejected.
+    ("nu", Kind::Actuator, CONTROLS),
     ("nactuator", Kind::Actuator, &[]),
-    ("nout", Kind::Actuator, &[]),
+    ("nout", Kind::Actuator, &["actuator_outadr"]),
     ("nsensor", Kind::Sensor, &[]),
     ("nnumeric", Kind::Numeric, &[]),
     ("nnumericdata", Kind::Numeric, &["numeric_adr"]),

@@ -208,7 +208,7 @@ impl Parameter {
             Self::GeomSize(geom, at) => model.geom_size()[geom.index()][at],
             Self::ActuatorGain(actuator, at) => model.actuator_gainprm()[actuator.index()][at],
             Self::ActuatorBias(actuator, at) => model.actuator_biasprm()[actuator.index()][at],
-            Self::ActuatorGear(actuator) => model.actuator_gear()[actuator.index()][0],
+            Self::ActuatorGear(actuator) => model.actuator_gear()[model.first_output(actuator.index())][0],
         }
     }
 
@@ -230,7 +230,7 @@ impl Parameter {
             Self::GeomSize(geom, at) => copy.geom_size_mut()[geom.index()][at] = value,
             Self::ActuatorGain(actuator, at) => copy.actuator_gainprm_mut()[actuator.index()][at] = value,
             Self::ActuatorBias(actuator, at) => copy.actuator_biasprm_mut()[actuator.index()][at] = value,
-            Self::ActuatorGear(actuator) => copy.actuator_gear_mut()[actuator.index()][0] = value,
+            Self::ActuatorGear(actuator) => copy.actuator_gear_mut()[model.first_output(actuator.index())][0] = value,
         }
         Ok(())
     }

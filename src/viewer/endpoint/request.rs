@@ -37,9 +37,9 @@ impl SimulationEndpoint {
                 self.stop_perturbation(data);
                 return Ok(true);
             }
-            EndpointRequest::SetControl(actuator, value) if !self.is_stale(actuator) => {
+            EndpointRequest::SetControl(actuator, number, value) if !self.is_stale(actuator) => {
                 check_finite("a control", value)?;
-                data.ctrl_mut()[actuator.index()] = value;
+                data.actuator_mut(actuator).ctrls_mut()[number] = value;
                 return Ok(true);
             }
             EndpointRequest::ClearControls => {

@@ -87,7 +87,8 @@ pub(crate) enum EndpointRequest {
     /// Moves the target of the perturbation, in units of the picture's height.
     MovePerturbation(MouseAction, [f64; 2]),
     StopPerturbation,
-    SetControl(ActuatorId, f64),
+    /// Sets the control of an actuator with this number, counted from the actuator's first.
+    SetControl(ActuatorId, usize, f64),
     /// Sets all controls to zero.
     ClearControls,
     /// Sets one element of a joint's position.
@@ -223,7 +224,9 @@ impl Request {
                     (*x, *y) = (*x + dx, *y + dy);
                     true
                 }
-                (SetControl(id, value), SetControl(next, newer)) if id == next => {
+                (SetControl(id, number, value), SetControl(next, next_number, newer))
+                    if (*id, *number) == (*next, *next_number) =>
+                {
                     *value = *newer;
                     true
                 }

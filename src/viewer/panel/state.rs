@@ -50,16 +50,22 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         cx.send(EndpointRequest::ClearControls);
     }
     let (model, snapshot) = (cx.snapshot.model.clone(), cx.snapshot);
-    for (actuator, &ctrl) in model.actuators().zip(&snapshot.ctrl) {
-        let [low, high] = if actuator.ctrllimited() { *actuator.ctrlrange() } else { [-1.0, 1.0] };
-        layout::labelled(ui, &display_name(actuator.name(), actuator.index()), LABEL_WIDTH, |ui| {
+    let controls = model.actuators().flat_map(|actuator| actuator.controls().map(move |control| (actuator, control)));
+    for ((actuator, control), &ctrl) in controls.zip(&snapshot.ctrl) {
+        let is_limited = model.actuator_ctrllimited()[control] != 0;
+        let [low, high] = if is_limited { model.actuator_ctrlrange()[control] } else { [-1.0, 1.0] };
+        let mut name = display_name(actuator.name(), actuator.index());
+        if actuator.controls().len() > 1 {
+            name = format!("{name} [{}]", control - actuator.controls().start);
+        }
+        layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
             let mut value = ctrl;
             let range = low.min(ctrl)..=high.max(ctrl);
             let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
             #[cfg(feature = "test-hooks")]
             crate::viewer::test_hooks::add_slider(&slider, ui);
             if slider.changed() {
-                cx.send(EndpointRequest::SetControl(actuator.id(), value));
+                cx.send(EndpointRequest::SetControl(actuator.id(), control - actuator.controls().start, value));
             }
         });
     }

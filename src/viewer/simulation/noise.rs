@@ -49,11 +49,11 @@ impl NoiseSource {
         self.controls.extend_from_slice(data.ctrl());
         let decay = (-model.timestep() / self.settings.correlation_time.max(f64::MIN_POSITIVE)).exp();
         let gain = (1.0 - decay * decay).sqrt();
-        for ((process, control), actuator) in self.processes.iter_mut().zip(data.ctrl_mut()).zip(model.actuators()) {
+        for (index, (process, control)) in self.processes.iter_mut().zip(data.ctrl_mut()).enumerate() {
             let sample: f64 = StandardNormal.sample(&mut self.generator);
             *process = decay * *process + gain * sample;
-            let half_range = match actuator.ctrlrange() {
-                [low, high] if actuator.ctrllimited() => 0.5 * (high - low),
+            let half_range = match model.actuator_ctrlrange()[index] {
+                [low, high] if model.actuator_ctrllimited()[index] != 0 => 0.5 * (high - low),
                 _ => 1.0,
             };
             *control += self.settings.deviation * half_range * *process;

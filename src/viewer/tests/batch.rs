@@ -97,7 +97,7 @@ fn batch_has_the_same_effect_as_single_requests() {
         // Controls and positions.
         Box::new(|| {
             vec![
-                EndpointRequest::SetControl(motor, 3.0).into(),
+                EndpointRequest::SetControl(motor, 0, 3.0).into(),
                 step(4),
                 EndpointRequest::ClearControls.into(),
                 step(1),

@@ -55,7 +55,7 @@ fn requests_are_executed_on_the_programs_simulation() {
     let (mut window, mut handle, mut data) = squatting();
     let start = data.qpos().to_vec();
     let actuator = data.model().actuator(0).unwrap().id();
-    window.send(EndpointRequest::SetControl(actuator, 0.5));
+    window.send(EndpointRequest::SetControl(actuator, 0, 0.5));
     handle.sync(&mut data).unwrap();
     assert_eq!(data.ctrl()[0], 0.5);
     for _ in 0..20 {

@@ -389,7 +389,7 @@ fn page_up_selects_the_parent() {
 fn keys_copy_and_capture_the_state_and_clear_the_controls() {
     let mut bench = Bench::humanoid();
     let model = bench.snapshot().model.clone();
-    bench.send(EndpointRequest::SetControl(model.actuator(0).unwrap().id(), 0.5));
+    bench.send(EndpointRequest::SetControl(model.actuator(0).unwrap().id(), 0, 0.5));
     bench.press(character('c'), COMMAND);
     let events = bench.events();
     assert!(matches!(&events[..], [Event::Copied(text)] if text.starts_with("<key time=\"0\" qpos=\"")), "{events:?}");

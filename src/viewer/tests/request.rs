@@ -32,13 +32,13 @@ fn controls_and_positions_are_set_and_invalid_values_rejected() {
     let mut bench = tied();
     let model = bench.snapshot().model.clone();
     let (motor, hinge) = (model.actuator("motor").unwrap().id(), model.joint("hinge").unwrap().id());
-    bench.send(EndpointRequest::SetControl(motor, 0.25));
+    bench.send(EndpointRequest::SetControl(motor, 0, 0.25));
     assert_eq!(bench.snapshot().ctrl, [0.25]);
     bench.send(EndpointRequest::SetPosition(hinge, 0, 0.75));
     assert_eq!(bench.snapshot().qpos[7], 0.75);
     assert_eq!(bench.snapshot().sensordata, [0.75], "dependent quantities are recomputed");
     assert!(bench.events().is_empty());
-    bench.send(EndpointRequest::SetControl(motor, f64::NAN));
+    bench.send(EndpointRequest::SetControl(motor, 0, f64::NAN));
     bench.send(EndpointRequest::SetPosition(hinge, 0, f64::INFINITY));
     bench.send(EndpointRequest::SetPosition(hinge, 5, 1.0));
     assert_eq!((bench.snapshot().ctrl[0], bench.snapshot().qpos[7]), (0.25, 0.75));
@@ -202,7 +202,7 @@ fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
     assert_eq!((bench.snapshot().generation, bench.snapshot().selected), (1, None));
     assert_eq!((bench.snapshot().history_len, bench.snapshot().time), (0, 0.0));
     for request in [
-        EndpointRequest::SetControl(old.actuator("motor").unwrap().id(), 1.0),
+        EndpointRequest::SetControl(old.actuator("motor").unwrap().id(), 0, 1.0),
         EndpointRequest::SetPosition(old.joint("hinge").unwrap().id(), 0, 1.0),
         EndpointRequest::LoadKey(old.keyframe("high").unwrap().id()),
         EndpointRequest::SetEquality(old.equality("tie").unwrap().id(), true),

@@ -118,7 +118,7 @@ fn steady_state_frames_do_not_allocate() {
     let actuator = data.model().actuator(0).unwrap().id();
     window.send(EndpointRequest::Watch(vec!["qpos[2]".parse().unwrap()]));
     let mut frame = |data: &mut Data| {
-        window.send(EndpointRequest::SetControl(actuator, 0.1));
+        window.send(EndpointRequest::SetControl(actuator, 0, 0.1));
         data.step().unwrap();
         handle.sync(data).unwrap();
         assert!(window.latest().unwrap().1);

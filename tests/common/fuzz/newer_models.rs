@@ -25,7 +25,7 @@ pub(super) const NEWER: [Newer; 11] = [
     Newer { name: "newer actuators", share: 240, since: Some(version(3, 17, 0)), text: ACTUATORS },
     Newer { name: "sleep", share: 240, since: Some(version(3, 5, 0)), text: SLEEP },
     Newer { name: "delays", share: 240, since: Some(version(3, 5, 0)), text: DELAYS },
-    Newer { name: "several controls", share: 160, since: None, text: CONTROLS },
+    Newer { name: "several controls", share: 240, since: Some(version(3, 17, 0)), text: CONTROLS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
 ];
 
@@ -185,12 +185,20 @@ const DELAYS: &str = r#"<mujoco>
   <keyframe><key name="key" time="1"/></keyframe>
 </mujoco>"#;
 
+/// Actuators with several controls, forces and activations between others with one.
 const CONTROLS: &str = r#"<mujoco>
   <size memory="200K"/>
   <worldbody>
-    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/></body>
+    <site name="w"/>
+    <body><joint name="ball" type="ball"/><geom size=".1" pos=".1 0 0"/><site name="s" pos=".1 0 0"/>
+      <body pos=".3 0 0"><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/></body></body>
   </worldbody>
-  <actuator><pid joint="a" kp="5" kv=".5" ki="2" input="pos vel"/><motor joint="a"/></actuator>
+  <actuator>
+    <motor name="first" joint="a"/><orientation name="turn" joint="ball" kp="3" kv=".2"/>
+    <pid name="servo" joint="a" kp="5" kv=".5" ki="2" input="pos vel"/><orientation site="s" refsite="w" kp="2"/>
+    <dcmotor joint="a" motorconst=".1 .1" resistance="1" inductance=".1" thermal="1 1"/><motor joint="a" ctrlrange="-1 1"/>
+  </actuator>
+  <sensor><actuatorpos actuator="turn"/><actuatorvel actuator="servo"/><actuatorfrc actuator="turn"/><jointactuatorfrc joint="a"/></sensor>
 </mujoco>"#;
 
 const IPC: &str = r#"<mujoco>
@@ -226,7 +234,7 @@ pub(super) const VALUES: [&str; 18] = [
 
 /// Elements that 2.2.2 lacks.
 #[rustfmt::skip]
-pub(super) const PIECES: [&str; 22] = [
+pub(super) const PIECES: [&str; 23] = [
     "<flexcomp name='q' type='grid' count='3 3 1' spacing='.1 .1 .1' dim='2' radius='.01' mass='.1'><edge equality='true'/></flexcomp>",
     "<flexcomp name='q' type='grid' count='3 3 3' spacing='.1 .1 .1' dim='3' radius='.01' mass='.1' dof='trilinear'><elasticity young='1e4' poisson='.3'/></flexcomp>",
     "<flexcomp name='q' type='direct' dim='2' point='0 0 0 1 0 0 0 1 0' element='0 1 2' radius='.01' mass='.1'><pin id='0'/></flexcomp>",
@@ -241,6 +249,7 @@ pub(super) const PIECES: [&str; 22] = [
     "<position joint='hinge' kp='3' dampratio='1' timeconst='.1' inheritrange='1'/>",
     "<pid joint='hinge' kp='5' kv='.5' ki='2' imax='1' input='pos'/>",
     "<dcmotor joint='hinge' resistance='1' motorconst='1 1' inductance='.1'/>",
+    "<orientation joint='ball' kp='3' kv='1'/>",
     "<motor joint='hinge' nsample='3' delay='.01'/>",
     "<contact num='3' data='found force dist pos normal tangent' reduce='mindist'/>",
     "<distance body1='world' body2='ball' cutoff='1'/>",

@@ -213,7 +213,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         if !bytes.once_in(if scene.data.model().nv() > 20 { 16 } else { 2 }) {
             return Ok(());
         }
-        let actuator = scene.data.model().actuator(bytes.index(scene.data.model().nu()))?.id();
+        let actuator = scene.data.model().actuator(bytes.index(scene.data.model().nactuator()))?.id();
         let options = length_range(scene.data.model().timestep(), bytes);
         scene.data.edit_model(|model| model.set_length_range(actuator, &options)).map(drop)
     }),

@@ -12,7 +12,7 @@ use super::{Bytes, Call, Scene, expected, must_panic, read_only};
 fn parameter(data: &Data, bytes: &mut Bytes<'_>) -> Result<Parameter> {
     let model = data.model();
     let joint = |bytes: &mut Bytes<'_>| model.joint(bytes.index(model.njnt())).map(|joint| joint.id());
-    let actuator = |bytes: &mut Bytes<'_>| model.actuator(bytes.index(model.nu())).map(|actuator| actuator.id());
+    let actuator = |bytes: &mut Bytes<'_>| model.actuator(bytes.index(model.nactuator())).map(|actuator| actuator.id());
     Ok(match bytes.below(12) {
         0 => Parameter::Gravity(bytes.index(3)),
         1 => Parameter::MassFactor(read_only::body(data, bytes)?),
