@@ -24,9 +24,8 @@ macro_rules! creators {
                 $(#[$doc])*
                 #[track_caller]
                 pub fn $method(&mut self, body: ElementId<kind::Body>) -> ElementMut<'_, kind::$kind> {
-                    let index = self.index(body);
-                    let index = self.tree.add(index, $tag);
-                    self.element_mut(index)
+                    let body = self.index(body);
+                    self.append(body, $tag)
                 }
             )*
         }
@@ -41,8 +40,7 @@ macro_rules! creators {
                 $(#[$section_doc])*
                 pub fn $section_method(&mut self) -> ElementMut<'_, kind::$section_kind> {
                     let section = self.tree.section($section);
-                    let index = self.tree.add(section, $section_tag);
-                    self.element_mut(index)
+                    self.append(section, $section_tag)
                 }
             )*)*
         }
@@ -180,8 +178,7 @@ impl Spec {
         };
         let section = self.tree.section("sensor");
         self.check_child(section, &tag)?;
-        let index = self.tree.add(section, &tag);
-        Ok(self.element_mut(index))
+        Ok(self.append(section, &tag))
     }
 
     /// Returns a section of the model, such as `option`, `compiler`, `visual` or `statistic`, and creates it if there is none.
@@ -230,13 +227,14 @@ impl Spec {
     #[doc(alias = "mjs_findDefault")]
     #[doc(alias = "mjs_getSpecDefault")]
     pub fn default_mut(&mut self, class: &str, tag: &str) -> Result<ElementMut<'_>> {
-        let known = names::find(&self.tree, Named::Class, class);
+        let class = self.own_class.clone().filter(|_| class == MAIN).unwrap_or_else(|| class.to_owned());
+        let known = names::find(&self.tree, Named::Class, &class);
         let parent = known.unwrap_or_else(|| self.tree.section("default"));
         self.check_child(parent, tag)?;
         let class = match known {
             None if class != MAIN => {
                 let index = self.tree.add(parent, "default");
-                self.tree.node_mut(index).set("class", class.to_owned());
+                self.tree.node_mut(index).set("class", class);
                 index
             }
             _ => parent,

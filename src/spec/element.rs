@@ -188,8 +188,7 @@ impl<'s, K> ElementMut<'s, K> {
 
     /// Adds an element that the engine accepts here.
     pub(super) fn append(&mut self, tag: &str) -> ElementMut<'_> {
-        let index = self.spec.tree.add(self.index, tag);
-        self.spec.element_mut(index)
+        self.spec.append(self.index, tag)
     }
 
     /// Sets an attribute that the engine knows.

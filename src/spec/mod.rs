@@ -86,6 +86,8 @@ pub struct Spec {
     world: Index,
     /// Directory of the file, to which the names of assets are relative.
     directory: Option<PathBuf>,
+    /// Class with the defaults of `main`, if an attachment has separated them from those of the attached spec.
+    own_class: Option<String>,
 }
 
 /// # Creation
@@ -153,7 +155,7 @@ impl Spec {
     fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
-        Self { tree, lineage: Lineage::new(), world, directory }
+        Self { tree, lineage: Lineage::new(), world, directory, own_class: None }
     }
 
     /// Returns the name of the model, the attribute `model` of the root.
@@ -191,6 +193,21 @@ impl Spec {
 
     fn element_mut<K>(&mut self, index: Index) -> ElementMut<'_, K> {
         ElementMut::new(self, index)
+    }
+
+    /// Adds an element, with the class of this spec's own elements unless it gets the class of a body.
+    fn append<K>(&mut self, parent: Index, tag: &str) -> ElementMut<'_, K> {
+        let index = self.tree.add(parent, tag);
+        let is_outermost = self.tree.parent(parent) == Some(Tree::ROOT) && self.tree.tag(parent) != "default";
+        if let Some(class) = self.own_class.clone().filter(|_| is_outermost) {
+            let schema = Schema::of_engine();
+            for attribute in ["childclass", "class"] {
+                if schema.as_ref().is_ok_and(|schema| schema.has(&self.tree, index, attribute)) {
+                    self.tree.node_mut(index).set(attribute, class.clone());
+                }
+            }
+        }
+        self.element_mut(index)
     }
 
     /// Checks that the compiler accepts an element in another one.

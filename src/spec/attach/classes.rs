@@ -61,20 +61,21 @@ fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
 }
 
 /// Gives a tree and one that becomes a part of it separate classes, so that no element gets defaults of the other one. `body` is the body
-/// that will contain the child, and `prefix` that of the child's names.
-pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<()> {
+/// that will contain the child, and `prefix` that of the child's names. Returns the new class of the tree's own elements, if `main` had defaults.
+pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<Option<String>> {
     let of_body =
         std::iter::once(body).chain(ancestors(tree, body)).any(|outer| tree.attribute(outer, "childclass").is_some());
     let ours = has_settings(tree);
     if !(ours || of_body || child.sections("default").next().is_some()) {
-        return Ok(());
+        return Ok(None);
     }
-    if ours {
-        let name = unused(tree, "outer");
-        demote(tree, &name, true)?;
+    let own = ours.then(|| unused(tree, "outer"));
+    if let Some(name) = &own {
+        demote(tree, name, true)?;
     }
     let name = if prefix.is_empty() { unused(tree, "attached") } else { MAIN.to_owned() };
-    demote(child, &name, ours || of_body || has_settings(child))
+    demote(child, &name, ours || of_body || has_settings(child))?;
+    Ok(own)
 }
 
 /// Returns the name of a class that does not exist, which starts with `name`.

@@ -68,8 +68,8 @@ impl Spec {
     ///
     /// The attached elements keep the defaults, angles, limits and directories of their own spec: classes of defaults are copied, angles are
     /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
-    /// independent of `meshdir` and `texturedir`. If this spec has defaults in `main`, they move to a class of their own, which its present elements get. References to the
-    /// world become references to the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied.
+    /// independent of `meshdir` and `texturedir`. If this spec has defaults in `main`, they move to a class of their own, which its elements get,
+    /// also those that are added later. References to the world become references to the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied.
     ///
     /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
     /// those of the first one that is attached.
@@ -112,7 +112,7 @@ impl Spec {
         }
         let body_name = if body == self.world { WORLD.to_owned() } else { name_or_create(&mut tree, body, BODY) };
         refer_to_body(&mut child, &body_name, &pose)?;
-        classes::separate(&mut tree, &mut child, body, prefix)?;
+        let own_class = classes::separate(&mut tree, &mut child, body, prefix)?;
         add_prefix(&mut child, prefix, &body_name);
         if let Some((class, name)) = shared_name(&tree, &child) {
             let what = format!("the prefix '{prefix}' of the attached {}", other.source_name());
@@ -138,6 +138,7 @@ impl Spec {
             }
         }
         self.tree = tree;
+        self.own_class = own_class.or(self.own_class.take());
         Ok(bodies)
     }
 

@@ -61,6 +61,31 @@ fn attaching_equals_the_joined_text() {
     );
 }
 
+/// The class with the defaults of the spec has another name after an attachment.
+#[test]
+fn elements_that_are_added_after_an_attachment_have_the_defaults_of_the_spec() {
+    let mut spec = Spec::new("scene");
+    spec.default_mut("main", "geom").unwrap().set("rgba", [0.0, 1.0, 0.0, 1.0]).unwrap();
+    spec.default_mut("main", "motor").unwrap().set("gear", 7.0).unwrap();
+    let mount = Mount::body(spec.world());
+    spec.attach(&parse(CHILD), mount, "c_").unwrap();
+    spec.default_mut("main", "geom").unwrap().set("size", 0.2).unwrap();
+    let world = spec.world();
+    spec.add_geom(world).set_name("in_world");
+    let body = spec.add_body(world).id();
+    spec.add_joint(body).set_name("joint");
+    spec.add_geom(body).set_name("in_body");
+    spec.add_motor().set_name("motor").set_joint("joint");
+    let model = spec.compile().unwrap();
+    for name in ["in_world", "in_body"] {
+        let geom = model.geom(name).unwrap();
+        assert_eq!((geom.rgba(), geom.size()[0]), (&[0.0, 1.0, 0.0, 1.0], 0.2), "{name}");
+    }
+    assert_eq!(model.actuator("motor").unwrap().gear()[0], 7.0);
+    assert_eq!(model.actuator("c_torque").unwrap().gear()[0], 1.0);
+    assert_eq!(model.geom("c_base").unwrap().size()[0], 0.1);
+}
+
 /// Every element of a world at a pose has the same place as in a body with this pose.
 #[test]
 fn all_elements_move_with_the_pose() {
