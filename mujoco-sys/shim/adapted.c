@@ -57,7 +57,12 @@ void mujoco_sys_rotVecMatT(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[
 void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER >= 325
   struct mujoco_sys_row row;
-  for (int i = 0; i < m->nu; i++) {
+#if mjVERSION_HEADER >= 3017000
+  const int count = m->nout;
+#else
+  const int count = m->nu;
+#endif
+  for (int i = 0; i < count; i++) {
     mujoco_sys_momentRow(m, d, i, &row);
     d->actuator_velocity[i] = 0;
     for (int j = 0; j < row.count; j++) {

@@ -74,6 +74,12 @@ fn views_have_the_ranges_of_their_actuators() {
         let force: f64 = forces.iter().enumerate().map(|(output, force)| moment[(output, dof)] * force).sum();
         assert!((force - data.qfrc_actuator()[dof]).abs() < 1e-12, "{dof}");
     }
+    // The velocities are those of the forces, not of the more numerous controls.
+    data.qvel_mut().copy_from_slice(&[0.1, 0.2, 0.3, 0.4]);
+    data.forward().unwrap();
+    let velocities = data.actuator_velocity().to_vec();
+    data.compute_actuator_velocity().unwrap();
+    assert_eq!((data.actuator_velocity(), velocities.len()), (&velocities[..], 7));
     data.ctrl_mut()[6] = f64::NAN;
     let error = data.step().unwrap_err().to_string();
     assert!(error.contains("ctrl[6] of actuator 'dc'"), "{error}");
