@@ -11,9 +11,16 @@ use crate::ffi;
 use crate::version::built_against;
 
 impl Model {
-    /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
-    /// one force and at most one activation.
+    /// Returns the reason why a compiled model is not supported. Applies the rules for binary models to it, if they are known for the engine.
     pub(super) fn validate(&self) -> Result<(), String> {
+        #[cfg(validates_binaries)]
+        self.validate_binary()?;
+        self.validate_features()
+    }
+
+    /// Returns the reason why a model is not supported. The types of all elements are known afterwards, actuators have one control, one force
+    /// and at most one activation.
+    pub(super) fn validate_features(&self) -> Result<(), String> {
         let version = built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));

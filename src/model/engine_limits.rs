@@ -10,6 +10,12 @@ use crate::ffi;
 /// Sizes of a height field whose sums, squares and quotients are finite.
 const RAY_SAFE_SIZES: RangeInclusive<f64> = 1e-100..=1e100;
 
+/// Largest number of vertices of a polygon of a mesh in a binary model with the option `multiccd`. The engine clips a polygon of one geom by
+/// the edges of one of another, in an array of 300 vertices, and assumes that both are convex. A clip of a polygon that is not convex
+/// multiplies its vertices by up to 1.5, and 8 clips of 8 vertices give at most 202.
+#[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+pub(super) const MOST_SAFE_POLYGON: i32 = 8;
+
 impl Model {
     /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its body, the engine accesses the
     /// constraints and assumes that they exist. For a contact without room in the constraint buffer it writes before the start of
@@ -32,6 +38,13 @@ impl Model {
 
     pub(super) fn find_adhesion(&self) -> bool {
         self.actuator_trntype().contains(&(mjTRN_BODY as i32))
+    }
+
+    /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the
+    /// polygon is convex. Those of the compiler are, those of a binary model may not be. Without the option `multiccd` the engine clips none.
+    #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+    pub(super) fn find_unsafe_polygons(&self) -> bool {
+        self.mesh_polyvertnum().iter().any(|&count| count > MOST_SAFE_POLYGON)
     }
 
     /// Returns `true` if this geom is a height field on which the engine's ray functions may read out of bounds. They read beyond

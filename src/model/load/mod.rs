@@ -306,7 +306,18 @@ impl Model {
         engine::ready()?;
         check_binary(bytes, source_name)?;
         // SAFETY: the bytes were validated.
-        unsafe { Self::load_binary(bytes, source_name) }
+        let model = unsafe { Self::load_binary(bytes, source_name)? };
+        #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+        let model = model.with_checked_features(source_name)?;
+        Ok(model)
+    }
+
+    /// Checks conditions of the process, and records which options must not be enabled.
+    #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+    fn with_checked_features(mut self, source_name: &str) -> Result<Self> {
+        self.validate_features().map_err(|reason| invalid_binary(source_name, reason))?;
+        self.has_unsafe_polygons = self.find_unsafe_polygons();
+        Ok(self)
     }
 
     /// Loads a binary model by the engine.
@@ -337,13 +348,21 @@ fn invalid_binary(source_name: &str, reason: String) -> Error {
 }
 
 /// Validates a binary model.
-#[cfg(not(engine_since = "2.3.0"))]
+#[cfg(validates_binaries)]
 fn check_binary(bytes: &[u8], source_name: &str) -> Result<()> {
-    super::mjb::check(bytes).map_err(|error| invalid_binary(source_name, error.to_string()))
+    super::mjb::check(bytes).map_err(|error| {
+        if error.is_unsupported() {
+            let version = crate::version::built_against();
+            return Error::Unsupported(format!(
+                "binary models with {error} with MuJoCo {version}; load the XML, or a trusted file with the unsafe Model::from_binary_unchecked"
+            ));
+        }
+        invalid_binary(source_name, error.to_string())
+    })
 }
 
-/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 only.
-#[cfg(engine_since = "2.3.0")]
+/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 and 3.5.0 only.
+#[cfg(not(validates_binaries))]
 fn check_binary(_: &[u8], _: &str) -> Result<()> {
     let version = crate::version::built_against();
     Err(Error::Unsupported(format!(

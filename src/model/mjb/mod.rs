@@ -23,6 +23,8 @@ mod asset;
 mod custom;
 mod geom;
 mod layout;
+#[cfg(engine_since = "3.5.0")]
+mod newer;
 mod rule;
 mod sensor;
 mod settings;
@@ -45,6 +47,8 @@ use view::View;
 /// The first violation.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     let view = View::new(bytes)?;
+    #[cfg(engine_since = "3.5.0")]
+    newer::check_features(&view)?;
     // The order matters: each check may rely on the previous ones.
     settings::check(&view)?;
     tree::check(&view)?;
@@ -53,6 +57,8 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     geom::check_pairs(&view)?;
     transmission::check(&view)?;
     sensor::check(&view)?;
+    #[cfg(engine_since = "3.5.0")]
+    newer::check_histories(&view)?;
     custom::check(&view)
 }
 
@@ -61,9 +67,21 @@ mod tests;
 
 impl Model {
     /// Applies the rules for binary models to a model that the engine compiled. Every model that loads from XML can therefore
-    /// be saved and loaded as a binary model too. Returns the reason for a rejection.
-    pub(super) fn validate(&self) -> Result<(), String> {
+    /// be saved and loaded as a binary model too, except those with features that binary models must not have. Returns the reason for a
+    /// rejection.
+    pub(super) fn validate_binary(&self) -> Result<(), String> {
         let bytes = self.to_binary().map_err(|error| error.to_string())?;
-        check(&bytes).map_err(|error| error.to_string())
+        match check(&bytes) {
+            Err(error) if !error.is_unsupported() => Err(error.to_string()),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(not(engine_since = "2.3.0"))]
+impl Model {
+    /// Returns the reason why a compiled model is not supported.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        self.validate_binary()
     }
 }
