@@ -18,9 +18,9 @@ mod notes;
 use std::path::{Path, PathBuf};
 
 /// Versions of the engine at which the source changes.
-const THRESHOLDS: [&str; 17] = [
+const THRESHOLDS: [&str; 18] = [
     "2.3.0", "2.3.3", "2.3.7", "3.0.0", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.3", "3.3.6", "3.5.0", "3.6.0",
-    "3.7.0", "3.10.0", "3.11.0", "3.17.0", "4.0.0",
+    "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.17.0", "4.0.0",
 ];
 
 fn main() {

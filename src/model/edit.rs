@@ -64,7 +64,8 @@ impl<'m> ModelMut<'m> {
     /// # Errors
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values, [`Error::Unsupported`](crate::Error::Unsupported)
-    /// for [`EnableFlags::MULTICCD`] in a binary model in which a polygon of a mesh has more than 8 vertices. The model is then unchanged.
+    /// for [`EnableFlags::MULTICCD`] in a binary model in which a polygon of a mesh has more than 8 vertices, and with some engines for more
+    /// than 170 iterations of the convex collider in a model with sensors of distances. The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -83,6 +84,7 @@ impl<'m> ModelMut<'m> {
             let what = "the option multiccd of a binary model with polygons of more than 8 vertices; load the XML";
             return Err(Error::Unsupported(what.to_owned()));
         }
+        self.model.check_distances(options.mpr_iterations).map_err(Error::Unsupported)?;
         options.write(&mut self.model.raw_mut().opt);
         self.model.disable_unsafe_islands();
         Ok(())

@@ -58,6 +58,7 @@ impl Model {
         if let Some(count) = iterations.into_iter().find(|&count| count > Options::MOST_ITERATIONS) {
             return Err(format!("a solver has {count} iterations; at most a million are allowed"));
         }
+        self.check_distances(options.mpr_iterations)?;
         if cfg!(engine_since = "3.0.0") && options.mpr_iterations < 1 {
             // The solver has space for its first polytope only if it may iterate.
             return Err(format!(
