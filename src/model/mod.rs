@@ -96,7 +96,7 @@ pub struct Model {
     has_adhesion: bool,
     /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
     has_rangefinder_and_height_field: bool,
-    /// See [`find_unsafe_polygons`](Model::find_unsafe_polygons).
+    /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8 vertices (`find_unsafe_polygons`).
     has_unsafe_polygons: bool,
 }
 

@@ -14,9 +14,13 @@
 //! encode an id (the side site in `wrap_prm`), control how the engine iterates over an array (`hfield_size`, `mesh_vert`), or
 //! are the time step.
 //!
-//! The layout is that of MuJoCo 2.2.2: four header integers, the sizes, the memory images of `mjOption`, `mjVisual` and
-//! `mjStatistic`, then the arrays without padding in the order of the engine's X-macros. Each engine version has another
-//! layout; the counts in the header distinguish them.
+//! The file has header integers, the sizes, the memory images of `mjOption`, `mjVisual` and `mjStatistic`, then the arrays without padding in
+//! the order of the engine's X-macros. The build script generates the table of the arrays. Each engine version has another layout; the
+//! counts in the header distinguish them, and since 3.0 the version is one of the header integers.
+//!
+//! The module has the rules for MuJoCo 2.2.2 and 3.5.0. `newer` contains those for values that 2.2.2 does not have. Binary models of 3.5.0 must
+//! not have flexes, plugins, signed distance fields and tactile sensors: the rules are not known for the first three, and the engine reads
+//! beyond its arrays for a tactile sensor in contact with a flex.
 #![allow(non_upper_case_globals, reason = "the engine's constants, in patterns")]
 
 mod asset;
@@ -39,8 +43,9 @@ use view::View;
 
 /// Checks that a binary model from any source is safe to load, to simulate and to read.
 ///
-/// One condition depends on the simulation and is checked there: a model with an adhesive actuator must not be stepped after
-/// the warning that the constraint buffer is full (see `transmission::adhesion`).
+/// Two conditions depend on the simulation and are checked there: a model with an adhesive actuator must not be stepped after
+/// the warning that the constraint buffer is full (see `transmission::adhesion`), and the option `multiccd` must not be enabled for some
+/// meshes (see `Model::find_unsafe_polygons`).
 ///
 /// # Errors
 ///

@@ -72,6 +72,13 @@ fn products(view: &View<'_>) -> Result<(), Invalid> {
     let [nv, nbody, na, nu, nsensordata] =
         [size::nv, size::nbody, size::na, size::nu, size::nsensordata].map(|size| view.size(size) as u64);
     let state = 2 * nv + na;
+    // The rows of the constraint Jacobian without contacts: equalities, friction, limits. In 2.2.2 `njmax` bounds them.
+    let rows = if cfg!(engine_since = "3.5.0") {
+        let [nemax, njnt, ntendon] = [size::nemax, size::njnt, size::ntendon].map(|size| view.size(size) as u64);
+        nemax + nv + 2 * njnt + 3 * ntendon
+    } else {
+        0
+    };
     for (name, factors) in [
         ("6 nv nv", [6 * nv, nv]),
         ("6 nbody nv", [6 * nbody, nv]),
@@ -81,6 +88,7 @@ fn products(view: &View<'_>) -> Result<(), Invalid> {
         ("(2 nv + na) nu", [state, nu]),
         ("(2 nv + na) nsensordata", [state, nsensordata]),
         ("nu nsensordata", [nu, nsensordata]),
+        ("the rows of constraints without contacts times nv", [rows, nv]),
     ] {
         // Each factor is below 2^34.
         let product = u128::from(factors[0]) * u128::from(factors[1]);

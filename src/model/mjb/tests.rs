@@ -263,6 +263,22 @@ fn every_flag_is_checked() {
     });
 }
 
+/// Returns the valid file.
+#[cfg(engine_since = "3.5.0")]
+pub(super) fn every_element_file() -> &'static [u8] {
+    every_element()
+}
+
+/// Calls `visit` with each array of `int`, its offset and its length.
+#[cfg(engine_since = "3.5.0")]
+pub(super) fn each_integer_array(mut visit: impl FnMut(&Array, usize, usize)) {
+    each_array(|array, at, count| {
+        if array.element == 4 && is_integer(array) {
+            visit(array, at, count);
+        }
+    });
+}
+
 /// Calls `visit` with each array, its offset and its length.
 fn each_array(mut visit: impl FnMut(&Array, usize, usize)) {
     let view = valid();

@@ -27,7 +27,7 @@ pub(in super::super) fn check(view: &View<'_>, addresses: &[Field<i32>]) -> Resu
 }
 
 /// Returns the hash table of a list of names, with -1 in empty slots. A name takes the first empty slot from its hash on.
-fn table<'a>(names: impl Iterator<Item = &'a [u8]>, slots: usize) -> Vec<i64> {
+pub(super) fn table<'a>(names: impl Iterator<Item = &'a [u8]>, slots: usize) -> Vec<i64> {
     let mut table = vec![-1; slots];
     // A slot that is empty or leads to an empty one. Without these links, many names of one hash would take quadratic time.
     let mut next: Vec<usize> = (0..slots).collect();
