@@ -240,9 +240,10 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model,
-    /// [`Error::Unsupported`] with engines from 2.3.0, for which the rules of a safe file are not known; see
-    /// [`from_binary_unchecked`](Self::from_binary_unchecked).
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model.
+    /// [`Error::Unsupported`] with engines other than 2.2.2 and 3.5.0, for which the rules of a safe file are not known, and with 3.5.0 for a
+    /// model with flexes, plugins, signed distance fields or tactile sensors, or with the option `multiccd` and a mesh in whose convex hull a
+    /// polygon has more than 8 vertices; see [`from_binary_unchecked`](Self::from_binary_unchecked).
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -254,10 +255,11 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] with engines from 2.3.0.
+    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] as for
+    /// [`from_binary_path`](Self::from_binary_path).
     ///
-    #[cfg_attr(engine_since = "2.3.0", doc = "```ignore")]
-    #[cfg_attr(not(engine_since = "2.3.0"), doc = "```")]
+    #[cfg_attr(not(validates_binaries), doc = "```ignore")]
+    #[cfg_attr(validates_binaries, doc = "```")]
     /// use mujoco_safe::{Error, Model, sample};
     ///
     /// let bytes = sample::cartpole().to_binary()?;
@@ -272,7 +274,8 @@ impl Model {
 
     /// Loads a binary model from memory without a check of its bytes, with every engine.
     ///
-    /// With engines from 2.3.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large models.
+    /// With engines other than 2.2.2 and 3.5.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large
+    /// models.
     ///
     /// # Safety
     ///
