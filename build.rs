@@ -1,10 +1,13 @@
 //! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and
-//! generates the accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`.
+//! generates the accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For engines whose binary models can
+//! be validated it sets `cfg(validates_binaries)` and generates the table of their files.
 
 #[path = "build/accessors.rs"]
 mod accessors;
 #[path = "build/arena.rs"]
 mod arena;
+#[path = "build/binary_table.rs"]
+mod binary_table;
 #[path = "build/computed_by.rs"]
 mod computed_by;
 #[path = "build/facts.rs"]
@@ -15,9 +18,9 @@ mod notes;
 use std::path::{Path, PathBuf};
 
 /// Versions of the engine at which the source changes.
-const THRESHOLDS: [&str; 17] = [
+const THRESHOLDS: [&str; 18] = [
     "2.3.0", "2.3.3", "2.3.7", "3.0.0", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.3", "3.3.6", "3.5.0", "3.6.0",
-    "3.7.0", "3.10.0", "3.11.0", "3.17.0", "4.0.0",
+    "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.17.0", "4.0.0",
 ];
 
 fn main() {
@@ -41,8 +44,14 @@ fn main() {
     for threshold in THRESHOLDS.into_iter().filter(|threshold| number(threshold) <= version) {
         println!("cargo::rustc-cfg=engine_since=\"{threshold}\"");
     }
+    let fields = PathBuf::from(variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys passes its field table"));
     if version > 222 {
-        generate(Path::new(&variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys passes its field table")));
+        generate(&fields);
+    }
+    println!("cargo::rustc-check-cfg=cfg(validates_binaries)");
+    if binary_table::VALIDATED.contains(&version) {
+        println!("cargo::rustc-cfg=validates_binaries");
+        write("binary_table.rs", &binary_table::generate(&read(&fields)));
     }
     // Lets the tests, examples and benches of this crate load an engine outside the directories of the system's loader. Cargo does not
     // pass link arguments on to dependants: their installed programs need LD_LIBRARY_PATH or an rpath.
@@ -64,14 +73,23 @@ fn number(version: &str) -> u32 {
 
 /// Writes the accessors of a field table and the tests' lists into `OUT_DIR`, for `include!`.
 fn generate(table: &Path) {
-    let read = |path: &Path| std::fs::read_to_string(path).expect("mujoco-sys has written the field table");
     let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"));
-    let out = PathBuf::from(variable("OUT_DIR").expect("Cargo sets OUT_DIR"));
     for (path, text) in accessors::generate(&read(table), &read(&default)) {
         // An included file has no inner attributes and documentation.
         let lines = text.lines().filter(|line| !line.starts_with("//!") && !line.starts_with("#!["));
         let text: String = lines.flat_map(|line| [line, "\n"]).collect();
         let name = Path::new(path).file_name().expect("the path of a file");
-        std::fs::write(out.join(name), text).expect("OUT_DIR is writable");
+        write(name.to_str().expect("a name in ASCII"), &text);
     }
+}
+
+/// Returns the contents of a field table.
+fn read(table: &Path) -> String {
+    std::fs::read_to_string(table).expect("mujoco-sys has written the field table")
+}
+
+/// Writes a file into `OUT_DIR`.
+fn write(name: &str, text: &str) {
+    let out = PathBuf::from(variable("OUT_DIR").expect("Cargo sets OUT_DIR"));
+    std::fs::write(out.join(name), text).expect("OUT_DIR is writable");
 }

@@ -27,7 +27,7 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
     println!("cargo::metadata=version={}", engine.version);
     let tests = crate::engines::supported(engine.version).map_or("none", |engine| engine.tests.name());
     println!("cargo::metadata=tests={tests}");
-    println!("cargo::metadata=fields={}", out.join("fields.tsv").display());
+    announce_fields(out);
     println!("cargo::metadata=default_fields={}", crate::bindings::default_fields().display());
     // For this crate's tests, which compare the bindings with the headers.
     println!(
@@ -36,6 +36,11 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
     );
     println!("cargo::rustc-env=MUJOCO_SYS_INCLUDE={}", engine.include.display());
     println!("cargo::rustc-env=MUJOCO_SYS_TARGET={}", std::env::var("TARGET").expect("Cargo sets TARGET"));
+}
+
+/// Passes the field table in `out` to the build script of `mujoco-safe`.
+pub(crate) fn announce_fields(out: &Path) {
+    println!("cargo::metadata=fields={}", out.join("fields.tsv").display());
 }
 
 /// Creates links to the library in `out`: `libmujoco.so` for the linker and the library's file name for the loader.

@@ -33,7 +33,10 @@ fn build(out: &Path) {
             link::announce(&engine, out);
         }
         // A documentation build links nothing, so the committed bindings suffice.
-        Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(bindings::DEFAULT, out),
+        Err(_) if std::env::var_os("DOCS_RS").is_some() => {
+            bindings::choose_committed(bindings::DEFAULT, out);
+            link::announce_fields(out);
+        }
         Err(missing) => help::fail(&missing),
     }
 }

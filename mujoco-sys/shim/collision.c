@@ -66,6 +66,18 @@ static void check_pair(const mjModel* m, const mjData* d, int type1, int type2, 
   }
 }
 
+void mujoco_sys_check_contacts(const mjModel* m, const mjData* d) {
+#if mjVERSION_HEADER >= 230
+  // Newer engines compute the number of elements of the constraint Jacobian in an int. A contact has at most ten rows.
+  if ((long long)(d->ncon + mjMAXCONPAIR) * 10 * m->nv > 1 << 30) {
+    compat_error_i("the Jacobian of more than %d contacts does not fit into an int", d->ncon);
+  }
+#else
+  (void)m;
+  (void)d;
+#endif
+}
+
 int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
                           int g2, mjtNum margin) {
   const mjfCollision function = original[type1][type2];
@@ -151,6 +163,7 @@ static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_
 static int collide(const mjModel* m, compat_collision_data* d, compat_contact* con, int g1, int g2, mjtNum margin) {
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
+  mujoco_sys_check_contacts(m, d);
   if (unchecked_types[type1][type2] && m->geom_bodyid[g1] != m->geom_bodyid[g2]) {
     return original[type1][type2](m, d, con, g1, g2, margin);
   }

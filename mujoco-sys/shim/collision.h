@@ -16,6 +16,9 @@ int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_con
 int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collision_data* d, compat_contact* con, int g1,
                           int g2, mjtNum margin);
 
+// Raises an engine error if the number of elements of the constraint Jacobian might overflow with more contacts.
+void mujoco_sys_check_contacts(const mjModel* m, const mjData* d);
+
 // Raises an engine error for a pose that is not a rotation and a bounded position, and for an unbounded size: the iteration of a collision or
 // of a distance may not end.
 void mujoco_sys_check_pose(const mjModel* m, const mjData* d, int geom);

@@ -37,6 +37,7 @@ __attribute__((constructor)) static void find_functions(void) {
 
 static int call(mjfCollision function, const mjModel* m, compat_collision_data* d, compat_contact* con, int g1, int g2,
                 mjtNum margin) {
+  if (checks) mujoco_sys_check_contacts(m, d);
   return checks ? mujoco_sys_collide_by(function, m, d, con, g1, g2, margin) : function(m, d, con, g1, g2, margin);
 }
 

@@ -26,6 +26,8 @@ const MAX_FIRST_STEP: f64 = 1e-4;
 /// Step size below which the Hessian of elliptic cones counts as that of the result.
 const SMALL_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 8;
+/// Largest number of constraints for which memory is reserved with engines that have no limit.
+const MOST_RESERVED: usize = 1000;
 /// Smallest pivot of a Cholesky factor. Inertia matrices have larger ones.
 const MIN_PIVOT: f64 = 1e-15;
 
@@ -45,7 +47,11 @@ pub(super) struct Newton {
 
 impl Newton {
     pub(super) fn new(model: &Model) -> Self {
-        let (nv, njmax) = (model.nv(), ffi::limit(model.raw().njmax));
+        let (nv, mut njmax) = (model.nv(), ffi::limit(model.raw().njmax));
+        // Newer engines ignore the number in the file, which may have any value.
+        if cfg!(engine_since = "2.3.0") {
+            njmax = njmax.min(MOST_RESERVED);
+        }
         let row = vec![0.0; nv];
         Self {
             factor: Matrix::zeros(nv, nv),

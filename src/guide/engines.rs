@@ -142,8 +142,8 @@
 //!
 //! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and
 //! `cargo doc` with an engine shows its accessors. The hand-written interface is the same with every engine. What an engine lacks is
-//! [`Error::Unsupported`](crate::Error::Unsupported). So is [`Model::from_binary`](crate::Model::from_binary) with newer engines, because the rules
-//! by which a binary model is safe to load are known for 2.2.2 only. The unsafe [`Model::from_binary_unchecked`](crate::Model::from_binary_unchecked)
+//! [`Error::Unsupported`](crate::Error::Unsupported). So is [`Model::from_binary`](crate::Model::from_binary) with newer engines except 3.5.0, because the rules
+//! by which a binary model is safe to load are known for 2.2.2 and 3.5.0 only, and with 3.5.0 not for flexes, plugins, signed distance fields and tactile sensors. The unsafe [`Model::from_binary_unchecked`](crate::Model::from_binary_unchecked)
 //! loads a trusted one.
 //!
 //! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all engines. A setter returns `Error::Unsupported`

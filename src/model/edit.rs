@@ -5,9 +5,9 @@ use std::ptr;
 
 use mujoco_sys::{self as sys, guard, mjMINVAL, mjModel};
 
-use super::{Model, Options};
+use super::{EnableFlags, Model, Options};
 use crate::data::silence_warnings;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::ffi;
 use crate::kind::Kind;
 
@@ -63,7 +63,9 @@ impl<'m> ModelMut<'m> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values. The model is then unchanged.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values, [`Error::Unsupported`](crate::Error::Unsupported)
+    /// for [`EnableFlags::MULTICCD`] in a binary model in which a polygon of a mesh has more than 8 vertices, and with some engines for more
+    /// than 170 iterations of the convex collider in a model with sensors of distances. The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -78,6 +80,11 @@ impl<'m> ModelMut<'m> {
         let mut options = self.model.options();
         change(&mut options);
         options.check()?;
+        if self.model.has_unsafe_polygons && options.enable.contains(EnableFlags::MULTICCD) {
+            let what = "the option multiccd of a binary model with polygons of more than 8 vertices; load the XML";
+            return Err(Error::Unsupported(what.to_owned()));
+        }
+        self.model.check_distances(options.mpr_iterations).map_err(Error::Unsupported)?;
         options.write(&mut self.model.raw_mut().opt);
         self.model.disable_unsafe_islands();
         Ok(())

@@ -11,9 +11,16 @@ use crate::ffi;
 use crate::version::built_against;
 
 impl Model {
-    /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, and actuators have at least
-    /// one control and one force.
+    /// Returns the reason why a compiled model is not supported. Applies the rules for binary models to it, if they are known for the engine.
     pub(super) fn validate(&self) -> Result<(), String> {
+        #[cfg(validates_binaries)]
+        self.validate_binary()?;
+        self.validate_features()
+    }
+
+    /// Returns the reason why a model is not supported. The types of all elements are known afterwards, and actuators have at least one control
+    /// and one force.
+    pub(super) fn validate_features(&self) -> Result<(), String> {
         let version = built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
@@ -52,6 +59,7 @@ impl Model {
         if let Some(count) = iterations.into_iter().find(|&count| count > Options::MOST_ITERATIONS) {
             return Err(format!("a solver has {count} iterations; at most a million are allowed"));
         }
+        self.check_distances(options.mpr_iterations)?;
         if cfg!(engine_since = "3.0.0") && options.mpr_iterations < 1 {
             // The solver has space for its first polytope only if it may iterate.
             return Err(format!(

@@ -2,7 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY};
+use mujoco_sys::{
+    mjGEOM_HFIELD, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjTRN_BODY,
+};
 
 use super::Model;
 use crate::ffi;
@@ -10,7 +12,29 @@ use crate::ffi;
 /// Sizes of a height field whose sums, squares and quotients are finite.
 const RAY_SAFE_SIZES: RangeInclusive<f64> = 1e-100..=1e100;
 
+/// Largest number of vertices of a polygon of a mesh in a binary model with the option `multiccd`. The engine clips a polygon of one geom by
+/// the edges of one of another, in an array of 300 vertices, and assumes that both are convex. A clip of a polygon that is not convex
+/// multiplies its vertices by up to 1.5, and 8 clips of 8 vertices give at most 202.
+#[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+pub(super) const MOST_SAFE_POLYGON: i32 = 8;
+
+/// Limit on the iterations of the convex collider in a model with sensors of distances, in some engines. For more iterations the collider
+/// allocates memory by a function that its caller names, and `mj_geomDistance` names none.
+const MOST_DISTANCE_ITERATIONS: Option<usize> =
+    if cfg!(all(engine_since = "3.3.3", not(engine_since = "3.8.0"))) { Some(170) } else { None };
+
 impl Model {
+    /// Returns the reason why the model's sensors cannot be computed with this number of iterations of the convex collider.
+    pub(super) fn check_distances(&self, iterations: usize) -> Result<(), String> {
+        let measures = |&kind: &i32| [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32));
+        match MOST_DISTANCE_ITERATIONS {
+            Some(most) if iterations > most && self.sensor_type().iter().any(measures) => Err(format!(
+                "the convex collider has {iterations} iterations; with a sensor of distances at most {most} are allowed"
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its body, the engine accesses the
     /// constraints and assumes that they exist. For a contact without room in the constraint buffer it writes before the start of
     /// an array.
@@ -32,6 +56,14 @@ impl Model {
 
     pub(super) fn find_adhesion(&self) -> bool {
         self.actuator_trntype().contains(&(mjTRN_BODY as i32))
+    }
+
+    /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the
+    /// polygon is convex. The compiler merges faces of convex hulls, but a binary model may have any polygons. Without the option `multiccd` the
+    /// engine clips none.
+    #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+    pub(super) fn find_unsafe_polygons(&self) -> bool {
+        self.mesh_polyvertnum().iter().any(|&count| count > MOST_SAFE_POLYGON)
     }
 
     /// Returns `true` if this geom is a height field on which the engine's ray functions may read out of bounds. They read beyond

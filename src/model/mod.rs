@@ -18,7 +18,7 @@ mod cached_flags;
 #[cfg(engine_since = "2.3.0")]
 mod engine_features;
 mod engine_limits;
-#[cfg(not(engine_since = "2.3.0"))]
+#[cfg(validates_binaries)]
 mod mjb;
 mod position;
 mod save;
@@ -97,6 +97,8 @@ pub struct Model {
     has_adhesion: bool,
     /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
     has_rangefinder_and_height_field: bool,
+    /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8 vertices (`find_unsafe_polygons`).
+    has_unsafe_polygons: bool,
 }
 
 // SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -113,7 +115,14 @@ impl Model {
     ///
     /// `raw` is a model of this engine that nothing else owns, and that the engine compiled or this crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
-        let mut model = Self { raw, lineage, warnings, has_adhesion: false, has_rangefinder_and_height_field: false };
+        let mut model = Self {
+            raw,
+            lineage,
+            warnings,
+            has_adhesion: false,
+            has_rangefinder_and_height_field: false,
+            has_unsafe_polygons: false,
+        };
         model.has_adhesion = model.find_adhesion();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
         model.edit().clear_wrong_simple_bodies();
@@ -135,7 +144,9 @@ impl Model {
         })?;
         let raw = NonNull::new(copy).ok_or(crate::error::Error::OutOfMemory { function: "mj_copyModel" })?;
         // SAFETY: a copy of a valid model, which nothing else owns.
-        Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })
+        let mut copy = unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) };
+        copy.has_unsafe_polygons = self.has_unsafe_polygons;
+        Ok(copy)
     }
 
     /// Returns the warnings that the engine's compiler raised when the model was loaded.

@@ -48,21 +48,42 @@ pub struct Map {
     textures: (usize, usize),
 }
 
-const FIELDS: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
-const HEADER: usize = 4 * (4 + 58);
-/// `mjOption`, `mjVisual`, `mjStatistic`.
-const STRUCTS: usize = 240 + 560 + 56;
+#[cfg(not(engine_since = "3.5.0"))]
+mod layout {
+    pub const FIELDS: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
+    /// Number of integers before the sizes, number of sizes and bytes of a size.
+    pub const HEADER: (usize, usize, usize) = (4, 58, 4);
+    /// `mjOption`, `mjVisual`, `mjStatistic`.
+    pub const STRUCTS: usize = 240 + 560 + 56;
+}
+
+#[cfg(engine_since = "3.5.0")]
+mod layout {
+    pub const FIELDS: &str = include_str!("../../mujoco-sys/fields/v3_5_0.tsv");
+    /// Number of integers before the sizes, number of sizes and bytes of a size.
+    pub const HEADER: (usize, usize, usize) = (5, 89, 8);
+    /// `mjOption`, `mjVisual`, `mjStatistic`.
+    pub const STRUCTS: usize = 992;
+}
+
+use layout::{FIELDS, STRUCTS};
+/// End of the sizes.
+const HEADER: usize = 4 * layout::HEADER.0 + layout::HEADER.1 * layout::HEADER.2;
 
 impl Map {
     /// Returns the layout of a valid file.
     pub fn new(file: &[u8]) -> Self {
         let rows: Vec<Vec<&str>> = FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
         let names: Vec<&str> = rows.iter().filter(|row| row[..2] == ["Model", "size"]).map(|row| row[3]).collect();
+        let (integers, count, width) = layout::HEADER;
+        assert_eq!(names.len(), count);
+        // The lower half of a wide size, because both are little-endian.
         let size = |name: &str| {
-            names
-                .iter()
-                .position(|&known| known == name)
-                .map_or_else(|| name.parse().unwrap(), |i| integer(file, 16 + 4 * i))
+            let index = names.iter().position(|&known| known == name);
+            index.map_or_else(
+                || if name == "mjNTEXROLE" { 10 } else { name.parse().unwrap() },
+                |i| integer(file, 4 * integers + width * i),
+            )
         };
         let extent = |text: &str| text.split('*').map(size).product::<usize>();
         let mut map = Self { integers: vec![], bytes: vec![], reals: vec![], textures: (0, 0) };
@@ -70,15 +91,17 @@ impl Map {
         for row in rows.iter().filter(|row| row[..2] == ["Model", "array"]) {
             let count = extent(row[4]) * extent(row[5]);
             let width = match row[2] {
-                "mjtNum" => 8,
+                "mjtNum" | "mjtSize" => 8,
                 "mjtByte" | "char" => 1,
                 _ => 4,
             };
-            if row[3] == "tex_rgb" {
+            if ["tex_rgb", "tex_data"].contains(&row[3]) {
                 map.textures = (at, count);
             } else if count > 0 {
                 match row[2] {
                     "int" => map.integers.push((at, count)),
+                    // The halves of the integers.
+                    "mjtSize" => map.integers.push((at, 2 * count)),
                     "mjtByte" | "char" => map.bytes.push((at, count)),
                     _ => map.reals.push((at, count, width)),
                 }

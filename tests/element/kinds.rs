@@ -36,8 +36,8 @@ fn custom_numerics_texts_and_tuples_are_those_of_the_xml() {
     assert_eq!(nested[15], Object::XBody(model.body("branch").unwrap().id()));
 }
 
-// Binary models load with 2.2.2 only.
-#[cfg(not(engine_since = "2.3.0"))]
+// Binary models load with 2.2.2 and 3.5.0 only.
+#[cfg(validates_binaries)]
 #[test]
 fn text_that_is_not_utf8_is_readable() {
     let mut file = every_element().to_binary().unwrap();

@@ -198,7 +198,7 @@ fn a_rangefinder_on_a_height_field_whose_axes_are_no_rotation_is_an_error() {
 }
 
 #[test]
-#[cfg_attr(engine_since = "2.3.0", ignore = "binary models load with 2.2.2 only")]
+#[cfg_attr(not(validates_binaries), ignore = "binary models load with 2.2.2 and 3.5.0 only")]
 fn a_binary_model_whose_rangefinder_would_read_beyond_a_height_field_is_rejected() {
     let mut bytes = Model::from_xml_str(RANGEFINDER).unwrap().to_binary().unwrap();
     Model::from_binary(&bytes).unwrap();
@@ -319,4 +319,48 @@ fn a_box_of_a_million_kilometres_on_a_height_field_is_an_error() {
         let error = data.collision().unwrap_err();
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("size of geom 1")), "{error}");
     }
+}
+
+#[test]
+#[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+fn several_contact_points_are_not_enabled_for_a_binary_model_with_large_polygons() {
+    use mujoco_safe::model::EnableFlags;
+
+    let corners = (0..12).map(|i| f64::from(i) * std::f64::consts::TAU / 12.0);
+    let ring: Vec<String> = corners.map(|angle| format!("{} {}", angle.cos(), angle.sin())).collect();
+    let vertices: Vec<String> =
+        ["0", "1"].iter().flat_map(|z| ring.iter().map(move |xy| format!("{xy} {z}"))).collect();
+    let compiled = Model::from_xml_str(&format!(
+        "<mujoco><asset><mesh name='m' vertex='{}'/></asset>
+         <worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>",
+        vertices.join(" ")
+    ))
+    .unwrap();
+    let enable = |model: &mut Model| model.edit().edit_options(|options| options.enable |= EnableFlags::MULTICCD);
+    let loaded = Model::from_binary(&compiled.to_binary().unwrap()).unwrap();
+    for mut model in [loaded.try_clone().unwrap(), loaded] {
+        assert!(matches!(enable(&mut model), Err(Error::Unsupported(_))));
+        assert_eq!(model.to_binary().unwrap(), compiled.to_binary().unwrap());
+    }
+    let mut compiled = compiled;
+    enable(&mut compiled).unwrap();
+    assert!(matches!(Model::from_binary(&compiled.to_binary().unwrap()), Err(Error::Unsupported(_))));
+}
+
+#[test]
+#[cfg(all(engine_since = "3.3.3", not(engine_since = "3.8.0")))]
+fn many_iterations_of_the_collider_are_rejected_with_sensors_of_distances() {
+    let text = |iterations: u32| {
+        format!(
+            r#"<mujoco><option ccd_iterations="{iterations}"/><worldbody><geom name="a" type="ellipsoid" size=".1 .2 .3"/>
+            <body pos="0 0 1"><freejoint/><geom name="b" type="box" size=".1 .1 .1"/></body></worldbody>
+            <sensor><distance geom1="a" geom2="b" cutoff="2"/></sensor></mujoco>"#
+        )
+    };
+    let mut model = Model::from_xml_str(&text(170)).unwrap();
+    let error = Model::from_xml_str(&text(171)).unwrap_err();
+    assert!(error.to_string().contains("at most 170"), "{error}");
+    let edit = model.edit().edit_options(|options| options.mpr_iterations = 171);
+    assert!(matches!(edit, Err(Error::Unsupported(_))));
+    Data::new(model).unwrap().step().unwrap();
 }

@@ -2,7 +2,7 @@
 
 #[path = "../common/assets.rs"]
 mod assets;
-#[cfg(not(engine_since = "2.3.0"))]
+#[cfg(validates_binaries)]
 #[path = "../common/mutate.rs"]
 mod mutate;
 #[path = "../common/print_all.rs"]
@@ -15,12 +15,12 @@ mod damaged_assets;
 mod edits;
 mod engine_limits;
 mod load;
-// Binary models load, and saved XML is compared with its model, with 2.2.2 only.
-#[cfg(not(engine_since = "2.3.0"))]
+#[cfg(validates_binaries)]
 mod mutated_binaries;
 mod rejected_files;
 mod rejected_texts;
-#[cfg(not(engine_since = "2.3.0"))]
+// Binary models load with 2.2.2 and 3.5.0 only.
+#[cfg(validates_binaries)]
 mod save;
 #[cfg(feature = "serde")]
 mod serde;

@@ -23,6 +23,7 @@ fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers look up files with their path")]
 fn a_binary_model_round_trips_through_a_file_and_memory() {
     let folder = folder();
     let path = folder.path().join("model.mjb");
@@ -33,6 +34,10 @@ fn a_binary_model_round_trips_through_a_file_and_memory() {
     assert!(bytes(&Model::from_binary(&bytes(&model)).unwrap()) == bytes(&model));
     assert!(bytes_in_c(&folder.path().join("model.xml")).starts_with(&bytes(&model)));
 }
+
+/// Option with the iterations of the collision solver, and its least value.
+const COLLISION: &str = if cfg!(engine_since = "3.5.0") { "ccd_iterations" } else { "mpr_iterations" };
+const LEAST: i32 = if cfg!(engine_since = "3.5.0") { 1 } else { 0 };
 
 #[test]
 fn every_model_from_xml_round_trips_through_its_binary_form() {
@@ -52,11 +57,12 @@ fn every_model_from_xml_round_trips_through_its_binary_form() {
         "<visual><global offwidth='0' offheight='-1'/></visual>",
         "<visual><global offwidth='100000' offheight='100000'/></visual>",
         "<option iterations='-1' noslip_iterations='-1'/>",
-        "<option iterations='0' mpr_iterations='0'/>",
+        &format!("<option iterations='0' {COLLISION}='{LEAST}'/>"),
     ] {
         models.push(with(rest).unwrap_or_else(|error| panic!("{rest}: {error}")));
     }
-    assert!(models.len() > 20);
+    // Newer compilers reject some of the system's models.
+    assert!(models.len() > if cfg!(engine_since = "3.5.0") { 15 } else { 20 });
     for model in models {
         let saved = bytes(&model);
         let again = Model::from_binary(&saved).unwrap_or_else(|error| panic!("{model:?}: {error}"));
@@ -64,7 +70,7 @@ fn every_model_from_xml_round_trips_through_its_binary_form() {
     }
     // A model that the binary format cannot hold is rejected when it is loaded.
     for (rest, expected) in [
-        ("<option mpr_iterations='-1'/>", "opt.mpr_iterations is -1"),
+        (&*format!("<option {COLLISION}='{}'/>", LEAST - 1), &*format!("opt.{COLLISION} is {}", LEAST - 1)),
         ("<option iterations='2000000'/>", "opt.iterations is 2000000; it must be"),
         ("<option timestep='0'/>", "opt.timestep is 0"),
     ] {
@@ -117,6 +123,7 @@ fn a_model_saved_as_xml_loads_as_the_same_model() {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers look up files with their path")]
 fn saved_xml_has_the_current_numbers_and_names_its_files() {
     let folder = folder();
     let path = folder.path().join("again.xml");
@@ -171,7 +178,8 @@ fn the_schema_has_every_element_of_the_official_bindings() {
     let (text, html) = (mujoco_safe::model::schema().unwrap(), mujoco_safe::model::schema_html().unwrap());
     let elements: Vec<&str> =
         text.lines().filter_map(|line| line.trim_start().split_once(" (").map(|it| it.0)).collect();
-    assert_eq!((text.lines().count(), elements.len()), (301, 127));
+    let counts = if cfg!(engine_since = "3.5.0") { (459, 171) } else { (301, 127) };
+    assert_eq!((text.lines().count(), elements.len()), counts);
     assert!(["mujoco", "(world)body", "composite", "adhesion", "key"].iter().all(|name| elements.contains(name)));
     assert_eq!(html.matches("class=\"el\"").count(), elements.len());
     assert!(html.trim_end().ends_with("</table>"));

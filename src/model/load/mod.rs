@@ -240,9 +240,10 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model,
-    /// [`Error::Unsupported`] with engines from 2.3.0, for which the rules of a safe file are not known; see
-    /// [`from_binary_unchecked`](Self::from_binary_unchecked).
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model.
+    /// [`Error::Unsupported`] with engines other than 2.2.2 and 3.5.0, for which the rules of a safe file are not known, and with 3.5.0 for a
+    /// model with flexes, plugins, signed distance fields or tactile sensors, or with the option `multiccd` and a mesh in whose convex hull a
+    /// polygon has more than 8 vertices; see [`from_binary_unchecked`](Self::from_binary_unchecked).
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -254,10 +255,11 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] with engines from 2.3.0.
+    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] as for
+    /// [`from_binary_path`](Self::from_binary_path).
     ///
-    #[cfg_attr(engine_since = "2.3.0", doc = "```ignore")]
-    #[cfg_attr(not(engine_since = "2.3.0"), doc = "```")]
+    #[cfg_attr(not(validates_binaries), doc = "```ignore")]
+    #[cfg_attr(validates_binaries, doc = "```")]
     /// use mujoco_safe::{Error, Model, sample};
     ///
     /// let bytes = sample::cartpole().to_binary()?;
@@ -272,7 +274,8 @@ impl Model {
 
     /// Loads a binary model from memory without a check of its bytes, with every engine.
     ///
-    /// With engines from 2.3.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large models.
+    /// With engines other than 2.2.2 and 3.5.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large
+    /// models.
     ///
     /// # Safety
     ///
@@ -306,7 +309,18 @@ impl Model {
         engine::ready()?;
         check_binary(bytes, source_name)?;
         // SAFETY: the bytes were validated.
-        unsafe { Self::load_binary(bytes, source_name) }
+        let model = unsafe { Self::load_binary(bytes, source_name)? };
+        #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+        let model = model.with_checked_features(source_name)?;
+        Ok(model)
+    }
+
+    /// Checks conditions of the process, and records which options must not be enabled.
+    #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
+    fn with_checked_features(mut self, source_name: &str) -> Result<Self> {
+        self.validate_features().map_err(|reason| invalid_binary(source_name, reason))?;
+        self.has_unsafe_polygons = self.find_unsafe_polygons();
+        Ok(self)
     }
 
     /// Loads a binary model by the engine.
@@ -337,13 +351,21 @@ fn invalid_binary(source_name: &str, reason: String) -> Error {
 }
 
 /// Validates a binary model.
-#[cfg(not(engine_since = "2.3.0"))]
+#[cfg(validates_binaries)]
 fn check_binary(bytes: &[u8], source_name: &str) -> Result<()> {
-    super::mjb::check(bytes).map_err(|error| invalid_binary(source_name, error.to_string()))
+    super::mjb::check(bytes).map_err(|error| {
+        if error.is_unsupported() {
+            let version = crate::version::built_against();
+            return Error::Unsupported(format!(
+                "binary models with {error} with MuJoCo {version}; load the XML, or a trusted file with the unsafe Model::from_binary_unchecked"
+            ));
+        }
+        invalid_binary(source_name, error.to_string())
+    })
 }
 
-/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 only.
-#[cfg(engine_since = "2.3.0")]
+/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 and 3.5.0 only.
+#[cfg(not(validates_binaries))]
 fn check_binary(_: &[u8], _: &str) -> Result<()> {
     let version = crate::version::built_against();
     Err(Error::Unsupported(format!(

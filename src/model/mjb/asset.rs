@@ -14,7 +14,7 @@ use super::view::View;
 /// its id if no product compares greater than -1e10.
 const LARGEST_COORDINATE: f32 = 1e9;
 
-/// Largest visualisation group of a skin. The visualiser uses the group of a skin as an index without clamping it, unlike the
+/// Largest visualisation group of a skin. The visualiser of 2.2.2 uses the group of a skin as an index without clamping it, unlike the
 /// groups of other elements.
 const LAST_GROUP: i64 = mujoco_sys::mjNGROUP as i64 - 1;
 
@@ -24,24 +24,35 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     skins(view)?;
     height_fields(view)?;
     textures(view)?;
+    #[cfg(engine_since = "3.5.0")]
+    super::newer::check_bounding_volumes(view)?;
     all_ids_or_none(view, field::mat_texid, view.size(size::ntex))?;
     all_bytes(view, field::mat_texuniform, 1)
 }
 
 /// Checks vertices, texture coordinates and faces.
 fn meshes(view: &View<'_>) -> Result<(), Invalid> {
+    surfaces(view)?;
+    for (i, value) in view.values(field::mesh_vert).enumerate() {
+        if value.is_nan() || value.abs() > LARGEST_COORDINATE {
+            let expected = format!("it must be within {LARGEST_COORDINATE} of zero");
+            return Err(Invalid::element(field::mesh_vert.name(), i, value, expected));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(engine_since = "3.5.0")]
+use super::newer::check_meshes as surfaces;
+
+#[cfg(not(engine_since = "3.5.0"))]
+fn surfaces(view: &View<'_>) -> Result<(), Invalid> {
     partition(view, field::mesh_vertadr, field::mesh_vertnum, 1, size::nmeshvert)?;
     optional_partition(view, field::mesh_texcoordadr, field::mesh_vertnum, size::nmeshtexvert)?;
     partition(view, field::mesh_faceadr, field::mesh_facenum, 0, size::nmeshface)?;
     for mesh in 0..view.size(size::nmesh) {
         let vertices = view.get(field::mesh_vertnum, mesh);
         faces(view, field::mesh_face, piece(view, field::mesh_faceadr, field::mesh_facenum, mesh), vertices)?;
-    }
-    for (i, value) in view.values(field::mesh_vert).enumerate() {
-        if value.is_nan() || value.abs() > LARGEST_COORDINATE {
-            let expected = format!("it must be within {LARGEST_COORDINATE} of zero");
-            return Err(Invalid::element(field::mesh_vert.name(), i, value, expected));
-        }
     }
     Ok(())
 }
@@ -117,7 +128,9 @@ fn hull(view: &View<'_>, mesh: usize, start: usize, end: usize) -> Result<usize,
 /// Checks the surfaces of skins, and the bones that move their vertices.
 fn skins(view: &View<'_>) -> Result<(), Invalid> {
     all_ids_or_none(view, field::skin_matid, view.size(size::nmat))?;
-    all_in(view, field::skin_group, 0..=LAST_GROUP)?;
+    if cfg!(not(engine_since = "3.5.0")) {
+        all_in(view, field::skin_group, 0..=LAST_GROUP)?;
+    }
     partition(view, field::skin_vertadr, field::skin_vertnum, 1, size::nskinvert)?;
     optional_partition(view, field::skin_texcoordadr, field::skin_vertnum, size::nskintexvert)?;
     partition(view, field::skin_faceadr, field::skin_facenum, 1, size::nskinface)?;
@@ -159,6 +172,11 @@ fn textures(view: &View<'_>) -> Result<(), Invalid> {
     all_in(view, field::tex_type, 0..=mjTEXTURE_SKYBOX.into())?;
     all_in(view, field::tex_width, 1..=i32::MAX.into())?;
     all_in(view, field::tex_height, 1..=i32::MAX.into())?;
+    #[cfg(engine_since = "3.5.0")]
+    {
+        all_in(view, field::tex_nchannel, 1..=4)?;
+        all_in(view, field::tex_colorspace, 0..=mujoco_sys::mjCOLORSPACE_SRGB.into())?;
+    }
     let mut next = 0_u128;
     for i in 0..view.size(size::ntex) {
         let (width, height) = (view.get(field::tex_width, i), view.get(field::tex_height, i));
@@ -167,9 +185,26 @@ fn textures(view: &View<'_>) -> Result<(), Invalid> {
             let expected = format!("a cube of width {width} has one square image or six");
             return Err(Invalid::element(field::tex_height.name(), i, height, expected));
         }
-        is(view, field::tex_adr, i, next as i64, "the end of the previous one")?;
-        // Three bytes per pixel. An address is an int, so only the last sum can be large.
-        next += 3 * width as u128 * height as u128;
+        if i128::from(view.get(field::tex_adr, i)) != next as i128 {
+            let adr = view.get(field::tex_adr, i);
+            let expected = format!("it must be {next}, the end of the previous one");
+            return Err(Invalid::element(field::tex_adr.name(), i, adr, expected));
+        }
+        // The sum is below 2^97: each summand has 66 bits, and a file has less than 2^31 textures.
+        next += channels(view, i) * width as u128 * height as u128;
     }
-    size_is(view, size::ntexdata, u64::try_from(next).unwrap_or(u64::MAX), "three bytes for each pixel")
+    let why = "the bytes of all pixels";
+    size_is(view, size::ntexdata, u64::try_from(next).unwrap_or(u64::MAX), why)
+}
+
+/// Returns the number of bytes of a pixel.
+#[cfg(not(engine_since = "3.5.0"))]
+fn channels(_: &View<'_>, _: usize) -> u128 {
+    3
+}
+
+/// Returns the number of bytes of a pixel: 1 for grey, 3 for colours, 4 with opacity.
+#[cfg(engine_since = "3.5.0")]
+fn channels(view: &View<'_>, i: usize) -> u128 {
+    view.get(field::tex_nchannel, i) as u128
 }

@@ -5,13 +5,15 @@ use super::rule::{Invalid, ids, is, is_in, partition, piece};
 use super::view::View;
 
 /// The addresses of names, in the order of both the fields and the characters.
-const ADDRESSES: [Field<i32>; 21] = [
+const ADDRESSES: &[Field<i32>] = &[
     field::name_bodyadr,
     field::name_jntadr,
     field::name_geomadr,
     field::name_siteadr,
     field::name_camadr,
     field::name_lightadr,
+    #[cfg(engine_since = "3.5.0")]
+    field::name_flexadr,
     field::name_meshadr,
     field::name_skinadr,
     field::name_hfieldadr,
@@ -27,6 +29,8 @@ const ADDRESSES: [Field<i32>; 21] = [
     field::name_textadr,
     field::name_tupleadr,
     field::name_keyadr,
+    #[cfg(engine_since = "3.5.0")]
+    field::name_pluginadr,
 ];
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
@@ -50,7 +54,10 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         };
         is_in(view, field::tuple_objid, i, ids(count))?;
     }
-    names(view)
+    names(view)?;
+    #[cfg(engine_since = "3.5.0")]
+    super::newer::check_name_map(view, ADDRESSES)?;
+    Ok(())
 }
 
 /// Returns the number of objects of an `mjtObj` type, or `None` if the type does not exist or is "unknown".
@@ -93,7 +100,7 @@ fn names(view: &View<'_>) -> Result<(), Invalid> {
     let unterminated = || Invalid::scalar("nnames", names.len(), "the names do not end with a NUL");
 
     let mut next = end(0).ok_or_else(unterminated)?;
-    for address in ADDRESSES {
+    for &address in ADDRESSES {
         for i in 0..view.len(address) {
             is(view, address, i, next as i64, "the end of the previous name")?;
             next = end(next).ok_or_else(unterminated)?;

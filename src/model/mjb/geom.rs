@@ -7,8 +7,8 @@ use super::layout::{Field, field, size};
 use super::rule::{Invalid, all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
 use super::view::View;
 
-/// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame.
-const LAST_SAMEFRAME: u8 = 2;
+/// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame. Newer engines have 3 and 4 for their orientations.
+const LAST_SAMEFRAME: u8 = if cfg!(engine_since = "3.5.0") { 4 } else { 2 };
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     geoms(view)?;
@@ -28,9 +28,27 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         // A targeting mode without a target body is valid: the engine does not rotate the camera or light then.
         all_ids_or_none(view, target, view.size(size::nbody))?;
     }
-    all_bytes(view, field::light_directional, 1)?;
     all_bytes(view, field::light_castshadow, 1)?;
-    all_bytes(view, field::light_active, 1)
+    all_bytes(view, field::light_active, 1)?;
+    #[cfg(not(engine_since = "3.5.0"))]
+    all_bytes(view, field::light_directional, 1)?;
+    #[cfg(engine_since = "3.5.0")]
+    newer_types(view)?;
+    Ok(())
+}
+
+/// Checks the types of newer cameras and lights, and that no element has a plugin. The resolution of a camera may have any value: the engine
+/// compares it with the values of a sensor.
+#[cfg(engine_since = "3.5.0")]
+fn newer_types(view: &View<'_>) -> Result<(), Invalid> {
+    all_in(view, field::cam_projection, 0..=mujoco_sys::mjPROJ_ORTHOGRAPHIC.into())?;
+    all_in(view, field::cam_output, 0..=(1 << mujoco_sys::mjNCAMOUT) - 1)?;
+    all_in(view, field::light_type, 0..=mujoco_sys::mjLIGHT_IMAGE.into())?;
+    all_ids_or_none(view, field::light_texid, view.size(size::ntex))?;
+    for plugins in [field::body_plugin, field::geom_plugin, field::actuator_plugin, field::sensor_plugin] {
+        all_ids_or_none(view, plugins, view.size(size::nplugin))?;
+    }
+    Ok(())
 }
 
 fn geoms(view: &View<'_>) -> Result<(), Invalid> {
@@ -43,6 +61,10 @@ fn geoms(view: &View<'_>) -> Result<(), Invalid> {
         match kind as u32 {
             mjGEOM_HFIELD => is_in(view, field::geom_dataid, i, ids(view.size(size::nhfield)))?,
             mjGEOM_MESH => is_in(view, field::geom_dataid, i, ids(view.size(size::nmesh)))?,
+            // Newer compilers keep the mesh to which they fitted a shape.
+            _ if cfg!(engine_since = "3.5.0") => {
+                is_in(view, field::geom_dataid, i, -1..=view.size(size::nmesh) as i64 - 1)?;
+            }
             _ => is(view, field::geom_dataid, i, -1, "because only meshes and height fields have data")?,
         }
         let body = view.get(field::geom_bodyid, i) as usize;
@@ -95,7 +117,7 @@ pub(super) fn check_pairs(view: &View<'_>) -> Result<(), Invalid> {
 
     for (i, value) in view.values(field::exclude_signature).enumerate() {
         let nbody = view.size(size::nbody) as i64;
-        let (first, second) = ((i64::from(value) >> 16) - 1, (i64::from(value) & 0xFFFF) - 1);
+        let (first, second) = ((i64::from(value) >> 16) - FIRST_BODY, (i64::from(value) & 0xFFFF) - FIRST_BODY);
         if !(0 <= first && first <= second && second < nbody) {
             let expected =
                 format!("it encodes the bodies {first} and {second}; both must be below {nbody}, the smaller id first");
@@ -105,9 +127,12 @@ pub(super) fn check_pairs(view: &View<'_>) -> Result<(), Invalid> {
     sorted(view, field::exclude_signature)
 }
 
+/// Number of the world in signatures.
+const FIRST_BODY: i64 = if cfg!(engine_since = "3.5.0") { 0 } else { 1 };
+
 /// Returns the signature of a pair of bodies. It fits into an int, because the number of bodies is below 2^15.
 fn signature(first: i64, second: i64) -> i64 {
-    ((first + 1) << 16) + second + 1
+    ((first + FIRST_BODY) << 16) + second + FIRST_BODY
 }
 
 fn sorted(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {

@@ -1,4 +1,5 @@
-//! The sizes and arrays of a model file: their types, and the macros that the generated `table.rs` invokes.
+//! The sizes and arrays of a model file: their types, and the macros that the table invokes, which the build script generates from the
+//! field table of `mujoco-sys`.
 
 use std::marker::PhantomData;
 
@@ -78,11 +79,14 @@ macro_rules! element {
     )*};
 }
 
-element!(f64, f32, i32, u8);
+element!(f64, f32, i64, i32, u8);
 
 macro_rules! extent {
     ($times:literal) => {
         Extent { size: None, times: $times }
+    };
+    (mjNTEXROLE) => {
+        Extent { size: None, times: mujoco_sys::mjNTEXROLE as usize }
     };
     ($size:ident) => {
         Extent { size: Some(size::$size), times: 1 }
@@ -138,59 +142,4 @@ macro_rules! data_arrays {
     };
 }
 
-use mujoco_sys::mjContact;
-
-include!("table.rs");
-
-#[cfg(test)]
-mod tests {
-    use std::fmt::Write as _;
-
-    const FIELDS: &str = include_str!("../../../mujoco-sys/fields/v2_2_2.tsv");
-
-    /// Generates the contents of `table.rs` from the table of fields of `mujoco-sys`.
-    fn expected() -> String {
-        let rows: Vec<Vec<&str>> = FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
-        let select = |owner: &str, kind: &str| -> Vec<&Vec<&str>> {
-            rows.iter().filter(|row| row[0] == owner && row[1] == kind).collect()
-        };
-        let mut text = String::from(
-            "// @generated from mujoco-sys/fields/v2_2_2.tsv by the test `the_table_matches_the_field_list`, which also compares\n\
-             // them. To regenerate: `MJB_TABLE=write cargo test the_table_matches_the_field_list`. The order is that of the file.\n\n\
-             sizes! {\n",
-        );
-        for names in select("Model", "size").chunks(8) {
-            let names: Vec<&str> = names.iter().map(|row| row[3]).collect();
-            writeln!(text, "    {}", names.join(" ")).unwrap();
-        }
-        text.push_str("}\n");
-        for (list, owner) in [("model_arrays", "Model"), ("data_arrays", "Data")] {
-            writeln!(text, "\n{list}! {{").unwrap();
-            for row in select(owner, "array") {
-                let element = match row[2] {
-                    "mjtNum" => "f64",
-                    "float" => "f32",
-                    "int" => "i32",
-                    "mjtByte" | "char" => "u8",
-                    other => other,
-                };
-                let (rows, columns) = (row[4].replace('*', " * "), row[5].replace('*', " * "));
-                writeln!(text, "    {}: {element}, [{rows}] [{columns}];", row[3]).unwrap();
-            }
-            text.push_str("}\n");
-        }
-        text
-    }
-
-    #[test]
-    fn the_table_matches_the_field_list() {
-        if std::env::var_os("MJB_TABLE").is_some_and(|value| value == "write") {
-            std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/src/model/mjb/table.rs"), expected()).unwrap();
-        } else {
-            assert!(
-                include_str!("table.rs") == expected(),
-                "table.rs is out of date; its header contains the command that regenerates it"
-            );
-        }
-    }
-}
+include!(concat!(env!("OUT_DIR"), "/binary_table.rs"));

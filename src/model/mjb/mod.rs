@@ -14,15 +14,21 @@
 //! encode an id (the side site in `wrap_prm`), control how the engine iterates over an array (`hfield_size`, `mesh_vert`), or
 //! are the time step.
 //!
-//! The layout is that of MuJoCo 2.2.2: four header integers, the sizes, the memory images of `mjOption`, `mjVisual` and
-//! `mjStatistic`, then the arrays without padding in the order of the engine's X-macros. Each engine version has another
-//! layout; the counts in the header distinguish them.
+//! The file has header integers, the sizes, the memory images of `mjOption`, `mjVisual` and `mjStatistic`, then the arrays without padding in
+//! the order of the engine's X-macros. The build script generates the table of the arrays. Each engine version has another layout; the
+//! counts in the header distinguish them, and since 3.0 the version is one of the header integers.
+//!
+//! The module has the rules for MuJoCo 2.2.2 and 3.5.0. `newer` contains those for values that 2.2.2 does not have. Binary models of 3.5.0 must
+//! not have flexes, plugins, signed distance fields and tactile sensors: the rules are not known for the first three, and the engine reads
+//! beyond its arrays for a tactile sensor in contact with a flex.
 #![allow(non_upper_case_globals, reason = "the engine's constants, in patterns")]
 
 mod asset;
 mod custom;
 mod geom;
 mod layout;
+#[cfg(engine_since = "3.5.0")]
+mod newer;
 mod rule;
 mod sensor;
 mod settings;
@@ -37,14 +43,17 @@ use view::View;
 
 /// Checks that a binary model from any source is safe to load, to simulate and to read.
 ///
-/// One condition depends on the simulation and is checked there: a model with an adhesive actuator must not be stepped after
-/// the warning that the constraint buffer is full (see `transmission::adhesion`).
+/// Two conditions depend on the simulation and are checked there: a model with an adhesive actuator must not be stepped after
+/// the warning that the constraint buffer is full (see `transmission::adhesion`), and the option `multiccd` must not be enabled for some
+/// meshes (see `Model::find_unsafe_polygons`).
 ///
 /// # Errors
 ///
 /// The first violation.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     let view = View::new(bytes)?;
+    #[cfg(engine_since = "3.5.0")]
+    newer::check_features(&view)?;
     // The order matters: each check may rely on the previous ones.
     settings::check(&view)?;
     tree::check(&view)?;
@@ -53,6 +62,8 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     geom::check_pairs(&view)?;
     transmission::check(&view)?;
     sensor::check(&view)?;
+    #[cfg(engine_since = "3.5.0")]
+    newer::check_histories(&view)?;
     custom::check(&view)
 }
 
@@ -61,9 +72,21 @@ mod tests;
 
 impl Model {
     /// Applies the rules for binary models to a model that the engine compiled. Every model that loads from XML can therefore
-    /// be saved and loaded as a binary model too. Returns the reason for a rejection.
-    pub(super) fn validate(&self) -> Result<(), String> {
+    /// be saved and loaded as a binary model too, except those with features that binary models must not have. Returns the reason for a
+    /// rejection.
+    pub(super) fn validate_binary(&self) -> Result<(), String> {
         let bytes = self.to_binary().map_err(|error| error.to_string())?;
-        check(&bytes).map_err(|error| error.to_string())
+        match check(&bytes) {
+            Err(error) if !error.is_unsupported() => Err(error.to_string()),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(not(engine_since = "2.3.0"))]
+impl Model {
+    /// Returns the reason why a compiled model is not supported.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        self.validate_binary()
     }
 }

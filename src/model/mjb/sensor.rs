@@ -83,7 +83,12 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     all_in(view, field::sensor_datatype, 0..=mjDATATYPE_QUATERNION.into())?;
     let mut next = 0;
     for (i, kind) in view.values(field::sensor_type).enumerate() {
+        #[cfg(engine_since = "3.5.0")]
+        let is_checked = super::newer::check_sensor(view, i)?;
+        #[cfg(not(engine_since = "3.5.0"))]
+        let is_checked = false;
         match rule(kind as u32) {
+            _ if is_checked => {}
             Some((dim, datatype, stage, on)) => {
                 let why = format!("as for all sensors of type {kind}");
                 is(view, field::sensor_dim, i, dim, &why)?;
@@ -133,6 +138,11 @@ fn user(view: &View<'_>, i: usize) -> Result<(), Invalid> {
         _ => is_in(view, field::sensor_dim, i, 0..=view.size(size::nsensordata) as i64)?,
     }
     let kind = view.get(field::sensor_objtype, i);
+    // Since 3.0 the object is optional.
+    if cfg!(engine_since = "3.5.0") && kind as u32 == mjOBJ_UNKNOWN {
+        is(view, field::sensor_objid, i, -1, "because it has no object")?;
+        return no_reference(view, i);
+    }
     let Some(count) = count(view, kind) else {
         return Err(Invalid::element(field::sensor_objtype.name(), i, kind, "it must be a type of object"));
     };

@@ -7,21 +7,24 @@
 use std::mem::offset_of;
 use std::ops::RangeInclusive;
 
-use mujoco_sys::{
-    mjCOL_DYNAMIC, mjCONE_ELLIPTIC, mjINT_IMPLICIT, mjJAC_AUTO, mjNDISABLE, mjNENABLE, mjOption, mjSOL_NEWTON,
-};
+use mujoco_sys::{mjCONE_ELLIPTIC, mjJAC_AUTO, mjNDISABLE, mjNENABLE, mjOption, mjSOL_NEWTON};
 
-use super::layout::{Array, DATA_ARRAYS, MODEL_ARRAYS, size};
+use super::layout::{Array, DATA_ARRAYS, MODEL_ARRAYS, Size, size};
 use super::rule::{Invalid, must_be, size_is};
 use super::view::{View, array_bytes};
 
 /// Alignment in bytes of each array in the engine's buffers.
 const ALIGNMENT: u128 = 64;
 
-/// Largest `nstack`, in numbers. The engine's buffer sizes, stack marks and products are C ints. The engine adds the size of the
-/// next block to a stack mark before it compares the sum with the end of the stack, so the sum must not overflow. The compiler
-/// assigns hundreds of millions to models with many contacts.
-const LARGEST_STACK: usize = (1 << 30) - 1;
+/// Largest memory of the engine's stack, 8 GiB, in the unit of the size. In 2.2.2 the engine's buffer sizes, stack marks and products are C
+/// ints. The engine adds the size of the next block to a stack mark before it compares the sum with the end of the stack, so the sum must not
+/// overflow. The compiler assigns hundreds of millions to models with many contacts. Newer engines compute with 64 bits. Their limit is
+/// 1 TiB, which no machine has.
+#[cfg(not(engine_since = "3.5.0"))]
+const STACK: (Size, usize, &str) = (size::nstack, (1 << 30) - 1, "numbers, which is 8 GiB");
+#[cfg(engine_since = "3.5.0")]
+const STACK: (Size, usize, &str) = (size::narena, 1 << 40, "bytes");
+
 const LARGEST_PRODUCT: u64 = 1 << 30;
 
 /// Limit on solver iterations: 2^31 iterations with a tolerance of zero practically never end.
@@ -31,8 +34,8 @@ const MOST_ITERATIONS: i64 = 1_000_000;
 /// not be negative.)
 const SOLVER_ITERATIONS: RangeInclusive<i64> = i32::MIN as i64..=MOST_ITERATIONS;
 
-/// Names, offsets and valid values of the fields of a struct.
-type Rules<const N: usize> = [(&'static str, usize, RangeInclusive<i64>); N];
+/// Name, offset and valid values of a field of `mjOption`.
+type Rule = (&'static str, usize, RangeInclusive<i64>);
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     sizes(view)?;
@@ -56,13 +59,9 @@ fn sizes(view: &View<'_>) -> Result<(), Invalid> {
             i32::MAX
         )));
     }
-    if view.size(size::nstack) > LARGEST_STACK {
-        let nstack = view.size(size::nstack);
-        return Err(Invalid::scalar(
-            "nstack",
-            nstack,
-            format!("it must be at most {LARGEST_STACK} numbers, which is 8 GiB"),
-        ));
+    let (stack, largest, unit) = STACK;
+    if view.size(stack) > largest {
+        return Err(Invalid::scalar(stack.name(), view.size(stack), format!("it must be at most {largest} {unit}")));
     }
     products(view)
 }
@@ -73,6 +72,13 @@ fn products(view: &View<'_>) -> Result<(), Invalid> {
     let [nv, nbody, na, nu, nsensordata] =
         [size::nv, size::nbody, size::na, size::nu, size::nsensordata].map(|size| view.size(size) as u64);
     let state = 2 * nv + na;
+    // The rows of the constraint Jacobian without contacts: equalities, friction, limits. In 2.2.2 `njmax` bounds them.
+    let rows = if cfg!(engine_since = "3.5.0") {
+        let [nemax, njnt, ntendon] = [size::nemax, size::njnt, size::ntendon].map(|size| view.size(size) as u64);
+        nemax + nv + 2 * njnt + 3 * ntendon
+    } else {
+        0
+    };
     for (name, factors) in [
         ("6 nv nv", [6 * nv, nv]),
         ("6 nbody nv", [6 * nbody, nv]),
@@ -82,6 +88,7 @@ fn products(view: &View<'_>) -> Result<(), Invalid> {
         ("(2 nv + na) nu", [state, nu]),
         ("(2 nv + na) nsensordata", [state, nsensordata]),
         ("nu nsensordata", [nu, nsensordata]),
+        ("the rows of constraints without contacts times nv", [rows, nv]),
     ] {
         // Each factor is below 2^34.
         let product = u128::from(factors[0]) * u128::from(factors[1]);
@@ -106,23 +113,43 @@ fn options(view: &View<'_>) -> Result<(), Invalid> {
     if !(timestep.is_finite() && timestep > 0.0) {
         return Err(Invalid::scalar("opt.timestep", timestep, "it must be finite and positive"));
     }
-    let rules: Rules<10> = [
-        ("opt.integrator", offset_of!(mjOption, integrator), 0..=mjINT_IMPLICIT.into()),
-        ("opt.collision", offset_of!(mjOption, collision), 0..=mjCOL_DYNAMIC.into()),
+    let rules: [Rule; 7] = [
         ("opt.cone", offset_of!(mjOption, cone), 0..=mjCONE_ELLIPTIC.into()),
         ("opt.jacobian", offset_of!(mjOption, jacobian), 0..=mjJAC_AUTO.into()),
         ("opt.solver", offset_of!(mjOption, solver), 0..=mjSOL_NEWTON.into()),
         ("opt.iterations", offset_of!(mjOption, iterations), SOLVER_ITERATIONS),
         ("opt.noslip_iterations", offset_of!(mjOption, noslip_iterations), SOLVER_ITERATIONS),
-        ("opt.mpr_iterations", offset_of!(mjOption, mpr_iterations), 0..=MOST_ITERATIONS),
         ("opt.disableflags", offset_of!(mjOption, disableflags), 0..=(1 << mjNDISABLE) - 1),
         ("opt.enableflags", offset_of!(mjOption, enableflags), 0..=(1 << mjNENABLE) - 1),
     ];
-    for (name, offset, range) in rules {
+    for (name, offset, range) in versioned_rules().into_iter().chain(rules) {
         let value: i32 = view.option(offset);
         if !range.contains(&value.into()) {
             return Err(Invalid::scalar(name, value, must_be(&range)));
         }
     }
     Ok(())
+}
+
+/// Returns the rules for options that differ between the versions.
+#[cfg(not(engine_since = "3.5.0"))]
+fn versioned_rules() -> Vec<Rule> {
+    vec![
+        ("opt.integrator", offset_of!(mjOption, integrator), 0..=mujoco_sys::mjINT_IMPLICIT.into()),
+        ("opt.collision", offset_of!(mjOption, collision), 0..=mujoco_sys::mjCOL_DYNAMIC.into()),
+        ("opt.mpr_iterations", offset_of!(mjOption, mpr_iterations), 0..=MOST_ITERATIONS),
+    ]
+}
+
+/// Returns the rules for options that differ between the versions. The bits of `disableactuator` are groups of actuators. The parameters of
+/// signed distance fields have no effect without them.
+#[cfg(engine_since = "3.5.0")]
+fn versioned_rules() -> Vec<Rule> {
+    vec![
+        ("opt.integrator", offset_of!(mjOption, integrator), 0..=mujoco_sys::mjINT_IMPLICITFAST.into()),
+        ("opt.ls_iterations", offset_of!(mjOption, ls_iterations), SOLVER_ITERATIONS),
+        // The collision solver has space for its first polytope only if it may iterate.
+        ("opt.ccd_iterations", offset_of!(mjOption, ccd_iterations), 1..=MOST_ITERATIONS),
+        ("opt.sdf_iterations", offset_of!(mjOption, sdf_iterations), SOLVER_ITERATIONS),
+    ]
 }

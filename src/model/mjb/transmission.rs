@@ -21,13 +21,20 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
 fn equalities(view: &View<'_>) -> Result<(), Invalid> {
     // The next type, `mjEQ_DISTANCE`, has a name but no implementation.
     all_in(view, field::eq_type, 0..=mjEQ_TENDON.into())?;
+    #[cfg(not(engine_since = "3.5.0"))]
     all_bytes(view, field::eq_active, 1)?;
+    #[cfg(engine_since = "3.5.0")]
+    {
+        all_bytes(view, field::eq_active0, 1)?;
+        types_of_ends(view)?;
+    }
     let mut rows = 0;
     for (i, kind) in view.values(field::eq_type).enumerate() {
+        let places = ends_of_bodies(view, i);
         // The compiler counts seven rows for a weld, although a weld has six.
         let (least_second, count, added) = match kind as u32 {
-            mjEQ_CONNECT => (0, view.size(size::nbody), 3),
-            mjEQ_WELD => (0, view.size(size::nbody), 7),
+            mjEQ_CONNECT => (0, places, 3),
+            mjEQ_WELD => (0, places, 7),
             mjEQ_JOINT => (-1, view.size(size::njnt), 1),
             _ => (-1, view.size(size::ntendon), 1),
         };
@@ -44,6 +51,35 @@ fn equalities(view: &View<'_>) -> Result<(), Invalid> {
         }
     }
     size_is(view, size::nemax, rows, "the rows of all equality constraints")
+}
+
+/// Returns the number of the elements that an equality constraint of bodies connects: bodies, or sites in newer engines.
+fn ends_of_bodies(view: &View<'_>, i: usize) -> usize {
+    #[cfg(engine_since = "3.5.0")]
+    if view.get(field::eq_objtype, i) as u32 == mujoco_sys::mjOBJ_SITE {
+        return view.size(size::nsite);
+    }
+    let _ = i;
+    view.size(size::nbody)
+}
+
+/// Checks that the type of the elements of each equality constraint is one that its own type can have, or "unknown" if this is clear.
+#[cfg(engine_since = "3.5.0")]
+fn types_of_ends(view: &View<'_>) -> Result<(), Invalid> {
+    use mujoco_sys::{mjOBJ_BODY, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_TENDON, mjOBJ_UNKNOWN};
+
+    for (i, kind) in view.values(field::eq_objtype).enumerate() {
+        let known = match view.get(field::eq_type, i) as u32 {
+            mjEQ_CONNECT | mjEQ_WELD => [mjOBJ_BODY, mjOBJ_SITE],
+            mjEQ_JOINT => [mjOBJ_UNKNOWN, mjOBJ_JOINT],
+            _ => [mjOBJ_UNKNOWN, mjOBJ_TENDON],
+        };
+        if !known.contains(&(kind as u32)) {
+            let expected = format!("it must be {} or {}, because of eq_type", known[0], known[1]);
+            return Err(Invalid::element(field::eq_objtype.name(), i, kind, expected));
+        }
+    }
+    Ok(())
 }
 
 /// Checks that a joint, if the element refers to one, has a single position.
@@ -73,6 +109,11 @@ fn tendons(view: &View<'_>) -> Result<(), Invalid> {
         } else {
             spatial_path(view, path)?;
         }
+    }
+    #[cfg(engine_since = "3.5.0")]
+    {
+        all_bytes(view, field::tendon_actfrclimited, 1)?;
+        super::newer::check_trees_of_tendons(view)?;
     }
     Ok(())
 }
@@ -190,8 +231,27 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
             }
         }
     }
+    #[cfg(not(engine_since = "3.5.0"))]
     adhesion(view)?;
+    #[cfg(engine_since = "3.5.0")]
+    moments(view)?;
     activations(view)
+}
+
+/// Checks the size of the sparse moment matrix, in which each actuator has space for all degrees of freedom, except with a joint.
+#[cfg(engine_since = "3.5.0")]
+fn moments(view: &View<'_>) -> Result<(), Invalid> {
+    let mut elements = 0;
+    for (i, kind) in view.values(field::actuator_trntype).enumerate() {
+        elements += match kind as u32 {
+            mjTRN_JOINT | mjTRN_JOINTINPARENT => {
+                let joint = view.get(field::actuator_trnid, 2 * i) as usize;
+                super::tree::joint_size(view.get(field::jnt_type, joint)).1
+            }
+            _ => view.size(size::nv),
+        } as u64;
+    }
+    size_is(view, size::nJmom, elements, "the elements of all rows")
 }
 
 /// Rejects adhesion without room for constraints. The transmission of an adhesive actuator assumes that each contact of its body
@@ -200,6 +260,7 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
 ///
 /// If the constraint buffer has room for only some of the rows, the same happens after a warning that the buffer is full. The
 /// file does not reveal this, so the code that steps such a model must treat the warning as an error.
+#[cfg(not(engine_since = "3.5.0"))]
 fn adhesion(view: &View<'_>) -> Result<(), Invalid> {
     let adhesive = view.values(field::actuator_trntype).position(|kind| kind as u32 == mjTRN_BODY);
     match adhesive {
@@ -210,8 +271,24 @@ fn adhesion(view: &View<'_>) -> Result<(), Invalid> {
     }
 }
 
+/// Checks that each actuator with dynamics has the next activation. More than one activation, which user dynamics can have, is not supported.
+#[cfg(engine_since = "3.5.0")]
+fn activations(view: &View<'_>) -> Result<(), Invalid> {
+    all_bytes(view, field::actuator_actearly, 1)?;
+    let mut next = 0;
+    for (i, kind) in view.values(field::actuator_dyntype).enumerate() {
+        let count = i64::from(kind as u32 != mjDYN_NONE);
+        is(view, field::actuator_actnum, i, count, "because of actuator_dyntype")?;
+        let address = if count == 0 { -1 } else { next };
+        is(view, field::actuator_actadr, i, address, "the end of the previous activation, or -1 for none")?;
+        next += count;
+    }
+    size_is(view, size::na, next as u64, "the sum of actuator_actnum")
+}
+
 /// Checks that the actuators with an activation are the last `na`, because the engine assigns activation `i - (nu - na)` to
 /// actuator `i`.
+#[cfg(not(engine_since = "3.5.0"))]
 fn activations(view: &View<'_>) -> Result<(), Invalid> {
     let (nu, na) = (view.size(size::nu), view.size(size::na));
     if na > nu {

@@ -15,15 +15,39 @@ const MOST_BODY_DOFS: usize = 6;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     parents(view)?;
-    // The value 2 of `sameframe` (inertial frame) is valid only for elements attached to a body.
-    all_bytes(view, field::body_simple, 1)?;
-    all_bytes(view, field::body_sameframe, 1)?;
     all_bytes(view, field::jnt_limited, 1)?;
+    flags(view)?;
     let types = i64::from(mjJNT_FREE)..=i64::from(mjJNT_HINGE);
     all_in(view, field::jnt_type, types)?;
     joints(view)?;
     inertia(view)?;
-    simple(view)
+    simple(view)?;
+    #[cfg(engine_since = "3.5.0")]
+    super::newer::check_trees(view)?;
+    Ok(())
+}
+
+/// Checks flags. The value 2 of `sameframe` (inertial frame) is valid only for elements attached to a body.
+#[cfg(not(engine_since = "3.5.0"))]
+fn flags(view: &View<'_>) -> Result<(), Invalid> {
+    all_bytes(view, field::body_simple, 1)?;
+    all_bytes(view, field::body_sameframe, 1)
+}
+
+/// Checks flags. The value 2 of `simple` marks bodies whose joints are slides. The values 2 and 4 of `sameframe` (inertial frame) are valid
+/// only for elements attached to a body.
+#[cfg(engine_since = "3.5.0")]
+fn flags(view: &View<'_>) -> Result<(), Invalid> {
+    use mujoco_sys::{mjSAMEFRAME_INERTIA, mjSAMEFRAME_INERTIAROT};
+
+    all_bytes(view, field::body_simple, 2)?;
+    all_bytes(view, field::body_sameframe, mjSAMEFRAME_INERTIAROT as u8 - 1)?;
+    if let Some(i) = view.values(field::body_sameframe).position(|flag| u32::from(flag) == mjSAMEFRAME_INERTIA) {
+        let expected = "it must be 0, 1 or 3, because the inertial frame is that of the body itself";
+        return Err(Invalid::element(field::body_sameframe.name(), i, mjSAMEFRAME_INERTIA, expected));
+    }
+    all_bytes(view, field::jnt_actfrclimited, 1)?;
+    all_bytes(view, field::jnt_actgravcomp, 1)
 }
 
 /// Checks parents, roots, and the depth-first order, in which a subtree is a range of ids.
@@ -137,7 +161,7 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
 }
 
 /// Returns the numbers of positions and of degrees of freedom of a validated joint type.
-fn joint_size(kind: i32) -> (i64, usize) {
+pub(super) fn joint_size(kind: i32) -> (i64, usize) {
     const FREE: i32 = mjJNT_FREE as i32;
     const BALL: i32 = mjJNT_BALL as i32;
     const SLIDE: i32 = mjJNT_SLIDE as i32;
@@ -185,6 +209,8 @@ fn simple(view: &View<'_>) -> Result<(), Invalid> {
             let expected = "it must be 0, because the body is coupled to another moving body";
             return Err(Invalid::element(field::body_simple.name(), body, 1, expected));
         }
+        #[cfg(engine_since = "3.5.0")]
+        super::newer::check_simple(view, body)?;
     }
     let mut run = 0;
     for i in (0..view.size(size::nv)).rev() {

@@ -8,17 +8,33 @@ use super::layout::{Array, Element, Extent, Field, MODEL_ARRAYS, SIZES, Size};
 use super::rule::Invalid;
 
 /// The integers at the start of the file: a magic number, and parameters of the engine's build (bytes in an `mjtNum`, the numbers
-/// of size fields and of arrays in `mjModel`).
-const HEADER: [(&str, i32); 4] = [
+/// of size fields and of arrays in `mjModel`, the version since 3.0).
+const HEADER: &[(&str, i32)] = &[
     ("magic number", 54321),
     ("size of mjtNum", 8),
     ("number of sizes", SIZES as i32),
+    #[cfg(engine_since = "3.5.0")]
+    ("version", mujoco_sys::mjVERSION_HEADER as i32),
     ("number of arrays", MODEL_ARRAYS.len() as i32),
 ];
 
+/// Integer of a size.
+#[cfg(not(engine_since = "3.5.0"))]
+pub(super) type SizeInt = i32;
+#[cfg(engine_since = "3.5.0")]
+pub(super) type SizeInt = i64;
+
+/// Sizes that may be -1, which means that the engine chooses the size.
+const AUTOMATIC: &[&str] = if cfg!(engine_since = "3.5.0") { &["njmax", "nconmax"] } else { &[] };
+
+/// Sizes that may exceed an `int`, and their limit, which is beyond any machine's memory.
+const WIDE: &[&str] = if cfg!(engine_since = "3.5.0") { &["ntexdata", "narena", "nbuffer"] } else { &[] };
+const LARGEST_WIDE: usize = 1 << 48;
+
 const INT: usize = size_of::<i32>();
 pub(super) const SIZES_AT: usize = HEADER.len() * INT;
-pub(super) const OPTION_AT: usize = SIZES_AT + SIZES * INT;
+pub(super) const SIZE_BYTES: usize = size_of::<SizeInt>();
+pub(super) const OPTION_AT: usize = SIZES_AT + SIZES * SIZE_BYTES;
 const ARRAYS_AT: usize = OPTION_AT + size_of::<mjOption>() + size_of::<mjVisual>() + size_of::<mjStatistic>();
 
 pub(super) struct View<'a> {
@@ -91,21 +107,28 @@ fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
             "the file has {length} bytes; the header, sizes and options of a model need {ARRAYS_AT}"
         )));
     }
-    for (i, (name, expected)) in HEADER.into_iter().enumerate() {
+    for (i, (name, expected)) in HEADER.iter().enumerate() {
         let value = read::<i32>(bytes, i * INT);
-        if value != expected {
+        if value != *expected {
             return Err(Invalid::scalar(
                 &format!("the header's {name}"),
                 value,
-                format!("MuJoCo 2.2.2 writes {expected}"),
+                format!("MuJoCo {} writes {expected}", crate::version::built_against()),
             ));
         }
     }
     let mut sizes = [0; SIZES];
     for (i, size) in sizes.iter_mut().enumerate() {
-        let value = read::<i32>(bytes, SIZES_AT + i * INT);
-        *size = usize::try_from(value)
-            .map_err(|_| Invalid::scalar(Size(i).name(), value, "a size must not be negative"))?;
+        let value = read::<SizeInt>(bytes, SIZES_AT + i * SIZE_BYTES);
+        let name = Size(i).name();
+        if value == -1 && AUTOMATIC.contains(&name) {
+            continue;
+        }
+        *size = usize::try_from(value).map_err(|_| Invalid::scalar(name, value, "a size must not be negative"))?;
+        let largest = if WIDE.contains(&name) { LARGEST_WIDE } else { i32::MAX as usize };
+        if *size > largest {
+            return Err(Invalid::scalar(name, value, format!("it must be at most {largest}")));
+        }
     }
     Ok(sizes)
 }
@@ -130,7 +153,7 @@ pub(super) fn extent(extent: Extent, sizes: &[usize; SIZES]) -> u128 {
     extent.times as u128 * extent.size.map_or(1, |size| sizes[size.0] as u128)
 }
 
-/// Returns the length of an array in bytes. Sizes have 31 bits, so the product cannot overflow 128 bits.
+/// Returns the length of an array in bytes. Sizes have at most 49 bits, so the product cannot overflow 128 bits.
 pub(super) fn array_bytes(array: &Array, sizes: &[usize; SIZES]) -> u128 {
     extent(array.rows, sizes) * extent(array.columns, sizes) * array.element as u128
 }

@@ -71,7 +71,13 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
                 return Some("a gridsize must be at most 12".to_owned());
             }
-            let channels = size(tag, b"nchannel", 3).max(3);
+            // The compiler writes three bytes for each pixel of a generated texture, and reads three for each pixel of a cube.
+            let channels = size(tag, b"nchannel", 3);
+            let is_generated = tag.attribute(b"builtin").is_some_and(|builtin| *builtin != *b"none");
+            if channels < 3 && (is_generated || tag.attribute(b"type").as_deref() != Some(b"2d")) {
+                return Some("a builtin texture and a cube must have 3 or 4 channels".to_owned());
+            }
+            let channels = channels.max(3);
             (width.saturating_mul(height).saturating_mul(channels) > MOST_NUMBERS)
                 .then(|| "a texture is too large".to_owned())
         }

@@ -450,6 +450,8 @@ mod tests {
             ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/>", "0 to 2"),
             ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 -1'/>", "0 to 2"),
             ("<texture width='50000' height='50000'/>", "a texture is too large"),
+            ("<texture type='2d' builtin='flat' nchannel='1'/>", "3 or 4 channels"),
+            ("<texture file='grey.png' nchannel='1'/>", "3 or 4 channels"),
             ("<hfield nrow='50000' ncol='50000'/>", "a height field is too large"),
             ("<composite count='1000 1000 1'/>", "32766 bodies"),
             ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),

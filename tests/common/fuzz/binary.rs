@@ -1,14 +1,21 @@
 //! Damaged binary models.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
+use mujoco_safe::model::IntoModel;
 use mujoco_safe::{Data, Error, Model};
 
 use super::mutate::{DAMAGES, Map};
-use super::{Bytes, Verdict, models};
+use super::{Bytes, Verdict, models, sequence};
 
 /// Number of height field cells beyond which a step takes seconds.
 const MOST_CELLS: usize = 1_000_000;
+
+/// Number of values of a kind beyond which a model is not used further.
+const MOST_NUMBERS: usize = 1_000_000;
+
+/// Number of calls with an accepted model, of all kinds.
+const MOST_CALLS: usize = 12;
 
 /// A valid file and its layout.
 struct Original {
@@ -23,8 +30,8 @@ fn originals() -> &'static [OnceLock<Original>] {
 
 pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let which = models::choose(bytes);
-    // The rules for binary models are known for 2.2.2 only.
-    if cfg!(engine_since = "2.3.0") {
+    // The rules for binary models are known for 2.2.2 and 3.5.0 only.
+    if cfg!(not(validates_binaries)) {
         log("from_binary, of a valid model");
         let file = models::model(which).to_binary().expect("a model of the corpus is not saved");
         assert!(matches!(Model::from_binary(&file), Err(Error::Unsupported(_))), "a binary model is not rejected");
@@ -48,13 +55,33 @@ pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
     }
     log("from_binary");
     match Model::from_binary(&mutant) {
-        Ok(model) => use_model(model, log),
+        Ok(model) => {
+            let model = Arc::new(model);
+            let verdict = use_model(model.clone(), log);
+            if is_small(&model)
+                && let Ok(data) = Data::new(model.clone())
+            {
+                sequence::make_calls(model, data, MOST_CALLS, bytes, log);
+            }
+            verdict
+        }
         Err(_) => Verdict::Rejected,
     }
 }
 
+/// Returns `true` if collisions are fast, and if copies of states fit into the memory of a case: Rust ends a process without memory.
+fn is_small(model: &Model) -> bool {
+    #[cfg(engine_since = "3.5.0")]
+    let history = model.nhistory();
+    #[cfg(not(engine_since = "3.5.0"))]
+    let history = 0;
+    model.nhfielddata() <= MOST_CELLS
+        && [model.nuserdata(), model.nsensordata(), history].into_iter().all(|count| count <= MOST_NUMBERS)
+}
+
 /// Uses a loaded model.
-pub(super) fn use_model(model: Model, log: &mut dyn FnMut(&str)) -> Verdict {
+pub(super) fn use_model(model: impl IntoModel, log: &mut dyn FnMut(&str)) -> Verdict {
+    let model = model.into_model();
     // Collisions with a height field of millions of cells are slow, but finite.
     if model.nhfielddata() > MOST_CELLS {
         return Verdict::Worked;

@@ -15,13 +15,15 @@ const fn version(major: u32, minor: u32, patch: u32) -> Version {
     Version { major, minor, patch }
 }
 
-pub(super) const NEWER: [Newer; 11] = [
+pub(super) const NEWER: [Newer; 13] = [
     Newer { name: "rope", share: 240, since: Some(version(3, 5, 0)), text: ROPE },
     Newer { name: "cloth", share: 160, since: Some(version(3, 5, 0)), text: CLOTH },
     Newer { name: "soft block", share: 120, since: Some(version(3, 5, 0)), text: BLOCK },
     Newer { name: "trilinear block", share: 120, since: Some(version(3, 5, 0)), text: TRILINEAR },
     Newer { name: "islands", share: 240, since: Some(version(3, 5, 0)), text: ISLANDS },
     Newer { name: "newer sensors", share: 240, since: Some(version(3, 5, 0)), text: SENSORS },
+    Newer { name: "tactile sensor", share: 40, since: Some(version(3, 5, 0)), text: TACTILE },
+    Newer { name: "many shapes", share: 400, since: Some(version(3, 5, 0)), text: SHAPES },
     Newer { name: "newer actuators", share: 240, since: Some(version(3, 17, 0)), text: ACTUATORS },
     Newer { name: "sleep", share: 240, since: Some(version(3, 5, 0)), text: SLEEP },
     Newer { name: "delays", share: 240, since: Some(version(3, 5, 0)), text: DELAYS },
@@ -129,8 +131,66 @@ const SENSORS: &str = r#"<mujoco>
     <fromto body1="ball" geom2="rod" cutoff="3"/><e_potential/><e_kinetic/>
     <insidesite site="zone" objtype="geom" objname="ball"/>
     <contact geom1="floor" geom2="ball" num="2" data="found force dist normal tangent"/><contact reduce="netforce" subtree1="ball"/>
-    <tactile geom="skin" mesh="tetrahedron"/><rangefinder site="tip"/><rangefinder camera="camera" data="dist point"/>
+    <rangefinder site="tip"/><rangefinder camera="camera" data="dist point"/>
   </sensor>
+</mujoco>"#;
+
+/// A tactile sensor, which binary models must not have.
+const TACTILE: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <asset><mesh name="tetrahedron" vertex="0 0 0  .1 0 0  0 .1 0  0 0 .1"/></asset>
+  <worldbody>
+    <geom type="plane" size="0 0 1"/>
+    <body pos="0 0 .09">
+      <freejoint/><geom size=".1" mass="2"/><geom name="skin" type="mesh" mesh="tetrahedron" contype="0" conaffinity="0" mass=".01"/>
+    </body>
+  </worldbody>
+  <sensor><tactile geom="skin" mesh="tetrahedron"/></sensor>
+</mujoco>"#;
+
+/// Several shapes of a body in contact, hulls with large and small faces, several contact points, a height field, textures, a mocap body,
+/// constraints of sites and tendons between trees.
+const SHAPES: &str = r#"<mujoco>
+  <size memory="600K"/>
+  <option iterations="10" cone="elliptic"><flag multiccd="enable"/></option>
+  <asset>
+    <texture name="checks" type="2d" builtin="checker" width="4" height="6"/><texture name="sky" type="skybox" builtin="gradient" width="4" height="24"/>
+    <material name="m" texture="checks"/><material name="layers"><layer role="rgb" texture="checks"/><layer role="normal" texture="checks"/></material>
+    <mesh name="cube" vertex="0 0 0  .2 0 0  0 .2 0  .2 .2 0  0 0 .2  .2 0 .2  0 .2 .2  .2 .2 .2" texcoord="0 0  1 0  0 1  1 1  0 0  1 0  0 1  1 1"
+          face="0 2 1  1 2 3  4 5 6  5 7 6  0 1 4  1 5 4  2 6 3  3 6 7  0 4 2  2 4 6  1 3 5  3 7 5"/>
+    <mesh name="ball" vertex=".1 0 0  -.1 0 0  0 .1 0  0 -.1 0  0 0 .1  0 0 -.1  .07 .07 .01  -.07 .07 .02  .07 -.07 .01  -.07 -.07 .02  .01 .01 .01"/>
+    <hfield name="hills" nrow="4" ncol="5" size="1 1 .1 .1"/>
+  </asset>
+  <worldbody>
+    <light type="image" texture="sky"/><light type="point" mode="targetbody" target="pile" pos="0 0 2"/>
+    <camera name="c" mode="targetbodycom" target="pile" pos="1 1 1" resolution="5 4" projection="orthographic"/>
+    <geom name="floor" type="plane" size="3 3 .1" material="m"/><geom type="hfield" hfield="hills" pos="3 0 0"/><site name="anchor" pos="0 0 1"/>
+    <body name="pile" pos="0 0 .1"><freejoint/>
+      <geom type="mesh" mesh="cube" material="layers"/><geom name="sphere" size=".1" pos=".3 0 0"/><geom type="capsule" size=".05 .1" pos="-.3 0 0"/><site name="s"/>
+    </body>
+    <body pos="0 0 .35"><freejoint/><geom type="box" size=".1 .1 .1"/><geom type="mesh" mesh="cube" pos=".25 0 0"/></body>
+    <body name="round" pos="3 0 .3"><freejoint/><geom name="round" type="mesh" mesh="ball"/><geom type="cylinder" size=".05 .1" pos=".2 0 0"/></body>
+    <body name="hand" mocap="true" pos="0 1 1"><geom size=".05" contype="0" conaffinity="0"/></body>
+    <body pos="1 1 1" gravcomp="1"><joint name="a" type="slide" axis="1 0 0"/><joint name="b" type="slide" axis="0 1 0"/><geom size=".1"/><site name="t"/></body>
+    <body pos="-1 1 1"><joint name="c" axis="0 1 0" range="-.1 .1"/><geom size=".1" pos=".2 0 0"/><site name="u" pos=".2 0 0"/></body>
+  </worldbody>
+  <contact><pair geom1="floor" geom2="round" condim="6"/><exclude body1="pile" body2="hand"/></contact>
+  <equality><connect site1="s" site2="anchor" active="false"/><weld body1="hand" body2="round"/><joint joint1="a" joint2="b"/></equality>
+  <tendon>
+    <spatial name="rope" armature=".1" range="0 2"><site site="t"/><site site="u"/><pulley divisor="2"/><site site="s"/><site site="anchor"/></spatial>
+    <spatial name="wrapped" stiffness="1"><site site="t"/><geom geom="sphere" sidesite="anchor"/><site site="u"/></spatial>
+    <fixed name="coupled" frictionloss=".1"><joint joint="a" coef="1"/><joint joint="c" coef="-1"/></fixed>
+  </tendon>
+  <actuator>
+    <motor tendon="rope"/><position joint="c" nsample="3" delay=".004"/><general site="s" refsite="anchor" gear="0 0 1 0 0 0"/><adhesion body="pile" ctrlrange="0 1"/>
+    <muscle tendon="coupled" lengthrange="-1 1"/>
+  </actuator>
+  <sensor>
+    <rangefinder camera="c" data="dist normal"/><contact geom1="floor" num="3" reduce="maxforce" data="found force pos"/><tendonpos tendon="rope" nsample="2" interval=".004"/>
+    <distance body1="round" body2="pile" cutoff="2"/><framepos objtype="geom" objname="round" reftype="camera" refname="c"/>
+  </sensor>
+  <keyframe><key name="key" time="1" mpos="0 1 1"/></keyframe>
+  <custom><tuple name="all"><element objtype="mesh" objname="cube"/><element objtype="tendon" objname="rope"/></tuple></custom>
 </mujoco>"#;
 
 /// Actuators that integrate, and a muscle.

@@ -87,10 +87,21 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     log(&models::all()[which].name);
     let model = models::model(which).clone();
     let data = Data::new(model.clone()).expect("a model of the corpus has no simulation");
-    let mut scene = Scene { data, other: None, state: Vec::new(), model, view: None, transition: None, depth: 0, log };
     let calls = 10 + bytes.below(MOST_CALLS - 9);
-    call_some(&mut scene, bytes, calls);
+    make_calls(model, data, calls, bytes, log);
     Verdict::Worked
+}
+
+/// Makes a sequence of calls with a simulation of a model.
+pub(super) fn make_calls(
+    model: Arc<Model>,
+    data: Data,
+    calls: usize,
+    bytes: &mut Bytes<'_>,
+    log: &mut dyn FnMut(&str),
+) {
+    let mut scene = Scene { data, other: None, state: Vec::new(), model, view: None, transition: None, depth: 0, log };
+    call_some(&mut scene, bytes, calls);
 }
 
 /// Makes this number of calls, or fewer if the bytes are used up.
