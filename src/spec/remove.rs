@@ -2,7 +2,7 @@
 
 use super::Spec;
 use super::key::ElementId;
-use super::names;
+use super::names::{self, Named};
 use super::tree::{Index, Tree};
 use crate::error::{Error, Result};
 
@@ -53,7 +53,8 @@ impl Spec {
         ))
     }
 
-    /// Removes an element, all elements in it, and all elements that refer to a removed one. A tendon is removed as a whole.
+    /// Removes an element, all elements in it, and all elements that refer to a removed one. A tendon is removed as a whole. References to a
+    /// removed class, material or texture are removed instead of the elements that have them.
     ///
     /// # Errors
     ///
@@ -66,6 +67,7 @@ impl Spec {
     pub fn remove_with_references<K>(&mut self, id: ElementId<K>) -> Result<()> {
         let mut removed = vec![self.removable(id)?];
         loop {
+            self.remove_attributes(&removed);
             let referrers = self.referrers(&removed);
             if referrers.is_empty() {
                 break;
@@ -90,22 +92,40 @@ impl Spec {
         Ok(index)
     }
 
+    /// Removes the attributes without which an element can exist and that refer to the given elements or to those in them.
+    fn remove_attributes(&mut self, removed: &[Index]) {
+        const OPTIONAL: [&str; 4] = ["class", "childclass", "material", "texture"];
+        for (class, name) in self.removed_names(removed) {
+            for index in names::referrers(&self.tree, class, &name) {
+                for attribute in OPTIONAL {
+                    let refers = names::references(&self.tree, index).contains(&(attribute, class));
+                    if refers && self.tree.attribute(index, attribute) == Some(&name) {
+                        self.tree.node_mut(index).unset(attribute);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the names of the given elements and those in them, except the names that other elements have too.
+    fn removed_names(&self, removed: &[Index]) -> Vec<(Named, String)> {
+        let inside: Vec<Index> = removed.iter().flat_map(|&index| self.tree.descendants(index)).collect();
+        let name = |index: Index| names::named(&self.tree, index).zip(names::name(&self.tree, index));
+        let remains = |(class, text): &(Named, &str)| {
+            names::all(&self.tree, *class)
+                .any(|other| !inside.contains(&other) && names::name(&self.tree, other) == Some(text))
+        };
+        let names = inside.iter().filter_map(|&index| name(index)).filter(|name| !remains(name));
+        names.map(|(class, name)| (class, name.to_owned())).collect()
+    }
+
     /// Returns the elements outside of the given ones that refer to an element in them. An element without a name of its own, such as a
     /// part of a tendon, is represented by the one that contains it.
     fn referrers(&self, removed: &[Index]) -> Vec<Index> {
         let inside: Vec<Index> = removed.iter().flat_map(|&index| self.tree.descendants(index)).collect();
         let mut found = Vec::new();
-        for &index in &inside {
-            let Some((class, name)) = names::named(&self.tree, index).zip(names::name(&self.tree, index)) else {
-                continue;
-            };
-            // Another element with the same name remains.
-            if names::all(&self.tree, class)
-                .any(|other| !inside.contains(&other) && names::name(&self.tree, other) == Some(name))
-            {
-                continue;
-            }
-            for referrer in names::referrers(&self.tree, class, name) {
+        for (class, name) in self.removed_names(removed) {
+            for referrer in names::referrers(&self.tree, class, &name) {
                 let whole = self.whole(referrer);
                 if !inside.contains(&whole) && !found.contains(&whole) {
                     found.push(whole);

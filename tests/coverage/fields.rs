@@ -47,6 +47,7 @@ fn setters() -> BTreeMap<String, String> {
                 let Some((array, setter)) = rest.trim_end_matches(';').split_once(", ") else { continue };
                 let setter = setter.split(' ').next().unwrap_or_default();
                 if setter.starts_with("set_") && !rest.contains(" in ") {
+                    let array = array.split(' ').next().unwrap_or_default();
                     setters.insert(array.to_owned(), format!("{kind}Mut::{setter}"));
                 }
             }

@@ -63,6 +63,25 @@ fn removing_an_element_needs_its_references_to_be_removed() {
 }
 
 #[test]
+fn removing_a_class_or_a_material_keeps_the_elements_that_have_it() {
+    let mut spec = parse(
+        "<mujoco><default><default class='c'><geom size='.3'/></default></default>
+         <asset><texture name='t' type='2d' builtin='flat' width='2' height='2'/><material name='m' texture='t'/></asset>
+         <worldbody childclass='c'><geom name='g' class='c' material='m' size='.1'/>
+           <body childclass='c'><geom material='m' size='.2'/></body></worldbody></mujoco>",
+    );
+    let class = spec.default_mut("c", "geom").unwrap().as_ref().parent().unwrap();
+    assert!(spec.remove(class).is_err());
+    let [material, texture] = [spec.material("m").unwrap().id().any(), spec.texture("t").unwrap().id().any()];
+    for id in [class, texture] {
+        spec.remove_with_references(id).unwrap();
+    }
+    assert!(spec.contains(material));
+    spec.remove_with_references(material).unwrap();
+    same(&spec, "<mujoco><worldbody><geom name='g' size='.1'/><body><geom size='.2'/></body></worldbody></mujoco>");
+}
+
+#[test]
 fn ids_stay_valid_when_other_elements_change() {
     let mut spec = parse(ARM);
     let ids: Vec<_> = spec.ids::<Geom>();

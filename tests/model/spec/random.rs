@@ -3,7 +3,7 @@
 use mujoco_safe::kind::{Body, Joint, Site};
 use mujoco_safe::spec::{Any, ElementId, Mount, Spec};
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 const TAGS: [&str; 14] = [
     "body", "joint", "geom", "site", "camera", "default", "mesh", "motor", "fixed", "framepos", "weld", "exclude",
@@ -84,8 +84,8 @@ fn apply(spec: &mut Spec, other: &Spec, (operation, a, b, c): Choices) {
 #[test]
 fn random_changes_do_not_panic_and_survive_as_text() {
     let choices = proptest::collection::vec(any::<Choices>(), 0..60);
-    let mut runner =
-        TestRunner::new(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() });
+    let config = ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let result = runner.run(&(choices.clone(), choices), |(first, second)| {
         let mut other = Spec::new("other");
         for choice in first {

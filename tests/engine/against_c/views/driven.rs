@@ -125,6 +125,10 @@ fn fields_of_tendons_actuators_sensors_and_keyframes_equal_c() {
             => bias: bias(actuator.bias()), int(m.actuator_biastype, i) as u32;
             => transmission: raw_transmission(actuator.transmission()),
                 [raw(m.actuator_trntype, i), raw(m.actuator_trnid, 2 * i), raw(m.actuator_trnid, 2 * i + 1)];
+            // The program smoke has models with several controls, forces and activations.
+            => controls: actuator.controls(), i..i + 1;
+            => outputs: actuator.outputs(), i..i + 1;
+            => activations: actuator.activations(), actuator.activation().map_or(0..0, |first| first..first + 1);
             => activation: actuator.activation(),
                 (int(m.actuator_dyntype, i) as u32 != sys::mjDYN_NONE).then(|| (0..i).filter(|at| int(m.actuator_dyntype, *at) as u32 != sys::mjDYN_NONE).count());
         });

@@ -121,6 +121,9 @@ fn fields_of_elements_in_a_simulation_equal_c() {
             length: d.actuator_length, [i; 1];
             velocity: d.actuator_velocity, [i; 1];
             force: d.actuator_force, [i; 1];
+            ctrls: d.ctrl, [i; 1];
+            forces: d.actuator_force, [i; 1];
+            => acts: actuator.acts().bits(), activation(m, i).map_or(Vec::new(), |act| at(d.act, act, 1));
             => moment: actuator.moment().to_vec().bits(), moment(i).bits();
             => act: actuator.act().map(|act| act.bits()), activation(m, i).map(|act| at(d.act, act, 1));
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
