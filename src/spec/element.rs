@@ -140,7 +140,8 @@ impl<'s, K> ElementMut<'s, K> {
         if !schema.has(&self.spec.tree, self.index, attribute) {
             let known = schema.attributes(&self.spec.tree, self.index).unwrap_or_default();
             let near = near_names(attribute, known.iter().copied());
-            let expected = if near.is_empty() { known.join(", ") } else { near.join(" or ") };
+            let similar = if near.is_empty() { String::new() } else { format!("perhaps {}; ", near.join(" or ")) };
+            let expected = format!("{similar}one of {}", known.join(", "));
             let what = format!("the name of an attribute of {}", names::describe(&self.spec.tree, self.index));
             return Err(Error::invalid(what, format!("'{attribute}'"), expected));
         }

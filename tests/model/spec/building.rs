@@ -101,8 +101,8 @@ fn an_element_without_a_name_gets_one_when_another_refers_to_it() {
 fn unknown_attributes_and_elements_are_errors_that_list_the_known_ones() {
     let mut spec = Spec::new("errors");
     let world = spec.world();
-    let error = spec.add_geom(world).set("sise", 1.0).unwrap_err().to_string();
-    assert!(error.contains("'sise'") && error.contains("size"), "{error}");
+    let error = spec.add_geom(world).set("radius", 1.0).unwrap_err().to_string();
+    assert!(error.contains("'radius'") && error.contains("size"), "{error}");
     let error = spec.edit(world).add("geoms").unwrap_err().to_string();
     assert!(error.contains("the world") && error.contains("geom, "), "{error}");
     let error = spec.section_mut("options").unwrap_err().to_string();
