@@ -24,6 +24,7 @@
 //! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same number, `-` and `=` change the speed,
 //! `[` and `]` the camera, and Esc selects the free camera. Only Ctrl+Q, the window's close button and the signals of Ctrl+C in
 //! the terminal, of `kill` and of a closed terminal (SIGINT, SIGTERM, SIGHUP) end the session. A running recording is finished then.
+//! There is only this key map, so that F1, the documentation and `simulate` agree in every window.
 //!
 //! # Platforms
 //!
