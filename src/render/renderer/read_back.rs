@@ -49,11 +49,20 @@ impl Renderer {
 pub(super) fn rgb_rows(picture: &mut RgbImage, size: [u32; 2]) -> impl FnMut(&[u8]) {
     let [width, height] = size.map(|length| length as usize);
     let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
-    move |row| {
-        let rgb = rows.next().unwrap_or_default().as_chunks_mut::<3>().0;
-        for (to, from) in rgb.iter_mut().zip(row.as_chunks::<4>().0) {
-            *to = [from[0], from[1], from[2]];
-        }
+    move |row| drop_alpha(row, rows.next().unwrap_or_default())
+}
+
+/// Copies the red, green and blue of pixels with alpha, in words of four pixels.
+fn drop_alpha(rgba: &[u8], rgb: &mut [u8]) {
+    let (four_rgba, last_rgba) = rgba.as_chunks::<16>();
+    let (four_rgb, last_rgb) = rgb.as_chunks_mut::<12>();
+    for (to, from) in four_rgb.iter_mut().zip(four_rgba) {
+        let from = u128::from_le_bytes(*from);
+        let pixel = |index: u32| (from >> (32 * index) & 0xFF_FFFF) << (24 * index);
+        to.copy_from_slice(&(pixel(0) | pixel(1) | pixel(2) | pixel(3)).to_le_bytes()[..12]);
+    }
+    for (to, from) in last_rgb.as_chunks_mut::<3>().0.iter_mut().zip(last_rgba.as_chunks::<4>().0) {
+        *to = [from[0], from[1], from[2]];
     }
 }
 
@@ -77,6 +86,22 @@ pub(super) fn id_rows(picture: &mut SegmentationImage, size: [u32; 2], scene: &S
         for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
             let [id, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
             *to = id;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::drop_alpha;
+
+    #[test]
+    fn every_pixel_keeps_its_red_green_and_blue() {
+        for pixels in 0..11 {
+            let rgba: Vec<u8> = (0..4 * pixels).map(|index| (17 * index + 3) as u8).collect();
+            let mut rgb = vec![0; 3 * pixels];
+            drop_alpha(&rgba, &mut rgb);
+            let expected: Vec<u8> = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            assert_eq!(rgb, expected);
         }
     }
 }
