@@ -10,9 +10,12 @@ use super::plane::{Axis, Plane};
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
 use crate::render::settings::{VisualSettings, is_drawable};
-use crate::render::shape::{self, SkinTopology, Tessellation, Triangles, Vertex};
+use crate::render::shape::{self, MESH_LEVELS, SkinTopology, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::{Scene, SceneGeom, SceneGeomType};
+
+/// First coarser level of a mesh, above the shapes of models at their full level of detail.
+const FIRST_MESH_LEVEL: u32 = 1 << 21;
 
 /// First of the round shapes for depth images, above the shapes of models.
 const FIRST_DEPTH_LEVEL: u32 = 1 << 22;
@@ -36,7 +39,8 @@ pub(crate) struct Shapes {
     unlit: Vec<u32>,
     /// First mesh; each mesh is followed by its convex hull.
     meshes: u32,
-    nmesh: u32,
+    /// Coarser levels of each mesh, from fine to coarse.
+    mesh_levels: Vec<Vec<MeshLevel>>,
     height_fields: u32,
     nhfield: u32,
     skins: u32,
@@ -67,7 +71,7 @@ impl Shapes {
             line: 0,
             unlit: Vec::new(),
             meshes: 0,
-            nmesh: model.nmesh() as u32,
+            mesh_levels: Vec::new(),
             height_fields: 0,
             nhfield: model.nhfield() as u32,
             skins: 0,
@@ -95,8 +99,10 @@ impl Shapes {
         shapes.add_planes(gpu, model, settings, lighting)?;
         shapes.meshes = shapes.buffers.len() as u32;
         for mesh in model.meshes() {
-            shapes.push(gpu, &shape::mesh(model, mesh.id(), max_vertices)?)?;
+            let triangles = shape::mesh(model, mesh.id(), max_vertices)?;
+            shapes.push(gpu, &triangles)?;
             shapes.push(gpu, &shape::hull(model, mesh.id(), max_vertices)?)?;
+            shapes.mesh_levels.push(MeshLevel::all(gpu, &triangles)?);
         }
         shapes.height_fields = shapes.buffers.len() as u32;
         for field in model.height_fields() {
@@ -163,9 +169,11 @@ impl Shapes {
     /// Replaces the buffers of a mesh and of its convex hull.
     pub(crate) fn update_mesh(&mut self, gpu: &Gpu, model: &Model, id: MeshId) -> Result<(), RenderError> {
         let index = self.meshes as usize + 2 * id.index();
-        let mesh = ShapeBuffers::new(gpu, &shape::mesh(model, id, self.max_vertices)?)?;
+        let triangles = shape::mesh(model, id, self.max_vertices)?;
+        let mesh = ShapeBuffers::new(gpu, &triangles)?;
         let hull = ShapeBuffers::new(gpu, &shape::hull(model, id, self.max_vertices)?)?;
-        (self.buffers[index], self.buffers[index + 1]) = (mesh, hull);
+        let levels = MeshLevel::all(gpu, &triangles)?;
+        (self.buffers[index], self.buffers[index + 1], self.mesh_levels[id.index()]) = (mesh, hull, levels);
         Ok(())
     }
 
@@ -219,10 +227,14 @@ impl Shapes {
         if let Some(flex) = shape.checked_sub(FIRST_FLEX) {
             return &self.flexes[flex as usize].1;
         }
-        match (shape.checked_sub(FIRST_DEPTH_LEVEL), &self.depth_levels) {
-            (Some(level), Some(levels)) => &levels[level as usize],
-            _ => &self.buffers[shape as usize],
+        if let (Some(level), Some(levels)) = (shape.checked_sub(FIRST_DEPTH_LEVEL), &self.depth_levels) {
+            return &levels[level as usize];
         }
+        if let Some(level) = shape.checked_sub(FIRST_MESH_LEVEL) {
+            let level = level as usize;
+            return &self.mesh_levels[level / MESH_LEVELS][level % MESH_LEVELS].buffers;
+        }
+        &self.buffers[shape as usize]
     }
 
     /// Returns the shape of a geom with a flex.
@@ -271,8 +283,18 @@ impl Shapes {
         self.line
     }
 
-    pub(crate) fn mesh(&self, mesh: usize, is_hull: bool) -> Option<u32> {
-        (mesh < self.nmesh as usize).then(|| self.meshes + 2 * mesh as u32 + u32::from(is_hull))
+    /// Returns a mesh, which may merge vertices up to a distance along each axis, m.
+    pub(crate) fn mesh(&self, mesh: usize, tolerance: f32) -> Option<u32> {
+        let levels = self.mesh_levels.get(mesh)?;
+        Some(match levels.iter().rposition(|level| level.cell <= tolerance) {
+            Some(level) => FIRST_MESH_LEVEL + (MESH_LEVELS * mesh + level) as u32,
+            None => self.meshes + 2 * mesh as u32,
+        })
+    }
+
+    /// Returns the convex hull of a mesh.
+    pub(crate) fn hull(&self, mesh: usize) -> Option<u32> {
+        (mesh < self.mesh_levels.len()).then(|| self.meshes + 2 * mesh as u32 + 1)
     }
 
     pub(crate) fn height_field(&self, field: usize) -> Option<u32> {
@@ -281,6 +303,22 @@ impl Shapes {
 
     pub(crate) fn skin(&self, skin: usize) -> Option<u32> {
         (skin < self.skin_topologies.len()).then(|| self.skins + skin as u32)
+    }
+}
+
+/// Coarser level of a mesh.
+#[derive(Debug)]
+struct MeshLevel {
+    /// Largest distance between vertices that are merged, along an axis, m.
+    cell: f32,
+    buffers: ShapeBuffers,
+}
+
+impl MeshLevel {
+    /// Creates all coarser levels of a mesh.
+    fn all(gpu: &Gpu, mesh: &Triangles) -> Result<Vec<Self>, RenderError> {
+        let levels = shape::coarse_levels(mesh).into_iter();
+        levels.map(|(cell, triangles)| Ok(Self { cell, buffers: ShapeBuffers::new(gpu, &triangles)? })).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //! cannot be rendered are skipped.
 
 mod instance;
+mod level_of_detail;
 mod mirror;
 mod nearest_depth;
 mod primitive;
@@ -11,14 +12,14 @@ mod shadow_caster;
 
 use self::instance::Appearance;
 pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
+use self::level_of_detail::Detail;
 pub(crate) use self::mirror::Mirror;
 use self::nearest_depth::nearest_depth;
 use self::primitive::Part;
 use self::shadow_caster::ShadowCasters;
-use super::assets::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, Shapes, Textures};
+use super::assets::{Shapes, Textures};
 use super::bounding_volume::{AssetBounds, BoundingVolume, signed_distance, sorting_radius};
 use super::settings::is_drawable;
-use super::shape::Tessellation;
 use super::view::{Lights, ViewFrustum};
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 
@@ -138,12 +139,12 @@ impl DrawList {
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
             }
             self.parts.clear();
-            let level = if inputs.aux.is_none() && flags.contains(RenderFlags::WIREFRAME) {
-                DetailLevel::Color(0)
+            let detail = if inputs.aux.is_none() && flags.contains(RenderFlags::WIREFRAME) {
+                Detail::FULL
             } else {
-                detail_level(geom, &volume, frustum, inputs.aux)
+                Detail::new(geom, &volume, frustum, inputs.aux)
             };
-            primitive::parts(geom, inputs.shapes, level, &mut self.parts);
+            primitive::parts(geom, inputs.shapes, detail, &mut self.parts);
             let appearance = Appearance::new(index, geom, inputs, is_behind);
             let first = self.pending.len() as u32;
             for part in &self.parts {
@@ -160,7 +161,7 @@ impl DrawList {
                 reflector_instances = last - first;
                 self.opaque_order.extend((first..last).map(|pending| (REFLECTOR_SORT_KEY, pending)));
             } else {
-                let keys = (first..last).map(|pending| (sort_key(&self.pending[pending as usize]), pending));
+                let keys = (first..last).map(|pending| (sort_key(&self.pending[pending as usize], is_plane), pending));
                 self.opaque_order.extend(keys);
             }
         }
@@ -268,14 +269,15 @@ fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, pending: &Pendi
 /// Sort key of the reflector, less than all others.
 const REFLECTOR_SORT_KEY: u64 = 0;
 
-/// Computes the sort key of an opaque instance. Instances with equal keys become one batch.
-fn sort_key(pending: &PendingInstance) -> u64 {
+/// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes are last, because much of them is hidden.
+fn sort_key(pending: &PendingInstance, is_plane: bool) -> u64 {
     let BatchKey { shape, texture_kind, texture, line, back_faces } = pending.key;
     let Visibility { in_frustum, mirror_side, shadow_mask } = pending.visibility;
     let flags =
         [line, back_faces, !in_frustum].iter().fold(mirror_side as u64, |flags, &flag| flags << 1 | u64::from(flag));
     let texture = (texture_kind as u64) << 32 | u64::from(texture & 0xFFFF) << 16;
     1 << 63
+        | u64::from(is_plane) << 62
         | u64::from(shadow_mask) << 54
         | u64::from(shape >> 16 & 0xFF) << 46
         | flags << 40
@@ -304,37 +306,4 @@ fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
 /// Returns `true` if a geom is a plane that is infinite in both directions.
 fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
     geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
-}
-
-/// Selects the level of detail of a geom: for colour images by its size on the screen, for depth by the required
-/// precision.
-fn detail_level(
-    geom: SceneGeom<'_>,
-    volume: &BoundingVolume,
-    frustum: &ViewFrustum,
-    aux: Option<AuxOutput>,
-) -> DetailLevel {
-    /// Radii below which the next level is used, pixels. In images of 22 humanoids the coarser levels change at most 0.7 % of the pixels
-    /// by more than 8 of 255 (bench `render`, argument `pictures`).
-    const MAX_RADII: [f64; COLOR_LEVELS - 1] = [6.0, 1.5];
-    /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle
-    /// of 15° this is 1/5000 of the depth.
-    const PRECISION: f64 = 5e-5;
-    let (BoundingVolume::Sphere(sphere), true) = (volume, aux.is_none_or(AuxOutput::has_depth)) else {
-        return DetailLevel::Color(0);
-    };
-    let [x, y, z] = geom.size();
-    let radius = match geom.geom_type() {
-        SceneGeomType::Sphere | SceneGeomType::Ellipsoid => x.max(y).max(z),
-        _ => x.max(y),
-    };
-    let nearest = (frustum.depth_of(sphere.centre) - f64::from(sphere.radius)).max(frustum.range[0]);
-    let relative_radius = frustum.scale * f64::from(radius) / nearest;
-    if aux.is_some() {
-        // The chord errors of the two directions of a sphere add up.
-        let is_precise = |&slices: &u32| 2.0 * Tessellation::chord_error(slices) * relative_radius <= PRECISION;
-        return DetailLevel::Depth(DEPTH_LEVELS.iter().position(is_precise).unwrap_or(DEPTH_LEVELS.len() - 1));
-    }
-    let pixels = frustum.pixels_per_metre * relative_radius;
-    DetailLevel::Color(MAX_RADII.iter().take_while(|&&max| pixels < max).count())
 }

@@ -1,6 +1,7 @@
 //! Decomposition of geoms into parts: unit shapes that are scaled, and shifted along the z-axis of the geom.
 
-use crate::render::assets::{DetailLevel, RoundShape, Shapes};
+use super::level_of_detail::Detail;
+use crate::render::assets::{RoundShape, Shapes};
 use crate::render::bounding_volume::ARROWHEAD_SCALE;
 use crate::scene::{SceneGeom, SceneGeomType, SceneObject};
 
@@ -42,8 +43,8 @@ impl Part {
 
 /// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or with an unknown
 /// asset.
-pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, parts: &mut Vec<Part>) {
-    let round = |shape: RoundShape| shapes.round(shape, level);
+pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, detail: Detail, parts: &mut Vec<Part>) {
+    let round = |shape: RoundShape| shapes.round(shape, detail.round);
     let size = geom.size();
     let asset = |shape: u32| Part::new(shape, [1.0; 3]);
     match geom.geom_type() {
@@ -57,7 +58,10 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, pa
         SceneGeomType::Cylinder => parts.extend(cylinder(size, round)),
         SceneGeomType::Box => parts.push(Part::new(shapes.cuboid(), size)),
         SceneGeomType::Mesh | SceneGeomType::Sdf => {
-            let shape = geom.mesh().and_then(|mesh| shapes.mesh(mesh.index(), geom.shows_convex_hull()));
+            let shape = geom.mesh().and_then(|mesh| match geom.shows_convex_hull() {
+                true => shapes.hull(mesh.index()),
+                false => shapes.mesh(mesh.index(), detail.mesh),
+            });
             parts.extend(shape.map(asset));
         }
         SceneGeomType::Arrow => parts.extend(arrow(size, ARROWHEAD_SCALE, round)),

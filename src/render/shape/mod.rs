@@ -4,6 +4,7 @@
 //! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles with a non-finite
 //! vertex are skipped.
 
+mod coarse;
 mod flat;
 mod flex;
 mod height_field;
@@ -12,6 +13,7 @@ mod revolution;
 #[cfg(test)]
 mod test_support;
 
+pub(crate) use self::coarse::{MESH_LEVELS, coarse_levels};
 pub(crate) use self::flat::{blocks, cuboid, longest_block, plane, plane_with_lines, uniform_lines};
 pub(crate) use self::flex::flex;
 pub(crate) use self::height_field::height_field;
