@@ -243,10 +243,25 @@ fn open(instance: wgpu::Instance, adapter: wgpu::Adapter) -> Result<Gpu, RenderE
     };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
         .map_err(|error| RenderError::Open { adapter: info.name.clone(), message: error.to_string() })?;
+    if GpuKind::new(info.device_type) == GpuKind::Software {
+        keep_freed_memory();
+    }
     let samples = sample_counts(&adapter);
     let gpu = Gpu::assemble(device, queue, info, samples, Some(Origin { instance, adapter }));
     gpu.load_shader_compiler()?;
     Ok(gpu)
+}
+
+/// Makes the C library keep memory that the driver frees, up to 64 MiB for each thread that allocates.
+///
+/// A software rasteriser allocates the triangles of each frame with `malloc` and frees them afterwards. By default, glibc returns memory above
+/// 128 KiB to the system at once, so that each frame would fault in all of its pages again. glibc raises this threshold to twice the size of the
+/// largest block of up to 32 MiB that was mapped and freed, unless the program or its user has set the threshold.
+fn keep_freed_memory() {
+    /// Largest size that glibc considers, without the header of the block and its alignment.
+    const BLOCK: usize = (32 << 20) - (64 << 10);
+    // The optimiser must not remove the allocation. Its pages are never touched.
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(BLOCK)));
 }
 
 /// Returns the bitwise OR of the sample counts that both the colour and the depth format support.
