@@ -1,6 +1,7 @@
 //! The engine's renderer in a Python process.
 
 use std::env;
+use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -30,6 +31,9 @@ impl Engine {
         command.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped());
         if env::var_os("MUJOCO_GL").is_none() {
             command.env("MUJOCO_GL", "osmesa");
+        }
+        if let Some(library) = engine_library()? {
+            command.env("LD_PRELOAD", library);
         }
         let mut process = command.spawn()?;
         let (input, output) =
@@ -72,6 +76,13 @@ impl Engine {
     pub fn turn(&mut self, pictures: usize) -> Result<f64> {
         self.request(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "the answer contains no time".into())
     }
+}
+
+/// Returns the path of the shared library of the engine in this process, for use in the other process: builds of the same version differ in speed.
+fn engine_library() -> Result<Option<String>> {
+    let maps = fs::read_to_string("/proc/self/maps")?;
+    let mut paths = maps.lines().filter_map(|line| Some(&line[line.find('/')?..]));
+    Ok(paths.find(|path| path.contains("/libmujoco.so")).map(str::to_owned))
 }
 
 impl Drop for Engine {
