@@ -58,17 +58,36 @@ impl TextureBindings {
 pub(crate) struct Textures {
     bind_groups: Vec<(TextureKind, wgpu::BindGroup)>,
     /// First skybox texture.
-    sky: Option<usize>,
+    sky: Option<SkyTexture>,
+}
+
+/// Skybox texture.
+#[derive(Debug)]
+pub(crate) struct SkyTexture {
+    index: usize,
+    /// Width of a face of the cube, texels.
+    width: u32,
+    all_levels: wgpu::BindGroup,
+    base_level: wgpu::BindGroup,
+}
+
+impl SkyTexture {
+    /// Returns the bind group for images with this number of pixels per radian at their centre. It has no mip levels if the image shows none of
+    /// them: software rasterisers then select no levels.
+    pub(crate) fn bind_group(&self, pixels_per_radian: f64) -> &wgpu::BindGroup {
+        // The position on a face, from -1 to 1, is the tangent of an angle. It changes fastest in a corner: by 3 per radian. A pixel has its
+        // largest angle at the centre of the image.
+        let is_magnified = 3.0 * f64::from(self.width) / 2.0 <= pixels_per_radian;
+        if is_magnified { &self.base_level } else { &self.all_levels }
+    }
 }
 
 impl Textures {
     pub(crate) fn new(gpu: &Gpu, model: &Model) -> Self {
         let mut textures = Self { bind_groups: Vec::new(), sky: None };
         for texture in model.textures() {
-            if textures.sky.is_none() && texture.texture_type() == crate::enums::TextureType::Skybox {
-                textures.sky = Some(textures.bind_groups.len());
-            }
-            let created = Self::create(gpu, model, texture.id());
+            let is_sky = textures.sky.is_none() && texture.texture_type() == crate::enums::TextureType::Skybox;
+            let created = textures.create(gpu, model, texture.id(), is_sky);
             textures.bind_groups.push(created);
         }
         textures
@@ -76,10 +95,12 @@ impl Textures {
 
     /// Replaces a texture.
     pub(crate) fn update(&mut self, gpu: &Gpu, model: &Model, id: TextureId) {
-        self.bind_groups[id.index()] = Self::create(gpu, model, id);
+        let is_sky = self.sky.as_ref().is_some_and(|sky| sky.index == id.index());
+        self.bind_groups[id.index()] = self.create(gpu, model, id, is_sky);
     }
 
-    fn create(gpu: &Gpu, model: &Model, id: TextureId) -> (TextureKind, wgpu::BindGroup) {
+    /// Creates the bind group of a texture, and the skybox if the texture is one.
+    fn create(&mut self, gpu: &Gpu, model: &Model, id: TextureId, is_sky: bool) -> (TextureKind, wgpu::BindGroup) {
         let MipChain { faces, levels } = MipChain::new(model, id, gpu.limits().max_texture_dimension_2d);
         let layers = faces.count() as u32;
         let bindings = &gpu.pipelines().textures;
@@ -96,9 +117,17 @@ impl Textures {
             let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: layers };
             write(gpu, &texture, number as u32, size, rgba, 4);
         }
-        let view =
-            texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() });
-        (kind, bind_group(gpu, layout, &view, sampler))
+        let group = |mip_level_count| {
+            let descriptor =
+                wgpu::TextureViewDescriptor { dimension: Some(dimension), mip_level_count, ..Default::default() };
+            bind_group(gpu, layout, &texture.create_view(&descriptor), sampler)
+        };
+        let all_levels = group(None);
+        if is_sky {
+            let (width, base_level) = (size.width, group(Some(1)));
+            self.sky = Some(SkyTexture { index: id.index(), width, all_levels: all_levels.clone(), base_level });
+        }
+        (kind, all_levels)
     }
 
     /// Returns the bind group of a texture.
@@ -111,9 +140,9 @@ impl Textures {
         self.bind_groups.get(texture).map_or(TextureKind::None, |(kind, _)| *kind)
     }
 
-    /// Returns the bind group of the first skybox texture.
-    pub(crate) fn sky(&self) -> Option<&wgpu::BindGroup> {
-        self.bind_groups.get(self.sky?).map(|(_, group)| group)
+    /// Returns the first skybox texture.
+    pub(crate) fn sky(&self) -> Option<&SkyTexture> {
+        self.sky.as_ref()
     }
 }
 

@@ -15,7 +15,9 @@ pub(crate) struct Instance {
     pub(crate) rows: [[f32; 4]; 3],
     pub(crate) rgba: [f32; 4],
     /// Emission, specularity and shininess.
-    pub(crate) material: [f32; 4],
+    pub(crate) material: [f32; 3],
+    /// Reciprocals of the squared lengths of the columns of the transformation, for normals.
+    pub(crate) normal_scale: [f32; 3],
     /// Texture coordinate generation: scale of the local position, and offset of z or [`EXPLICIT_TEXCOORDS`].
     pub(crate) texgen: [f32; 4],
     /// Index of the geom in the scene plus 1.
@@ -71,7 +73,7 @@ const EXPLICIT_TEXCOORDS: f32 = f32::MIN;
 /// Appearance of a geom, independent of its shape.
 pub(super) struct Appearance {
     rgba: [f32; 4],
-    material: [f32; 4],
+    material: [f32; 3],
     texture_kind: TextureKind,
     texture: u32,
     /// Scale from local positions to texture coordinates. For a 2D texture the last element is 0 or
@@ -84,7 +86,7 @@ impl Appearance {
     pub(super) fn new(index: usize, geom: SceneGeom<'_>, inputs: &DrawListInputs<'_>, is_camera_behind: bool) -> Self {
         let id = index as u32 + 1;
         let untextured =
-            |rgba| Self { rgba, material: [0.0; 4], texture_kind: TextureKind::None, texture: 0, texgen: [1.0; 3], id };
+            |rgba| Self { rgba, material: [0.0; 3], texture_kind: TextureKind::None, texture: 0, texgen: [1.0; 3], id };
         match inputs.aux {
             Some(AuxOutput::SegmentColors) => return untextured(segment_color(geom.segid())),
             Some(AuxOutput::IdColors) => return untextured(id_color(geom.segid())),
@@ -97,7 +99,7 @@ impl Appearance {
         let mut appearance = untextured([red, green, blue, alpha.clamp(0.0, 1.0)]);
         // 128 is OpenGL's limit of the specular exponent.
         let shininess = limited(128.0 * geom.shininess(), 128.0).max(0.0);
-        appearance.material = [limited(geom.emission(), 1e3), limited(geom.specular(), 1e3), shininess, 0.0];
+        appearance.material = [limited(geom.emission(), 1e3), limited(geom.specular(), 1e3), shininess];
         if let Some(texture) = geom.texture() {
             appearance.apply_texture(texture.index(), geom, inputs);
         }
@@ -158,6 +160,10 @@ impl Appearance {
             let [x, y, z] = [mat[3 * row], mat[3 * row + 1], mat[3 * row + 2]];
             [x * part.scale[0], y * part.scale[1], z * part.scale[2], pos[row] + z * part.shift]
         });
+        let normal_scale = [0, 1, 2].map(|column| {
+            let squared_length = rows.iter().map(|row| row[column] * row[column]).sum::<f32>();
+            1.0 / squared_length.max(1e-30)
+        });
         let [u, v, w] = [0, 1, 2].map(|axis| self.texgen[axis] * part.texture_scale[axis]);
         let texgen = match self.texture_kind {
             TextureKind::None => [0.0; 4],
@@ -167,7 +173,7 @@ impl Appearance {
         .map(|number| if number.is_finite() { number } else { 0.0 });
         let Self { rgba, material, texture_kind, texture, id, .. } = *self;
         let key = BatchKey { shape: part.shape, texture_kind, texture, line, back_faces };
-        (key, Instance { rows, rgba, material, texgen, id })
+        (key, Instance { rows, rgba, material, normal_scale, texgen, id })
     }
 }
 

@@ -126,10 +126,20 @@ impl MainPass {
             stencil: target.stencil,
             flip_y: frame.frustum.flip_y,
         };
-        if list.mirror.is_some() {
+        if let Some(mirror) = &list.mirror {
             pass.set_bind_group(0, mirrored, &[]);
             let key = PipelineKey { light_set: unshadowed_light_set, ..key };
-            draw_mirror_images(pass, draw, list, unshadowed, mirrored, &key);
+            if let Some([left, top, width, height]) = mirror.bounds(frame.frustum, frame.size) {
+                // A part of a larger target has a scissor rectangle already.
+                let is_whole = frame.size == target.size;
+                if is_whole {
+                    pass.set_scissor_rect(left, top, width, height);
+                }
+                draw_mirror_images(pass, draw, list, unshadowed, mirrored, &key);
+                if is_whole {
+                    pass.set_scissor_rect(0, 0, target.size[0], target.size[1]);
+                }
+            }
         }
         pass.set_bind_group(0, shadowed, &[]);
         for batch in list.reflector.iter().filter(|batch| batch.visibility.in_frustum) {
@@ -140,7 +150,7 @@ impl MainPass {
         }
         pass.set_bind_group(0, unshadowed, &[]);
         if flags.contains(RenderFlags::SKYBOX) && sky.is_visible {
-            draw_sky(pass, draw, sky, &key);
+            draw_sky(pass, draw, sky, frame.frustum, &key);
         }
         let transparent_key = PipelineKey { pass_kind: PassKind::Transparent, light_set: unshadowed_light_set, ..key };
         for batch in transparent_batches(list, &key).iter().filter(|batch| batch.visibility.in_frustum) {
@@ -245,10 +255,17 @@ fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch]
     if key.additive { &list.transparent[..list.front_to_back] } else { &list.transparent }
 }
 
-fn draw_sky(pass: &mut wgpu::RenderPass<'_>, draw: &DrawContext<'_>, sky: &Sky, key: &PipelineKey) {
+fn draw_sky(
+    pass: &mut wgpu::RenderPass<'_>,
+    draw: &DrawContext<'_>,
+    sky: &Sky,
+    frustum: &ViewFrustum,
+    key: &PipelineKey,
+) {
     let Some(texture) = draw.textures.sky() else { return };
-    pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(PassKind::Sky, key)));
-    pass.set_bind_group(1, texture, &[]);
+    let pass_kind = PassKind::Sky { haze: sky.has_haze() };
+    pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(pass_kind, key)));
+    pass.set_bind_group(1, texture.bind_group(frustum.pixels_per_metre), &[]);
     pass.set_vertex_buffer(0, sky.buffer.buffer().slice(..));
     pass.draw(0..sky.vertex_count(), 0..1);
 }

@@ -31,7 +31,10 @@ pub(crate) enum PassKind {
     Reflector,
     Opaque,
     Transparent,
-    Sky,
+    /// Skybox, optionally with haze, which is blended.
+    Sky {
+        haze: bool,
+    },
     Label,
     /// Segmentation colour.
     FlatColor,
@@ -227,7 +230,7 @@ impl Pipelines {
         });
         let shadows = bound.iter().filter(|light| light.shadow).count();
         let texture_layout = match (state.shader, key.texture_kind) {
-            (ShaderKind::Sky, _) => Some(&self.textures.cube),
+            (ShaderKind::Sky { .. }, _) => Some(&self.textures.cube),
             (ShaderKind::Label, _) | (_, TextureKind::D2) => Some(&self.textures.d2),
             (_, TextureKind::None) => None,
             (_, TextureKind::Cube) => Some(&self.textures.cube),

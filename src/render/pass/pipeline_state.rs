@@ -25,7 +25,7 @@ impl PipelineState {
         let (shader, output) = match key.pass_kind {
             PassKind::Shadow => (ShaderKind::Depth, Output::DepthOnly),
             PassKind::MirrorStencil => (ShaderKind::Depth, Output::Color),
-            PassKind::Sky => (ShaderKind::Sky, Output::Color),
+            PassKind::Sky { haze } => (ShaderKind::Sky { haze }, Output::Color),
             PassKind::Label => (ShaderKind::Label, Output::Color),
             PassKind::Ids => (geom, Output::Ids),
             _ => (geom, Output::Color),
@@ -50,7 +50,7 @@ fn blend(key: &PipelineKey) -> Option<wgpu::BlendState> {
     let (src_factor, dst_factor) = match key.pass_kind {
         PassKind::Reflector => (One, One),
         PassKind::Transparent | PassKind::MirrorTransparent { .. } if key.additive => (SrcAlpha, One),
-        PassKind::Transparent | PassKind::MirrorTransparent { .. } | PassKind::Sky | PassKind::Label => {
+        PassKind::Transparent | PassKind::MirrorTransparent { .. } | PassKind::Sky { haze: true } | PassKind::Label => {
             (SrcAlpha, OneMinusSrcAlpha)
         }
         _ => return None,
@@ -70,7 +70,7 @@ fn primitive(key: &PipelineKey, shader: ShaderKind) -> wgpu::PrimitiveState {
         key.flip_y != matches!(key.pass_kind, PassKind::MirrorOpaque { .. } | PassKind::MirrorTransparent { .. });
     let culled = match key.pass_kind {
         // Culling front faces avoids self-shadowing. The skybox is seen from inside.
-        PassKind::Shadow | PassKind::Sky => Some(Front),
+        PassKind::Shadow | PassKind::Sky { .. } => Some(Front),
         PassKind::Label => None,
         _ if key.line => None,
         _ => Some(if key.back_faces { Front } else { Back }),
@@ -151,14 +151,15 @@ pub(super) const VERTEX_ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
         attribute(1, Float32x3, offset_of!(Vertex, normal)),
         attribute(2, Float32x2, offset_of!(Vertex, texcoord)),
     ];
-    const INSTANCE: [wgpu::VertexAttribute; 7] = [
+    const INSTANCE: [wgpu::VertexAttribute; 8] = [
         attribute(3, Float32x4, offset_of!(Instance, rows)),
         attribute(4, Float32x4, offset_of!(Instance, rows) + 16),
         attribute(5, Float32x4, offset_of!(Instance, rows) + 32),
         attribute(6, Float32x4, offset_of!(Instance, rgba)),
-        attribute(7, Float32x4, offset_of!(Instance, material)),
+        attribute(7, Float32x3, offset_of!(Instance, material)),
         attribute(8, Float32x4, offset_of!(Instance, texgen)),
         attribute(9, Uint32, offset_of!(Instance, id)),
+        attribute(10, Float32x3, offset_of!(Instance, normal_scale)),
     ];
     [&VERTEX, &INSTANCE]
 };
@@ -188,7 +189,7 @@ pub(super) fn vertex_buffers(
             buffer(size_of::<Vertex>(), wgpu::VertexStepMode::Vertex, &read[0]),
             buffer(size_of::<Instance>(), wgpu::VertexStepMode::Instance, &read[1]),
         ],
-        ShaderKind::Sky => vec![buffer(32, wgpu::VertexStepMode::Vertex, &SKY)],
+        ShaderKind::Sky { .. } => vec![buffer(32, wgpu::VertexStepMode::Vertex, &SKY)],
         ShaderKind::Label => vec![buffer(56, wgpu::VertexStepMode::Instance, &LABEL)],
     }
 }

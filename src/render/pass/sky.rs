@@ -8,8 +8,8 @@ use crate::render::view::ViewFrustum;
 use crate::render::view::matrix::dot;
 use crate::render::{Gpu, RenderError};
 
-/// Vertex of the skybox, relative to the camera, or of the haze, in world space. Both share one shader, because
-/// compiling a second shader takes longer than rendering with it.
+/// Vertex of the skybox, relative to the camera, or of the haze, in world space. If there is haze, both share one shader,
+/// because compiling a second shader takes longer than rendering with it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct SkyVertex {
@@ -41,6 +41,11 @@ impl Sky {
         let mut buffer = GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX);
         buffer.write(gpu, bytemuck::cast_slice(&vertices))?;
         Ok(Self { buffer, is_visible: false, skybox_vertices: vertices.len(), vertices })
+    }
+
+    /// Returns `true` if the last preparation added haze.
+    pub(crate) fn has_haze(&self) -> bool {
+        self.vertices.len() > self.skybox_vertices
     }
 
     pub(crate) fn vertex_count(&self) -> u32 {

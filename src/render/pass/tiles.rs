@@ -172,8 +172,14 @@ mod tests {
     /// Returns the tile of a plane with this position and a width of 4 m, as one block.
     fn tile([x, y]: [f32; 2]) -> (PlacedTile, Instance) {
         let rows = [[2.0, 0.0, 0.0, x], [0.0, 2.0, 0.0, y], [0.0, 0.0, 1.0, 0.5]];
-        let instance =
-            Instance { rows, rgba: [0.9, 0.5, 0.2, 1.0], material: [0.0, 0.5, 64.0, 0.0], texgen: [0.0; 4], id: 1 };
+        let instance = Instance {
+            rows,
+            rgba: [0.9, 0.5, 0.2, 1.0],
+            material: [0.0, 0.5, 64.0],
+            normal_scale: [0.25, 0.25, 1.0],
+            texgen: [0.0; 4],
+            id: 1,
+        };
         let tile = Tile { cells: 0..0, blocks: 0..0, block: [2.0; 2], bounds: [[-1.0; 2], [1.0; 2]] };
         (tile_in_world(&tile, &instance), instance)
     }

@@ -88,17 +88,19 @@ fn light_function(index: usize, light: LightFeatures) -> String {
         body.push_str("    let to_light = light.position.xyz;\n");
     } else {
         body.push_str("    let offset = light.position.xyz - point.world;\n");
-        body.push_str("    let distance = sqrt(max(dot(offset, offset), 1e-30));\n");
-        body.push_str("    let to_light = offset / distance;\n");
+        body.push_str("    let squared_distance = max(dot(offset, offset), 1e-30);\n");
+        body.push_str("    let inverse_distance = inverseSqrt(squared_distance);\n");
+        body.push_str("    let to_light = offset * inverse_distance;\n");
     }
     let mut factors = Vec::new();
     if light.attenuated {
+        body.push_str("    let distance = squared_distance * inverse_distance;\n");
         body.push_str("    let attenuation = light.attenuation.x + distance * (light.attenuation.y + distance * light.attenuation.z);\n");
         factors.push("1.0 / max(attenuation, 1e-20)");
     }
     if light.spot {
         body.push_str("    let cosine = -dot(to_light, light.axis.xyz);\n");
-        let intensity = if light.focused { "pow(max(cosine, 1e-9), light.axis.w)" } else { "1.0" };
+        let intensity = if light.focused { "power_of_square(cosine * cosine, light.axis.w)" } else { "1.0" };
         let _ = writeln!(body, "    let cone = select(0.0, {intensity}, cosine >= light.attenuation.w);");
         factors.push("cone");
     }
@@ -107,10 +109,11 @@ fn light_function(index: usize, light: LightFeatures) -> String {
     body.push_str(if light.ambient { " + light.ambient.rgb);\n" } else { ");\n" });
     if light.specular {
         body.push_str("    let half_vector = to_light + point.to_camera;\n");
+        body.push_str("    let n_dot_h = max(dot(point.normal, half_vector), 0.0);\n");
+        body.push_str("    let squared_cosine = n_dot_h * n_dot_h / max(dot(half_vector, half_vector), 1e-20);\n");
         body.push_str(
-            "    let n_dot_h = max(dot(point.normal, half_vector) * inverseSqrt(max(dot(half_vector, half_vector), 1e-20)), 1e-9);\n",
+            "    let highlight = select(0.0, power_of_square(squared_cosine, point.material.z), n_dot_l > 0.0);\n",
         );
-        body.push_str("    let highlight = select(0.0, pow(n_dot_h, point.material.z), n_dot_l > 0.0);\n");
         body.push_str("    color += highlight * point.material.y * light.specular.rgb;\n");
     }
     let factor = if factors.is_empty() { String::new() } else { format!(" * ({})", factors.join(" * ")) };

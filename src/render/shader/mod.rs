@@ -18,7 +18,10 @@ pub(crate) enum ShaderKind {
     Line,
     /// Depth of surfaces only.
     Depth,
-    Sky,
+    /// Skybox, optionally with haze.
+    Sky {
+        haze: bool,
+    },
     Label,
 }
 
@@ -87,7 +90,7 @@ impl ShaderVariant<'_> {
     /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
-            1 | 7 => self.is_lit(),
+            1 | 7 | 10 => self.is_lit(),
             2 => self.quad_edges || self.texture_kind != TextureKind::None,
             8 => self.texture_kind != TextureKind::None,
             6 => self.reads_instance(Output::Color),
@@ -108,13 +111,13 @@ impl ShaderVariant<'_> {
             ShaderKind::Surface => include_str!("surface.wgsl"),
             ShaderKind::Line => include_str!("line.wgsl"),
             ShaderKind::Depth => include_str!("depth.wgsl"),
-            ShaderKind::Sky => include_str!("sky.wgsl"),
+            ShaderKind::Sky { .. } => include_str!("sky.wgsl"),
             ShaderKind::Label => include_str!("label.wgsl"),
         };
         let flags = [
             ("COLOR", self.output == Output::Color),
             ("IDS", self.output == Output::Ids),
-            ("INSTANCED", !matches!(self.kind, ShaderKind::Sky | ShaderKind::Label)),
+            ("INSTANCED", !matches!(self.kind, ShaderKind::Sky { .. } | ShaderKind::Label)),
             ("INSTANCE_COLOR", self.reads_instance(Output::Color)),
             ("INSTANCE_ID", self.reads_instance(Output::Ids)),
             ("LIT", is_lit),
@@ -130,6 +133,7 @@ impl ShaderVariant<'_> {
             ("TEXCOORD", self.reads(2)),
             ("FOG", self.fog),
             ("CLIP", self.clip),
+            ("HAZE", self.kind == ShaderKind::Sky { haze: true }),
         ];
         let lighting = if is_lit { LightingCode::new(self.lights, shading) } else { LightingCode::default() };
         let mut source = preprocess(&[include_str!("common.wgsl"), file], &flags, &lighting.inserts());

@@ -1,5 +1,5 @@
-// Skybox and haze. The skybox is the inside of a cylinder around the camera with a cube texture. The haze is a ring
-// above the horizon of an infinite plane, which hides the edge of the plane.
+// Skybox, optionally with haze. The skybox is the inside of a cylinder around the camera with a cube texture. The haze
+// is a ring above the horizon of an infinite plane, which hides the edge of the plane.
 
 @group(1) @binding(0) var color_texture: texture_cube<f32>;
 @group(1) @binding(1) var color_sampler: sampler;
@@ -7,8 +7,10 @@
 struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) direction: vec3f,
+//#if HAZE
     @location(1) color: vec4f,
     @location(2) @interpolate(flat) is_haze: f32,
+//#end
 //#if FOG
     @location(3) depth: f32,
 //#end
@@ -23,8 +25,10 @@ fn vs_main(@location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
     out.position = view.clip * vec4f(world, 1.0);
     // The z-axis of the world is the y-axis of the cube texture.
     out.direction = vec3f(vertex.x, vertex.z, -vertex.y);
+//#if HAZE
     out.color = color;
     out.is_haze = vertex.w;
+//#end
 //#if FOG
     out.depth = dot(view.depth, vec4f(world, 1.0));
 //#end
@@ -33,10 +37,14 @@ fn vs_main(@location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
 
 @fragment
 fn fs_main(in: Varyings) -> @location(0) vec4f {
-    let texel = textureSample(color_texture, color_sampler, in.direction).rgb;
-    var color = select(texel, in.color.rgb, in.is_haze > 0.5);
+    var color = textureSample(color_texture, color_sampler, in.direction).rgb;
+    var alpha = 1.0;
+//#if HAZE
+    color = select(color, in.color.rgb, in.is_haze > 0.5);
+    alpha = in.color.a;
+//#end
 //#if FOG
     color = apply_fog(color, in.depth);
 //#end
-    return vec4f(color, in.color.a);
+    return vec4f(color, alpha);
 }

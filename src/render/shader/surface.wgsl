@@ -58,17 +58,13 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#if LIT
     // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared length. The columns
     // are orthogonal.
-    let x_axis = vec3f(instance.x.x, instance.y.x, instance.z.x);
-    let y_axis = vec3f(instance.x.y, instance.y.y, instance.z.y);
-    let z_axis = vec3f(instance.x.z, instance.y.z, instance.z.z);
-    let scaled = x_axis * (vertex.normal.x / max(dot(x_axis, x_axis), 1e-30))
-        + y_axis * (vertex.normal.y / max(dot(y_axis, y_axis), 1e-30))
-        + z_axis * (vertex.normal.z / max(dot(z_axis, z_axis), 1e-30));
-    let normal = scaled * inverseSqrt(max(dot(scaled, scaled), 1e-30));
+    let local = vertex.normal * instance.normal_scale;
+    let scaled = vec3f(dot(instance.x.xyz, local), dot(instance.y.xyz, local), dot(instance.z.xyz, local));
+    let normal = direction(scaled);
     let rgba = vec4f(instance.rgba.rgb * view.camera.w, instance.rgba.a);
 //#end
 //#if VERTEX_LIGHT
-    let point = SurfacePoint(world, normal, normalize(view.camera.xyz - world), rgba.rgb, instance.material.xyz);
+    let point = SurfacePoint(world, normal, direction(view.camera.xyz - world), rgba.rgb, instance.material);
     out.base = vec4f(unshadowed_light(point), rgba.a);
 //#vertex_light
 //#end
@@ -76,7 +72,7 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     out.world = world;
     out.normal = normal;
     out.rgba = rgba;
-    out.material = instance.material.xyz;
+    out.material = instance.material;
 //#end
 //#if UNLIT
     out.rgba = instance.rgba;
@@ -128,8 +124,8 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     }
 //#end
 //#if PIXEL_LIGHT
-    let normal = in.normal * inverseSqrt(max(dot(in.normal, in.normal), 1e-30));
-    let point = SurfacePoint(in.world, normal, normalize(view.camera.xyz - in.world), in.rgba.rgb, in.material);
+    let normal = direction(in.normal);
+    let point = SurfacePoint(in.world, normal, direction(view.camera.xyz - in.world), in.rgba.rgb, in.material);
     var color = unshadowed_light(point);
     let alpha = in.rgba.a;
 //#end

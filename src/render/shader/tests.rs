@@ -71,7 +71,9 @@ fn surface_shader_is_valid_for_any_number_of_lights() {
 
 #[test]
 fn every_shader_is_valid_with_every_option() {
-    for kind in [ShaderKind::Surface, ShaderKind::Line, ShaderKind::Depth, ShaderKind::Sky, ShaderKind::Label] {
+    let skies = [false, true].map(|haze| ShaderKind::Sky { haze });
+    let others = [ShaderKind::Surface, ShaderKind::Line, ShaderKind::Depth, ShaderKind::Label];
+    for kind in others.into_iter().chain(skies) {
         for output in [Output::Color, Output::Ids, Output::DepthOnly] {
             for texture_kind in [TextureKind::None, TextureKind::D2, TextureKind::Cube] {
                 for shading in [Shading::None, Shading::Vertex, Shading::Pixel] {
