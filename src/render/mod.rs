@@ -63,7 +63,10 @@
 //!   draws everything once more for each shadow-casting light.
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights, which
 //!   [`max_lights`](RendererOptions::max_lights) imitates.
-//! - Round shapes that cover few pixels have fewer vertices.
+//! - Round shapes that cover few pixels have fewer vertices. So have meshes without texture coordinates: vertices that are less than a pixel apart
+//!   are merged, except in wireframes, depth and segmentation images. In images of an arm of 215,000 small triangles at most 0.3 % of the pixels
+//!   differ by more than 8 of 255 (bench `render`, argument `pictures`).
+//! - The powers in the lighting equation are within 0.1 %.
 //! - Tiles of a large plane far from the lights and the camera have fewer triangles. The diffuse light of each source changes by at most one of 255 levels,
 //!   and so does its highlight.
 //! - A shadow map is rendered with half, a quarter, … of its width and height while a texel on the nearest visible surface is at
@@ -85,6 +88,9 @@
 //!
 //! The backend is Vulkan, Metal or Direct3D 12; OpenGL is the fallback if none of them has an adapter. Lines that a
 //! driver prints to standard error while the adapter is opened are logged at level `debug` (with glibc).
+//!
+//! With a software rasteriser and glibc, opening the adapter makes `malloc` keep up to 64 MiB of freed memory, which would otherwise be returned to
+//! the system and cleared again for every frame. A program that sets `M_MMAP_THRESHOLD` or `M_TRIM_THRESHOLD` itself is not affected.
 
 #![forbid(unsafe_code)]
 
