@@ -10,8 +10,8 @@
 //!
 //! Both render the same scenes of `tests/render/pictures` with the model's number of samples and shadow settings, and read the
 //! pixels back. The interpreter uses the engine's library of this program (`LD_PRELOAD`). They alternate in turns of a few images each, and
-//! every pair of turns gives a ratio. The comparison uses the processor time of all threads. With a software renderer, such as Mesa's lavapipe and OSMesa, this is the full cost
-//! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
+//! every pair of turns gives a ratio. The comparison uses the processor time of all threads. With a software renderer, such as Mesa's lavapipe
+//! and OSMesa, this is the full cost of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
 //! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone,
 //! the cost of images of many simulations relative to single calls, the images per second of two threads (by wall time), and the CPU time to prepare a frame for up to 10,000 geoms.

@@ -9,7 +9,7 @@ use super::{Triangles, Vertex};
 pub(crate) const MESH_LEVELS: usize = 6;
 
 /// Cosine of the angle from which two normals of a cluster stay apart, as at an edge.
-const SAME_NORMAL: f32 = 0.8;
+const SAME_NORMAL: f64 = 0.8;
 
 /// Returns coarser levels of a mesh, each with the width of its cells: the largest distance between vertices that it merges, along an axis. Each
 /// level has at most two thirds of the triangles of the one before.
@@ -87,8 +87,11 @@ fn clustered(mesh: &Triangles, cell: f32) -> Triangles {
     coarse
 }
 
+/// The normals of a model may have any length. Double precision has no overflow.
 fn have_same_normal(a: &Vertex, b: &Vertex) -> bool {
-    a.normal.iter().zip(b.normal).map(|(a, b)| a * b).sum::<f32>() >= SAME_NORMAL
+    let [a, b] = [a, b].map(|vertex| vertex.normal.map(f64::from));
+    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    dot(a, b) >= SAME_NORMAL * (dot(a, a) * dot(b, b)).sqrt()
 }
 
 /// Replaces each normal by the mean of the normals that it replaces. `vertices` has the coarse vertex of each vertex of the mesh.
@@ -98,16 +101,16 @@ fn average_normals(coarse: &mut Triangles, mesh: &Triangles, vertices: &[u32]) {
         add(&mut sums[at as usize], vertex.normal);
     }
     for (vertex, sum) in coarse.vertices.iter_mut().zip(sums) {
-        let length = sum.iter().map(|part| part * part).sum::<f32>().sqrt();
-        if length.is_normal() {
-            vertex.normal = sum.map(|part| part / length);
+        let length = sum.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if length > 0.0 {
+            vertex.normal = sum.map(|part| (part / length) as f32);
         }
     }
 }
 
-fn add(sum: &mut [f32; 3], vector: [f32; 3]) {
+fn add(sum: &mut [f64; 3], vector: [f32; 3]) {
     for (sum, part) in sum.iter_mut().zip(vector) {
-        *sum += part;
+        *sum += f64::from(part);
     }
 }
 
@@ -115,7 +118,7 @@ fn add(sum: &mut [f32; 3], vector: [f32; 3]) {
 struct Places {
     positions: Vec<[f32; 3]>,
     /// Sum of the normals of the vertices at each position.
-    normals: Vec<[f32; 3]>,
+    normals: Vec<[f64; 3]>,
     of_vertex: Vec<u32>,
 }
 
@@ -148,10 +151,11 @@ struct Clusters {
 impl Clusters {
     fn new(places: &Places, cell: f32) -> Self {
         let mut known = HashMap::new();
-        let mut sums: Vec<([f32; 3], f32)> = Vec::new();
+        let mut sums: Vec<([f64; 3], f64)> = Vec::new();
         let mut of_place = Vec::with_capacity(places.positions.len());
         for (position, normal) in places.positions.iter().zip(&places.normals) {
-            let at = position.map(|coordinate| (coordinate / cell).floor() as i32);
+            // As bits, because f32 is no key. Adding zero converts negative zero.
+            let at = position.map(|coordinate| ((coordinate / cell).floor() + 0.0).to_bits());
             let octant = normal.map(|part| part < 0.0);
             let cluster = *known.entry((at, octant)).or_insert_with(|| {
                 sums.push(([0.0; 3], 0.0));
@@ -162,14 +166,14 @@ impl Clusters {
             *count += 1.0;
             of_place.push(cluster);
         }
-        let positions = sums.into_iter().map(|(sum, count)| sum.map(|sum| sum / count)).collect();
+        let positions = sums.into_iter().map(|(sum, count)| sum.map(|sum| (sum / count) as f32)).collect();
         Self { positions, of_place }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_support::{assert_closed, faces, volume};
+    use super::super::test_support::{assert_closed, assert_finite, faces, volume};
     use super::super::{Tessellation, Triangles, cuboid, sphere};
     use super::{MESH_LEVELS, coarse_levels};
 
@@ -225,6 +229,24 @@ mod tests {
             let (low, high) =
                 (heights.iter().copied().fold(0.0, f32::min), heights.iter().copied().fold(0.0, f32::max));
             assert!((low + 0.001).abs() < 1e-6 && (high - 0.001).abs() < 1e-6, "{low} to {high}");
+        }
+    }
+
+    #[test]
+    fn normals_of_any_length_and_huge_positions_are_merged() {
+        let counts = |mesh: &Triangles| -> Vec<usize> {
+            let levels = coarse_levels(mesh);
+            levels.iter().for_each(|(_, level)| assert_finite(level));
+            levels.iter().map(|(_, level)| level.vertices.len()).collect()
+        };
+        let sphere = fine_sphere();
+        for (of_normal, of_position) in [(0.85, 1.0), (f32::MAX, 1.0), (1.0, 2f32.powi(125))] {
+            let mut scaled = sphere.clone();
+            for vertex in &mut scaled.vertices {
+                vertex.normal = vertex.normal.map(|part| part * of_normal);
+                vertex.position = vertex.position.map(|part| part * of_position);
+            }
+            assert_eq!(counts(&scaled), counts(&sphere), "{of_normal} {of_position}");
         }
     }
 
