@@ -58,9 +58,9 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, detail: Detail, parts:
         SceneGeomType::Cylinder => parts.extend(cylinder(size, round)),
         SceneGeomType::Box => parts.push(Part::new(shapes.cuboid(), size)),
         SceneGeomType::Mesh | SceneGeomType::Sdf => {
-            let shape = geom.mesh().and_then(|mesh| match geom.shows_convex_hull() {
-                true => shapes.hull(mesh.index()),
-                false => shapes.mesh(mesh.index(), detail.mesh),
+            let shape = geom.mesh().and_then(|mesh| {
+                let mesh = mesh.index();
+                if geom.shows_convex_hull() { shapes.hull(mesh) } else { shapes.mesh(mesh, detail.mesh) }
             });
             parts.extend(shape.map(asset));
         }

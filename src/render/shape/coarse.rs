@@ -180,7 +180,9 @@ mod tests {
     fn fine_sphere() -> Triangles {
         let mut sphere = sphere(Tessellation::new(120, 60, 1));
         // Meshes have no parities.
-        sphere.vertices.iter_mut().for_each(|vertex| vertex.texcoord = [0.0; 2]);
+        for vertex in &mut sphere.vertices {
+            vertex.texcoord = [0.0; 2];
+        }
         sphere
     }
 
@@ -235,9 +237,11 @@ mod tests {
     #[test]
     fn normals_of_any_length_and_huge_positions_are_merged() {
         let counts = |mesh: &Triangles| -> Vec<usize> {
-            let levels = coarse_levels(mesh);
-            levels.iter().for_each(|(_, level)| assert_finite(level));
-            levels.iter().map(|(_, level)| level.vertices.len()).collect()
+            let count = |(_, level): (f32, Triangles)| {
+                assert_finite(&level);
+                level.vertices.len()
+            };
+            coarse_levels(mesh).into_iter().map(count).collect()
         };
         let sphere = fine_sphere();
         for (of_normal, of_position) in [(0.85, 1.0), (f32::MAX, 1.0), (1.0, 2f32.powi(125))] {
