@@ -22,13 +22,14 @@ pub(crate) fn coarse_levels(mesh: &Triangles) -> Vec<(f32, Triangles)> {
     if !cell.is_normal() || mesh.vertices.iter().any(|vertex| vertex.texcoord != [0.0; 2]) {
         return levels;
     }
+    let places = Places::new(mesh);
     for _ in 0..2 * MESH_LEVELS {
         let finer = levels.last().map_or(mesh, |(_, level)| level);
         if finer.indices.len() < 3 * MIN_TRIANGLES || levels.len() == MESH_LEVELS {
             break;
         }
         cell *= std::f32::consts::SQRT_2;
-        let coarser = clustered(mesh, cell);
+        let coarser = clustered(mesh, &places, cell);
         if 3 * coarser.indices.len() <= 2 * finer.indices.len() {
             levels.push((cell, coarser));
         }
@@ -49,9 +50,8 @@ fn mean_edge(mesh: &Triangles) -> f32 {
 
 /// Merges the vertices in each cell of a cubic grid whose normals are in the same octant, and omits the triangles that collapse. A closed mesh
 /// stays closed: vertices at the same place stay together.
-fn clustered(mesh: &Triangles, cell: f32) -> Triangles {
-    let places = Places::new(mesh);
-    let clusters = Clusters::new(&places, cell);
+fn clustered(mesh: &Triangles, places: &Places, cell: f32) -> Triangles {
+    let clusters = Clusters::new(places, cell);
     let mut coarse = Triangles::default();
     // The vertices of each cluster: the first, and the next after each. They differ in their normals.
     let mut first = vec![u32::MAX; clusters.positions.len()];
