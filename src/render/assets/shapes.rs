@@ -1,5 +1,6 @@
 //! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields, skins and flexes.
 
+use std::num::NonZero;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -45,8 +46,6 @@ pub(crate) struct Shapes {
     nhfield: u32,
     skins: u32,
     skin_topologies: Vec<SkinTopology>,
-    /// Scratch memory for the vertices of a skin.
-    skin_vertices: Vec<Vertex>,
     /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers.
     flexes: Vec<([usize; 2], ShapeBuffers)>,
     max_vertices: usize,
@@ -76,7 +75,6 @@ impl Shapes {
             nhfield: model.nhfield() as u32,
             skins: 0,
             skin_topologies: Vec::new(),
-            skin_vertices: Vec::new(),
             flexes: Vec::new(),
             max_vertices,
         };
@@ -190,23 +188,23 @@ impl Shapes {
     }
 
     /// Writes the vertices of the skins of a scene.
-    pub(crate) fn update_skins(&mut self, gpu: &Gpu, scene: &Scene) {
+    pub(crate) fn update_skins(&self, gpu: &Gpu, scene: &Scene) {
         for (index, skin) in scene.skins().enumerate() {
             let Some(topology) = self.skin_topologies.get(index) else { break };
+            if skin.vertices.len() != topology.texcoords.len() {
+                continue;
+            }
+            let buffer = &self.buffers[self.skins as usize + index].vertices;
+            // Vertices in the queue's own memory need no other copy.
+            let view = NonZero::new(buffer.size()).and_then(|size| gpu.queue().write_buffer_with(buffer, 0, size));
+            let Some(mut bytes) = view else { continue };
             let drawable = |vector: [f32; 3]| vector.map(|number| if is_drawable(number) { number } else { 0.0 });
-            self.skin_vertices.clear();
-            self.skin_vertices.extend(skin.vertices.iter().zip(skin.normals).zip(&topology.texcoords).map(
-                |((&position, &normal), &texcoord)| Vertex {
-                    position: drawable(position),
-                    normal: drawable(normal),
-                    texcoord,
+            let (vertices, _) = bytes.slice(..).into_chunks::<{ size_of::<Vertex>() }>();
+            vertices.write_iter(skin.vertices.iter().zip(skin.normals).zip(&topology.texcoords).map(
+                |((&position, &normal), &texcoord)| {
+                    bytemuck::cast(Vertex { position: drawable(position), normal: drawable(normal), texcoord })
                 },
             ));
-            let buffer = &self.buffers[self.skins as usize + index].vertices;
-            let bytes: &[u8] = bytemuck::cast_slice(&self.skin_vertices);
-            if bytes.len() as u64 <= buffer.size() {
-                gpu.queue().write_buffer(buffer, 0, bytes);
-            }
         }
     }
 
