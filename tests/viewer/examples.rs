@@ -24,9 +24,9 @@ pub fn windows() {
     show("cartpole_lqr", &["--view"], "Cart-pole under LQR", wide.clone());
     show("humanoid_predictive", &["--view"], "Humanoid with predictive control", wide.clone());
     let out = folder.path().to_str().unwrap();
-    show("arm_tracking", &["--view", "--seconds", "0.5", "--out", out], "Arm that follows a target", wide.clone());
+    show("arm_tracking", &["--view", "--seconds", "0.1", "--out", out], "Arm that follows a target", wide.clone());
     show("humanoid_lqr", &["--view", "--out", out], "Humanoid on one leg", wide.clone());
-    show("humanoid_stand_up", &["--view", "--seconds", "0.5", "--out", out], "Humanoid that gets up", wide);
+    show("humanoid_stand_up", &["--view", "--seconds", "0.1", "--out", out], "Humanoid that gets up", wide);
 
     // A wrong argument is an error before a window opens.
     let output = command("view", &[model, "--keyframe", "low"]).output().unwrap();

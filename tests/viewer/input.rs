@@ -4,8 +4,8 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Time limit of a wait, generous for a loaded machine.
-const TIMEOUT: Duration = Duration::from_secs(90);
+/// Time limit of a wait, which only a window that hangs reaches, also on a loaded machine.
+const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Input for one window.
 pub struct Input {
