@@ -122,8 +122,7 @@
 //! | 7 lights, 5 of which cast shadows | 3.83 [3.20, 4.21] | 4.21 [3.80, 5.27] | 1.05 [1.03, 1.07] | 1.10 [1.06, 1.26] |
 //! | cloth with a skin of 37,632 triangles | 1.56 [1.53, 1.72] | 1.59 [1.52, 1.64] | 0.96 [0.90, 1.01] | 0.94 [0.91, 1.03] |
 //!
-//! Repeated runs of the last two columns vary by 0.05. Without shadows a fine skin is drawn up to 6 % slower than by the engine: both rasterise the
-//! same triangles, and only here are the vertices copied to the driver before they are drawn.
+//! Repeated runs of the last two columns vary by 0.05. A fine skin without shadows is drawn up to 6 % slower than by the engine.
 //!
 //! At 84×84 the humanoid is drawn 10.4 [10.0, 11.0] times as fast.
 //!
