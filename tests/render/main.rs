@@ -14,5 +14,6 @@ mod pinhole;
 mod quiet;
 mod rays;
 mod record;
+mod skins;
 mod snapshots;
 mod stage;

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::shapes::ShapeBuffers;
+use super::shape_buffers::ShapeBuffers;
 use crate::render::shape::{self, Tessellation, Triangles};
 use crate::render::{Gpu, Lighting, RenderError};
 

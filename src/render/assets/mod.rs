@@ -5,10 +5,13 @@ mod glyph_atlas;
 mod level_of_detail;
 mod mipmap;
 mod plane;
+mod shape_buffers;
 mod shapes;
+mod skin;
 mod textures;
 
 pub(crate) use self::glyph_atlas::{GLYPH_SIZE, GlyphAtlas};
 pub(crate) use self::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DepthLevels, DetailLevel, RoundShape};
-pub(crate) use self::shapes::{Shapes, Tile};
+pub(crate) use self::shape_buffers::Tile;
+pub(crate) use self::shapes::Shapes;
 pub(crate) use self::textures::{TextureBindings, Textures, glyph_atlas};

@@ -1,21 +1,22 @@
-//! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields, skins and flexes.
+//! The unit shapes, and the model's planes, meshes, height fields, skins and flexes.
 
-use std::num::NonZero;
-use std::ops::Range;
 use std::sync::Arc;
-
-use wgpu::util::DeviceExt;
 
 use super::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, RoundShape};
 use super::plane::{Axis, Plane};
+use super::shape_buffers::ShapeBuffers;
+use super::skin::Skin;
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
-use crate::render::settings::{VisualSettings, is_drawable};
-use crate::render::shape::{self, MESH_LEVELS, SkinTopology, Tessellation, Triangles, Vertex};
+use crate::render::settings::VisualSettings;
+use crate::render::shape::{self, MESH_LEVELS, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::{Scene, SceneGeom, SceneGeomType};
 
-/// First coarser level of a mesh, above the shapes of models at their full level of detail.
+/// First skin, above the other shapes of models at their full level of detail.
+const FIRST_SKIN: u32 = 1 << 20;
+
+/// First coarser level of a mesh, above the skins.
 const FIRST_MESH_LEVEL: u32 = 1 << 21;
 
 /// First of the round shapes for depth images, above the shapes of models.
@@ -44,8 +45,7 @@ pub(crate) struct Shapes {
     mesh_levels: Vec<Vec<MeshLevel>>,
     height_fields: u32,
     nhfield: u32,
-    skins: u32,
-    skin_topologies: Vec<SkinTopology>,
+    skins: Vec<Skin>,
     /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers.
     flexes: Vec<([usize; 2], ShapeBuffers)>,
     max_vertices: usize,
@@ -73,8 +73,7 @@ impl Shapes {
             mesh_levels: Vec::new(),
             height_fields: 0,
             nhfield: model.nhfield() as u32,
-            skins: 0,
-            skin_topologies: Vec::new(),
+            skins: Vec::new(),
             flexes: Vec::new(),
             max_vertices,
         };
@@ -106,11 +105,8 @@ impl Shapes {
         for field in model.height_fields() {
             shapes.push(gpu, &shape::height_field(model, field.id(), max_vertices)?)?;
         }
-        shapes.skins = shapes.buffers.len() as u32;
         for skin in model.skins() {
-            let topology = shape::skin(model, skin.id(), max_vertices)?;
-            shapes.buffers.push(ShapeBuffers::dynamic(gpu, topology.vertices, &topology.indices)?);
-            shapes.skin_topologies.push(topology);
+            shapes.skins.push(Skin::new(gpu, model, skin.id(), max_vertices)?);
         }
         Ok(shapes)
     }
@@ -187,24 +183,10 @@ impl Shapes {
         Ok(())
     }
 
-    /// Writes the vertices of the skins of a scene.
-    pub(crate) fn update_skins(&self, gpu: &Gpu, scene: &Scene) {
-        for (index, skin) in scene.skins().enumerate() {
-            let Some(topology) = self.skin_topologies.get(index) else { break };
-            if skin.vertices.len() != topology.texcoords.len() {
-                continue;
-            }
-            let buffer = &self.buffers[self.skins as usize + index].vertices;
-            // Vertices in the queue's own memory need no other copy.
-            let view = NonZero::new(buffer.size()).and_then(|size| gpu.queue().write_buffer_with(buffer, 0, size));
-            let Some(mut bytes) = view else { continue };
-            let drawable = |vector: [f32; 3]| vector.map(|number| if is_drawable(number) { number } else { 0.0 });
-            let (vertices, _) = bytes.slice(..).into_chunks::<{ size_of::<Vertex>() }>();
-            vertices.write_iter(skin.vertices.iter().zip(skin.normals).zip(&topology.texcoords).map(
-                |((&position, &normal), &texcoord)| {
-                    bytemuck::cast(Vertex { position: drawable(position), normal: drawable(normal), texcoord })
-                },
-            ));
+    /// Writes the skins of a scene as seen in the image with these [`ViewFrustum::pixel_rows`](crate::render::view::ViewFrustum::pixel_rows).
+    pub(crate) fn update_skins(&mut self, gpu: &Gpu, scene: &Scene, pixel_rows: &[[f32; 4]; 3]) {
+        for (skin, seen) in self.skins.iter_mut().zip(scene.skins()) {
+            skin.update(gpu, seen.vertices, seen.normals, pixel_rows);
         }
     }
 
@@ -231,6 +213,9 @@ impl Shapes {
         if let Some(level) = shape.checked_sub(FIRST_MESH_LEVEL) {
             let level = level as usize;
             return &self.mesh_levels[level / MESH_LEVELS][level % MESH_LEVELS].buffers;
+        }
+        if let Some(skin) = shape.checked_sub(FIRST_SKIN) {
+            return &self.skins[skin as usize].buffers;
         }
         &self.buffers[shape as usize]
     }
@@ -300,7 +285,7 @@ impl Shapes {
     }
 
     pub(crate) fn skin(&self, skin: usize) -> Option<u32> {
-        (skin < self.skin_topologies.len()).then(|| self.skins + skin as u32)
+        (skin < self.skins.len()).then(|| FIRST_SKIN + skin as u32)
     }
 }
 
@@ -317,108 +302,6 @@ impl MeshLevel {
     fn all(gpu: &Gpu, mesh: &Triangles) -> Result<Vec<Self>, RenderError> {
         let levels = shape::coarse_levels(mesh).into_iter();
         levels.map(|(cell, triangles)| Ok(Self { cell, buffers: ShapeBuffers::new(gpu, &triangles)? })).collect()
-    }
-}
-
-/// Vertex and index buffer of a shape.
-#[derive(Debug)]
-pub(crate) struct ShapeBuffers {
-    pub(crate) vertices: wgpu::Buffer,
-    pub(crate) indices: wgpu::Buffer,
-    /// Number of indices; 0 for an empty shape.
-    pub(crate) index_count: u32,
-    /// The triangles form quadrilaterals, and the vertices have parities.
-    pub(crate) has_quads: bool,
-    /// Tiles of a large plane, for culling; empty for other shapes.
-    pub(crate) tiles: Vec<Tile>,
-}
-
-/// Rectangular part of a plane, culled separately and with its own level of detail.
-#[derive(Debug, Clone)]
-pub(crate) struct Tile {
-    /// Indices of all cells.
-    pub(crate) cells: Range<u32>,
-    /// Indices of fewer triangles, each of which is in a block of cells; see [`shape::blocks`].
-    pub(crate) blocks: Range<u32>,
-    /// Largest width and height of a block, in the local frame of the shape.
-    pub(crate) block: [f32; 2],
-    /// Minimum and maximum of x and y, in the local frame of the shape.
-    pub(crate) bounds: [[f32; 2]; 2],
-}
-
-impl ShapeBuffers {
-    /// Returns the number of indices of all triangles at the full level of detail.
-    pub(crate) fn cell_indices(&self) -> u32 {
-        self.tiles.last().map_or(self.index_count, |tile| tile.cells.end)
-    }
-
-    pub(super) fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
-        let Triangles { vertices, indices, has_quads } = triangles;
-        let buffers = Self::with_usage(gpu, bytemuck::cast_slice(vertices), indices, wgpu::BufferUsages::VERTEX)?;
-        Ok(Self { has_quads: *has_quads, ..buffers })
-    }
-
-    /// Creates buffers whose vertices are rewritten later.
-    fn dynamic(gpu: &Gpu, vertices: usize, indices: &[u32]) -> Result<Self, RenderError> {
-        let zeros = vec![0; vertices * size_of::<Vertex>()];
-        Self::with_usage(gpu, &zeros, indices, wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST)
-    }
-
-    fn with_usage(gpu: &Gpu, vertices: &[u8], indices: &[u32], usage: wgpu::BufferUsages) -> Result<Self, RenderError> {
-        let limit = gpu.limits().max_buffer_size;
-        let size = (vertices.len() as u64).max(size_of_val(indices) as u64);
-        if size > limit {
-            let what = "the size of the vertex or index buffer of a shape, bytes,".to_owned();
-            return Err(RenderError::TooLarge { what, size, limit });
-        }
-        let buffer = |contents, usage| {
-            gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-        };
-        Ok(Self {
-            vertices: buffer(vertices, usage),
-            indices: buffer(bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX),
-            index_count: indices.len() as u32,
-            has_quads: false,
-            tiles: Vec::new(),
-        })
-    }
-
-    /// Creates the square from -1 to 1 with these grid lines in x and y, divided into tiles if it has many cells.
-    fn tiled(gpu: &Gpu, lines: [&[f32]; 2]) -> Result<Self, RenderError> {
-        /// Cells along each edge of a tile.
-        const TILE_CELLS: usize = 10;
-        let mut square = shape::plane_with_lines(lines);
-        let mut tiles = Vec::new();
-        let mut blocks = Vec::new();
-        let cells = lines.map(|lines| lines.len() - 1);
-        if cells.iter().any(|&cells| cells > TILE_CELLS) {
-            let rows = std::mem::take(&mut square.indices);
-            let block = lines.map(shape::longest_block);
-            let ranges = |cells: usize| {
-                (0..cells).step_by(TILE_CELLS).map(move |first| (first, (first + TILE_CELLS).min(cells)))
-            };
-            for (bottom, top) in ranges(cells[1]) {
-                for (left, right) in ranges(cells[0]) {
-                    let first = square.indices.len() as u32;
-                    for row in bottom..top {
-                        // Six indices per cell, row by row.
-                        let range = [left, right].map(|column| 6 * (row * cells[0] + column));
-                        square.indices.extend_from_slice(&rows[range[0]..range[1]]);
-                    }
-                    let bounds = [[lines[0][left], lines[1][bottom]], [lines[0][right], lines[1][top]]];
-                    let cells = first..square.indices.len() as u32;
-                    blocks.push(shape::blocks(left..right, bottom..top, lines[0].len()));
-                    tiles.push(Tile { blocks: cells.clone(), cells, block, bounds });
-                }
-            }
-            for (tile, blocks) in tiles.iter_mut().zip(blocks) {
-                let Some(blocks) = blocks else { continue };
-                let first = square.indices.len() as u32;
-                square.indices.extend(blocks);
-                tile.blocks = first..square.indices.len() as u32;
-            }
-        }
-        Ok(Self { tiles, ..Self::new(gpu, &square)? })
     }
 }
 

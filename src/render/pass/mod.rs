@@ -77,7 +77,10 @@ impl DrawContext<'_> {
                     pass.draw_indexed(range, 0, batch.instances.clone());
                 }
             }
-            _ => pass.draw_indexed(0..shape.cell_indices(), 0, batch.instances.clone()),
+            _ => {
+                let front_faces = shape.front_faces.clone().filter(|_| key.draws_front_faces());
+                pass.draw_indexed(front_faces.unwrap_or(shape.cells()), 0, batch.instances.clone());
+            }
         }
     }
 }

@@ -43,6 +43,11 @@ pub(crate) enum PassKind {
 }
 
 impl PassKind {
+    /// Returns `true` for transparent geoms, whose colours are blended by their opacity.
+    pub(super) fn is_transparent(self) -> bool {
+        matches!(self, Self::Transparent | Self::MirrorTransparent { .. })
+    }
+
     /// Returns `true` if the view of the pass contains lights.
     fn has_lights(self) -> bool {
         matches!(
@@ -93,6 +98,12 @@ pub(crate) struct PipelineKey {
 }
 
 impl PipelineKey {
+    /// Returns `true` if only the triangles that face the camera are visible: not in shadow maps and mirror images, which have other viewpoints.
+    pub(super) fn draws_front_faces(&self) -> bool {
+        use PassKind::{FlatColor, Ids, Opaque, Transparent};
+        self.cull && !self.back_faces && matches!(self.pass_kind, Opaque | Transparent | FlatColor | Ids)
+    }
+
     /// Returns a key without lighting, texture, fog and multisampling.
     pub(crate) fn untextured(pass_kind: PassKind, format: wgpu::TextureFormat, cull: bool, flip_y: bool) -> Self {
         Self {
@@ -214,6 +225,7 @@ impl Pipelines {
             shading: key.shading,
             lights: bound,
             fog: key.fog,
+            blended: key.pass_kind.is_transparent(),
             quad_edges: key.wireframe == Wireframe::Quads,
             clip: matches!(
                 key.pass_kind,

@@ -91,7 +91,6 @@ fn primitive(key: &PipelineKey, shader: ShaderKind) -> wgpu::PrimitiveState {
 
 fn depth_stencil(key: &PipelineKey) -> wgpu::DepthStencilState {
     let ignores_depth = matches!(key.pass_kind, PassKind::MirrorStencil | PassKind::Label);
-    let is_transparent = matches!(key.pass_kind, PassKind::Transparent | PassKind::MirrorTransparent { .. });
     let face = |compare, pass_op| wgpu::StencilFaceState {
         compare,
         fail_op: wgpu::StencilOperation::Keep,
@@ -108,7 +107,7 @@ fn depth_stencil(key: &PipelineKey) -> wgpu::DepthStencilState {
     };
     wgpu::DepthStencilState {
         format: depth_format(key.stencil),
-        depth_write_enabled: Some(!ignores_depth && !is_transparent),
+        depth_write_enabled: Some(!ignores_depth && !key.pass_kind.is_transparent()),
         depth_compare: Some(if ignores_depth {
             wgpu::CompareFunction::Always
         } else {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Renderer;
+use super::read_back::drop_alpha;
 use super::tiled::Tiles;
 use crate::error::{Error, Result};
 use crate::render::RenderError;
@@ -53,11 +54,7 @@ impl Renderer {
         update: impl FnMut(usize, &mut Scene) -> Result<()>,
         rgb: &mut [u8],
     ) -> Result<(), RenderError> {
-        self.batch_into(None, update, ("rgb", 3), rgb, |row, out| {
-            for (to, from) in out.as_chunks_mut::<3>().0.iter_mut().zip(row.as_chunks::<4>().0) {
-                *to = [from[0], from[1], from[2]];
-            }
-        })
+        self.batch_into(None, update, ("rgb", 3), rgb, drop_alpha)
     }
 
     /// Renders a depth image of each of many simulations, as [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one array

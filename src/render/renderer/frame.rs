@@ -138,7 +138,7 @@ impl Frame {
         let stencil_mark = list.mirror.as_ref().and_then(|mirror| mirror.stencil_mark);
         list.instances.extend(stencil_mark.map(|(_, instance)| instance));
         self.instances.write(gpu, bytemuck::cast_slice(&list.instances))?;
-        shapes.update_skins(gpu, scene);
+        shapes.update_skins(gpu, scene, &frustum.pixel_rows(size));
         Ok((frustum, lights))
     }
 

@@ -52,14 +52,14 @@ pub(super) fn rgb_rows(picture: &mut RgbImage, size: [u32; 2]) -> impl FnMut(&[u
     move |row| drop_alpha(row, rows.next().unwrap_or_default())
 }
 
-/// Copies the red, green and blue of pixels with alpha, in words of four pixels.
-fn drop_alpha(rgba: &[u8], rgb: &mut [u8]) {
-    let (four_rgba, last_rgba) = rgba.as_chunks::<16>();
-    let (four_rgb, last_rgb) = rgb.as_chunks_mut::<12>();
-    for (to, from) in four_rgb.iter_mut().zip(four_rgba) {
-        let from = u128::from_le_bytes(*from);
-        let pixel = |index: u32| (from >> (32 * index) & 0xFF_FFFF) << (24 * index);
-        to.copy_from_slice(&(pixel(0) | pixel(1) | pixel(2) | pixel(3)).to_le_bytes()[..12]);
+/// Copies the red, green and blue of pixels with alpha, in words of two pixels.
+pub(super) fn drop_alpha(rgba: &[u8], rgb: &mut [u8]) {
+    let (two_rgba, last_rgba) = rgba.as_chunks::<8>();
+    let (two_rgb, last_rgb) = rgb.as_chunks_mut::<6>();
+    for (to, from) in two_rgb.iter_mut().zip(two_rgba) {
+        let from = u64::from_le_bytes(*from);
+        let pixels = from & 0xFF_FFFF | from >> 8 & 0xFFFF_FF00_0000;
+        to.copy_from_slice(&pixels.to_le_bytes()[..6]);
     }
     for (to, from) in last_rgb.as_chunks_mut::<3>().0.iter_mut().zip(last_rgba.as_chunks::<4>().0) {
         *to = [from[0], from[1], from[2]];

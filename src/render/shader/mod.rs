@@ -53,6 +53,7 @@ pub(crate) enum Shading {
 }
 
 /// Parameters of shader specialisation.
+#[allow(clippy::struct_excessive_bools, reason = "each is an independent switch")]
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShaderVariant<'a> {
     pub(crate) kind: ShaderKind,
@@ -61,6 +62,8 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) shading: Shading,
     pub(crate) lights: &'a [LightFeatures],
     pub(crate) fog: bool,
+    /// Colours are blended by their opacity.
+    pub(crate) blended: bool,
     /// Fragments on the diagonals of quadrilaterals are discarded.
     pub(crate) quad_edges: bool,
     /// Fragments behind the clipping plane are discarded.
@@ -129,6 +132,8 @@ impl ShaderVariant<'_> {
             ("TEXTURE_2D", self.texture_kind == TextureKind::D2),
             ("TEXTURE_CUBE", self.texture_kind == TextureKind::Cube),
             ("TEXTURED", self.texture_kind != TextureKind::None),
+            ("BLENDED", self.blended),
+            ("OPAQUE", !self.blended),
             ("QUAD_EDGES", self.quad_edges),
             ("TEXCOORD", self.reads(2)),
             ("FOG", self.fog),

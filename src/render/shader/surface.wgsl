@@ -144,6 +144,12 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
 //#if FOG
     color = apply_fog(color, in.depth);
 //#end
+//#if BLENDED
     return vec4f(color, alpha);
+//#end
+//#if OPAQUE
+    // Nothing reads the opacity, and its interpolation takes time.
+    return vec4f(color, 1.0);
+//#end
 }
 //#end

@@ -35,6 +35,7 @@ const SURFACE: ShaderVariant<'static> = ShaderVariant {
     shading: Shading::Pixel,
     lights: &[],
     fog: false,
+    blended: false,
     quad_edges: false,
     clip: false,
 };
@@ -61,6 +62,7 @@ fn surface_shader_is_valid_for_any_number_of_lights() {
                 lights: &lights,
                 texture_kind: TextureKind::D2,
                 fog: true,
+                blended: true,
                 clip: true,
                 ..SURFACE
             });
@@ -77,12 +79,22 @@ fn every_shader_is_valid_with_every_option() {
         for output in [Output::Color, Output::Ids, Output::DepthOnly] {
             for texture_kind in [TextureKind::None, TextureKind::D2, TextureKind::Cube] {
                 for shading in [Shading::None, Shading::Vertex, Shading::Pixel] {
-                    for bits in 0..8 {
+                    for bits in 0..16 {
                         // Only colour output has textures.
                         let texture_kind = if output == Output::Color { texture_kind } else { TextureKind::None };
                         let lights = &[features(0b111_1110), features(1)];
-                        let [fog, clip, quad_edges] = [1, 2, 4].map(|bit| bits & bit == bit);
-                        check(&ShaderVariant { kind, output, texture_kind, shading, lights, fog, quad_edges, clip });
+                        let [fog, clip, quad_edges, blended] = [1, 2, 4, 8].map(|bit| bits & bit == bit);
+                        check(&ShaderVariant {
+                            kind,
+                            output,
+                            texture_kind,
+                            shading,
+                            lights,
+                            fog,
+                            blended,
+                            quad_edges,
+                            clip,
+                        });
                     }
                 }
             }

@@ -95,8 +95,8 @@ fn checked(face: [i32; 3], positions: &[[f32; 3]]) -> Option<[usize; 3]> {
 pub(crate) struct SkinTopology {
     /// Number of vertices.
     pub(crate) vertices: usize,
-    /// Indices of the triangle list, with counterclockwise front faces.
-    pub(crate) indices: Vec<u32>,
+    /// Indices of the vertices of each triangle, with counterclockwise front faces.
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Explicit texture coordinates of each vertex; zero if the skin has none.
     pub(crate) texcoords: Vec<[f32; 2]>,
 }
@@ -110,11 +110,11 @@ pub(crate) fn skin(model: &Model, id: SkinId, max_vertices: usize) -> Result<Ski
     let skin = model.skin(id);
     let (vertices, faces) = (skin.vert().len(), skin.face());
     Triangles::check_size(|| format!("{skin:?}"), vertices.max(faces.len()), max_vertices)?;
-    let mut topology = SkinTopology { vertices, indices: Vec::with_capacity(3 * faces.len()), texcoords: Vec::new() };
+    let mut topology = SkinTopology { vertices, triangles: Vec::with_capacity(faces.len()), texcoords: Vec::new() };
     for face in faces {
         let corners = face.map(|corner| u32::try_from(corner).unwrap_or(u32::MAX));
         if corners.iter().all(|&corner| (corner as usize) < vertices) {
-            topology.indices.extend(corners);
+            topology.triangles.push(corners);
         }
     }
     topology.texcoords.extend(skin.texcoord().iter().map(|texcoord| texcoord.map(finite_or_zero)));
@@ -266,7 +266,8 @@ mod tests {
         let view = model.skins().next().unwrap();
         let topology = skin(&model, view.id(), usize::MAX).unwrap();
         assert_eq!(topology.vertices, view.vert().len());
-        assert_eq!(topology.indices, view.face().as_flattened().iter().map(|&index| index as u32).collect::<Vec<_>>());
+        let faces: Vec<[u32; 3]> = view.face().iter().map(|face| face.map(|corner| corner as u32)).collect();
+        assert_eq!(topology.triangles, faces);
         assert_eq!(topology.texcoords, view.texcoord());
         assert!(topology.texcoords.as_flattened().iter().all(|coordinate| (0.0..=1.0).contains(coordinate)));
         assert!(skin(&model, view.id(), topology.vertices - 1).is_err());

@@ -89,6 +89,15 @@ impl ViewFrustum {
         Self { flip_y: !self.flip_y, ..self }
     }
 
+    /// Returns three rows for an image of `size`: the products of the first two with a point (x, y, z, 1), divided by the product of the last, are
+    /// the position of the point in the image, pixels to the right and up from the centre.
+    pub(crate) fn pixel_rows(&self, size: [u32; 2]) -> [[f32; 4]; 3] {
+        let [half_width, half_height] = size.map(|length| 0.5 * f64::from(length));
+        let up = if self.flip_y { -half_height } else { half_height };
+        [(0, half_width), (1, up), (3, 1.0)]
+            .map(|(index, factor)| row(&self.clip, index).map(|number| (factor * number) as f32))
+    }
+
     /// Returns the depth of a point, m.
     pub(crate) fn depth_of(&self, point: [f32; 3]) -> f64 {
         let [x, y, z] = point.map(f64::from);
