@@ -7,15 +7,13 @@ use crate::id::SkinId;
 use crate::model::Model;
 use crate::render::bounding_volume::signed_distance;
 use crate::render::settings::is_drawable;
-use crate::render::shape::{self, Vertex};
+use crate::render::shape::{self, SkinTopology, Vertex};
 use crate::render::{Gpu, GpuKind, RenderError};
 
 /// Skin of a model.
 #[derive(Debug)]
 pub(super) struct Skin {
-    /// All triangles, with counterclockwise front faces.
-    triangles: Vec<[u32; 3]>,
-    texcoords: Vec<[f32; 2]>,
+    topology: SkinTopology,
     /// Vertices in the image, and triangles that face the camera; the memory is reused.
     projected: Vec<[f32; 2]>,
     front: Vec<[u32; 3]>,
@@ -25,9 +23,9 @@ pub(super) struct Skin {
 
 impl Skin {
     pub(super) fn new(gpu: &Gpu, model: &Model, id: SkinId, max_vertices: usize) -> Result<Self, RenderError> {
-        let shape::SkinTopology { vertices, triangles, texcoords } = shape::skin(model, id, max_vertices)?;
-        let buffers = ShapeBuffers::dynamic(gpu, vertices, triangles.as_flattened())?;
-        Ok(Self { triangles, texcoords, projected: Vec::new(), front: Vec::new(), buffers })
+        let topology = shape::skin(model, id, max_vertices)?;
+        let buffers = ShapeBuffers::dynamic(gpu, topology.vertices, topology.triangles.as_flattened())?;
+        Ok(Self { topology, projected: Vec::new(), front: Vec::new(), buffers })
     }
 
     /// Writes the vertices, and with a software rasteriser also the triangles that face the camera: they are half of a closed skin, and the
@@ -40,12 +38,12 @@ impl Skin {
         pixel_rows: &[[f32; 4]; 3],
     ) {
         self.buffers.front_faces = None;
-        if vertices.len() != self.texcoords.len() {
+        if vertices.len() != self.topology.vertices {
             return;
         }
         self.write_vertices(gpu, vertices, normals);
         if gpu.kind() == GpuKind::Software {
-            front_faces(&self.triangles, vertices, pixel_rows, &mut self.projected, &mut self.front);
+            front_faces(&self.topology.triangles, vertices, pixel_rows, &mut self.projected, &mut self.front);
             let all = self.buffers.index_count;
             gpu.queue().write_buffer(&self.buffers.indices, 4 * u64::from(all), bytemuck::cast_slice(&self.front));
             self.buffers.front_faces = Some(all..all + 3 * self.front.len() as u32);
@@ -57,14 +55,18 @@ impl Skin {
         // Vertices in the queue's own memory need no other copy.
         let view = NonZero::new(buffer.size()).and_then(|size| gpu.queue().write_buffer_with(buffer, 0, size));
         let Some(mut bytes) = view else { return };
-        let drawable = |vector: [f32; 3]| vector.map(|number| if is_drawable(number) { number } else { 0.0 });
         let (chunks, _) = bytes.slice(..).into_chunks::<{ size_of::<Vertex>() }>();
-        chunks.write_iter(vertices.iter().zip(normals).zip(&self.texcoords).map(
+        chunks.write_iter(vertices.iter().zip(normals).zip(&self.topology.texcoords).map(
             |((&position, &normal), &texcoord)| {
                 bytemuck::cast(Vertex { position: drawable(position), normal: drawable(normal), texcoord })
             },
         ));
     }
+}
+
+/// Replaces the elements of a vector that cannot be drawn.
+fn drawable(vector: [f32; 3]) -> [f32; 3] {
+    vector.map(|number| if is_drawable(number) { number } else { 0.0 })
 }
 
 /// Distance by which rounding may move the corners of a triangle against each other in the image, pixels: it turns triangles that are seen
@@ -81,10 +83,11 @@ fn front_faces(
 ) {
     projected.clear();
     projected.extend(vertices.iter().map(|&vertex| {
+        let vertex = drawable(vertex);
         // Each row is a plane through the camera.
         let along = |row: &[f32; 4]| signed_distance(vertex, row);
         let depth = along(forward);
-        // Triangles with a vertex behind the camera are kept, as are those with NaN.
+        // Triangles with a vertex behind the camera are kept: their areas are NaN.
         let scale = if depth > 0.0 { 1.0 / depth } else { f32::NAN };
         [along(right) * scale, along(up) * scale]
     }));
@@ -142,5 +145,15 @@ mod tests {
             vertices[1][0] = wrong;
             assert_eq!(front(&[[0, 1, 2]], &vertices), [[0, 1, 2]], "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_triangle_faces_the_camera_if_the_drawn_one_does() {
+        let towards = [[2.0, 1.0, 1.0], [2.0, 1.0, 0.0], [2.0, 0.0, 1.0]];
+        assert_eq!(front(&[[0, 1, 2]], &towards), [[0, 1, 2]]);
+        // A coordinate that cannot be drawn is drawn as zero.
+        let mut vertices = towards;
+        vertices[1][2] = 1e16;
+        assert_eq!(front(&[[0, 1, 2]], &vertices), [[0, 1, 2]]);
     }
 }
