@@ -2,6 +2,8 @@
 
 #[path = "../common/child.rs"]
 mod child;
+#[path = "pictures/difference.rs"]
+mod difference;
 
 mod batch;
 mod content;

@@ -3,12 +3,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mujoco_safe::render::{RendererOptions, RgbImage};
+use mujoco_safe::render::RendererOptions;
 use mujoco_safe::scene::RenderFlags;
 
+use crate::difference::Difference;
 use crate::stage::Stage;
 
 const SIZE: [u32; 2] = [160, 120];
+const PIXELS: f64 = 160.0 * 120.0;
 /// Vertices on each circle of latitude.
 const SLICES: usize = 24;
 /// Circles of latitude between the poles.
@@ -58,13 +60,6 @@ fn stage(asset: &str, geom: &str) -> Stage {
     Stage::with(&xml, SIZE, RendererOptions::default())
 }
 
-/// Counts the pixels that differ by more than 8 of 255.
-fn differences(a: &RgbImage, b: &RgbImage) -> usize {
-    let [a, b] = [a, b].map(|image| image.as_bytes().as_chunks::<3>().0);
-    let differs = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
-    a.iter().zip(b).filter(|&pair| differs(pair)).count()
-}
-
 #[test]
 fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
     let shape = ellipsoid();
@@ -97,10 +92,10 @@ fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
             });
             let [(of_mesh, mesh_depth), (of_skin, skin_depth)] = &images;
             // Rounding moves single pixels at edges.
-            let different = differences(of_mesh, of_skin);
+            let different = (Difference::of(of_mesh, of_skin).outliers * PIXELS).round();
             let depths = mesh_depth.as_slice().iter().zip(skin_depth.as_slice());
             let far = depths.filter(|(mesh, skin)| (*mesh - *skin).abs() > 1e-3).count();
-            assert!(different < 5 && far < 5, "azimuth {azimuth}, {flags:?}: {different} colours, {far} depths");
+            assert!(different < 5.0 && far < 5, "azimuth {azimuth}, {flags:?}: {different} colours, {far} depths");
             covered += of_skin.as_bytes().as_chunks::<3>().0.iter().filter(|[red, _, blue]| red / 2 > *blue).count();
         }
     }

@@ -14,7 +14,6 @@
 
 #![forbid(unsafe_code)]
 
-mod difference;
 mod scenes;
 
 use std::fs::{self, File};
@@ -24,8 +23,8 @@ use std::path::{Path, PathBuf};
 use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::{Data, Scene};
 
+use crate::difference::{Difference, side_by_side};
 use crate::stage;
-use difference::{Difference, side_by_side};
 use scenes::Setting;
 
 const WIDTH: usize = 640;
