@@ -106,6 +106,7 @@ mod layout;
 mod macros;
 pub mod math;
 pub mod matrix;
+mod memory;
 #[cfg(feature = "npz")]
 pub mod npz;
 pub mod prelude;

@@ -12,6 +12,7 @@ use crate::data::{Data, StateSpec};
 use crate::derivative::{self, LinearisationReport, Lineariser, StateSpace};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
+use crate::memory;
 
 /// Regulator that follows a trajectory with a table of gains, one for each step.
 ///
@@ -139,10 +140,12 @@ impl TimeVaryingLqr {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for zero steps.
+    /// [`Error::Invalid`] for zero steps, or more than there is memory for.
     pub fn at_present_state(data: &Data, steps: usize) -> Result<Self> {
         let (nx, nu, _) = derivative::sizes(data.model());
         let state = data.physics_state();
+        let numbers = state.len() + nu + nu * nx;
+        memory::check("steps", steps, numbers * size_of::<f64>() + size_of::<Matrix>())?;
         let states = Matrix::from_row_major(steps + 1, state.len(), state.repeat(steps + 1));
         let controls = Matrix::from_row_major(steps, nu, data.ctrl().repeat(steps));
         Self::with_gains(data, states, controls, vec![Matrix::zeros(nu, nx); steps])

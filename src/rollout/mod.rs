@@ -45,12 +45,13 @@ use std::ops::ControlFlow;
 pub use self::batch::Batch;
 pub use self::parameter::{Distribution, Parameter, Parameters, Random};
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
-use self::result::{Sizes, reserve, reserve_outcomes};
+use self::result::{Sizes, reserve_outcomes};
 pub use self::workers::Workers;
 pub(crate) use self::workers::restart;
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Outcome, Result};
+use crate::memory;
 use crate::model::{IntoModel, ModelMut};
 
 /// Edit of the model before a rollout.
@@ -293,9 +294,9 @@ impl<'a> Rollout<'a> {
     pub fn run(&self) -> Result<RolloutResult> {
         self.check_inputs()?;
         let sizes = self.sizes();
-        let mut states = reserve("states", sizes.states())?;
-        let mut sensordata = reserve("sensor readings", sizes.sensordata())?;
-        let mut outputs = reserve("outputs", sizes.outputs())?;
+        let mut states = memory::zeros("states", sizes.states())?;
+        let mut sensordata = memory::zeros("sensor readings", sizes.sensordata())?;
+        let mut outputs = memory::zeros("outputs", sizes.outputs())?;
         let buffers = RolloutBuffers {
             states: Some(&mut states),
             sensordata: Some(&mut sensordata),

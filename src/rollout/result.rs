@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result, debug_as_display};
 use crate::matrix::MatrixView;
+use crate::memory::no_room;
 
 /// Reason why a rollout did not take all of its steps.
 #[derive(thiserror::Error)]
@@ -174,19 +175,6 @@ impl Sizes {
     pub(super) fn outputs(self) -> usize {
         self.count.saturating_mul(self.outputs_of_one())
     }
-}
-
-/// Creates the error for a buffer that does not fit in memory.
-pub(super) fn no_room(what: &str, length: usize) -> Error {
-    Error::invalid(format!("the number of {what}"), length, "as many as there is memory for")
-}
-
-/// Allocates a buffer of zeros, or returns an error if memory does not suffice.
-pub(super) fn reserve(what: &str, length: usize) -> Result<Vec<f64>> {
-    let mut buffer = Vec::new();
-    buffer.try_reserve_exact(length).map_err(|_| no_room(what, length))?;
-    buffer.resize(length, 0.0);
-    Ok(buffer)
 }
 
 /// Allocates the outcomes of rollouts that have not started.

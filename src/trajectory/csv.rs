@@ -1,6 +1,6 @@
 //! Trajectories as CSV: a header line and one line per record.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 
 use super::{Sizes, Trajectory};
@@ -8,9 +8,14 @@ use crate::error::{Error, Result};
 use crate::file;
 use crate::model::Model;
 
+/// Largest number of bytes of a cell. The longest numbers that [`Trajectory::save_csv`] writes are
+/// subnormal, with fewer than 350 characters.
+const LONGEST_CELL: usize = 1000;
+
 impl Trajectory {
     /// Writes the records as CSV with a header line: the columns `time`, `qpos0`, …, `qvel0`, …, `act0`, …, `ctrl0`, … and, if recorded,
-    /// `sensordata0`, …. Reading the file restores every value bit for bit.
+    /// `sensordata0`, …. Reading the file restores every value bit for bit, except that the sign and the payload of a NaN are
+    /// lost.
     ///
     /// # Errors
     ///
@@ -40,17 +45,17 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::File`] if the file cannot be read, is a pipe or a device, belongs to a model with other sizes, or contains
-    /// a cell that is not a number. The message contains the line number.
+    /// a cell that is not a number, or a line of more than 1000 bytes for each column. The message contains the line number.
     pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_csv(model, path).map_err(Error::file(path))
     }
 
     fn read_csv(model: &Model, path: &Path) -> std::io::Result<Self> {
-        let invalid = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
-        let mut lines = BufReader::new(file::open_regular(path)?).lines();
-        let header = lines.next().transpose()?.unwrap_or_default();
         let sizes = Sizes::of(model);
+        let longest = LONGEST_CELL * sizes.columns(model.nsensordata()).count();
+        let mut lines = Lines { file: BufReader::new(file::open_regular(path)?), longest, number: 0 };
+        let header = lines.next().transpose()?.unwrap_or_default();
         let fits = |nsensordata: &usize| sizes.columns(*nsensordata).eq(header.trim_end().split(','));
         let counts = [0, model.nsensordata()];
         let Some(nsensordata) = counts.into_iter().find(fits) else {
@@ -78,11 +83,47 @@ impl Trajectory {
             if values.len() != columns {
                 return Err(invalid(format!("line {number} has {} columns, not {columns}", values.len())));
             }
-            trajectory.times.push(values[0]);
-            trajectory.states.extend_from_slice(&values[1..controls]);
-            trajectory.controls.extend_from_slice(&values[controls..sensordata]);
-            trajectory.sensordata.extend_from_slice(&values[sensordata..]);
+            for (output, values) in [
+                (&mut trajectory.times, &values[..1]),
+                (&mut trajectory.states, &values[1..controls]),
+                (&mut trajectory.controls, &values[controls..sensordata]),
+                (&mut trajectory.sensordata, &values[sensordata..]),
+            ] {
+                output.try_reserve(values.len())?;
+                output.extend_from_slice(values);
+            }
         }
         Ok(trajectory)
     }
+}
+
+/// Lines of a file, up to a length, because a failed allocation for a longer one would abort the
+/// process.
+struct Lines<R> {
+    file: R,
+    /// Largest number of bytes of a line.
+    longest: usize,
+    /// Number of the last line, from 1.
+    number: usize,
+}
+
+impl<R: BufRead> Iterator for Lines<R> {
+    type Item = std::io::Result<String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.number += 1;
+        let mut line = String::new();
+        match self.file.by_ref().take(self.longest as u64 + 1).read_line(&mut line) {
+            Ok(0) => None,
+            Ok(length) if length > self.longest => {
+                Some(Err(invalid(format!("line {} has more than {} bytes", self.number, self.longest))))
+            }
+            Ok(_) => Some(Ok(line)),
+            Err(error) => Some(Err(error)),
+        }
+    }
+}
+
+fn invalid(text: String) -> std::io::Error {
+    std::io::Error::new(std::io::ErrorKind::InvalidData, text)
 }

@@ -2,7 +2,7 @@
 
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::derivative::TransitionOptions;
-use mujoco_safe::{Controller, Data, Differences, Lineariser, Lqr, Matrix, StateSpace, StateSpec, sample};
+use mujoco_safe::{Controller, Data, Differences, Error, Lineariser, Lqr, Matrix, StateSpace, StateSpec, sample};
 use nalgebra::DMatrix;
 
 use super::{Random, assert_close, cartpole, weights};
@@ -186,4 +186,13 @@ fn controls_stay_within_their_ranges() {
     let mut pull = TimeVaryingLqr::with_gains(&data, far, Matrix::zeros(1, 2), gains).unwrap();
     pull.control(&mut data).unwrap();
     assert_eq!(data.ctrl(), [100.0, 0.0]);
+}
+
+#[test]
+fn a_table_that_exceeds_the_memory_is_an_error() {
+    let data = Data::new(sample::cartpole()).unwrap();
+    for steps in [0, 1 << 40, usize::MAX] {
+        let error = TimeVaryingLqr::at_present_state(&data, steps).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    }
 }

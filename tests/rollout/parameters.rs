@@ -160,3 +160,14 @@ fn a_parameter_that_the_model_does_not_have_is_an_error() {
     let twice = with(Parameter::Gravity(0), UNIFORM).unwrap().with(&model, Parameter::Gravity(0), NORMAL).unwrap_err();
     assert!(matches!(twice, Error::Invalid { .. }) && twice.to_string().contains("gravity[0] twice"), "{twice}");
 }
+
+#[test]
+fn a_range_wider_than_the_largest_number_is_uniform() {
+    let mut random = Random::new(1, 0, 0);
+    let draws: Vec<f64> = (0..1000).map(|_| random.uniform(-1.7e308, 1.7e308)).collect();
+    assert!(draws.iter().all(|draw| (-1.7e308..=1.7e308).contains(draw)));
+    let below = |bound: f64| draws.iter().filter(|draw| **draw < bound).count();
+    for (bound, expected) in [(-0.85e308, 250), (0.0, 500), (0.85e308, 750)] {
+        assert!(below(bound).abs_diff(expected) < 60, "{} draws below {bound}", below(bound));
+    }
+}

@@ -1,8 +1,10 @@
 //! The check that the saved text loads as the model, and the text itself.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use mujoco_safe::model::{SaveXmlOptions, XmlCheck};
+use mujoco_safe::spec::Spec;
 use mujoco_safe::{Error, LoadOptions, Model, sample};
 
 use super::{assets, copy_into, folder, lost, samples, saved_with};
@@ -46,6 +48,82 @@ const LOST_OF_EVERY_ELEMENT: &[&str] = if cfg!(not(engine_since = "2.3.0")) {
 } else {
     &[]
 };
+
+/// The sort of 2.2.2 gives pairs of the same two bodies another order after each load.
+#[test]
+fn many_pairs_of_the_same_bodies_are_saved() {
+    const BODIES: [(&str, usize); 2] = [("a", 6), ("b", 5)];
+    let body = |(body, geoms): (&str, usize)| {
+        let geom = |index| format!("<geom name='{body}{index}' size='.02' pos='{}5 0 0'/>", 0.1 * index as f64);
+        let geoms: String = (0..geoms).map(geom).collect();
+        format!("<body name='{body}'><freejoint/>{geoms}</body>")
+    };
+    let pairs: String = (0..BODIES[0].1)
+        .flat_map(|a| (0..BODIES[1].1).map(move |b| (a, b)))
+        .map(|(a, b)| {
+            format!(
+                "<pair name='{b} to {a}' geom1='a{a}' geom2='b{b}' margin='0.{a}{b}' condim='{}'/>",
+                1 + 2 * (a % 2)
+            )
+        })
+        .collect();
+    let xml =
+        format!("<mujoco><worldbody>{}</worldbody><contact>{pairs}</contact></mujoco>", BODIES.map(body).concat());
+    let _lock = super::lock_engine();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pairs.xml");
+    let named = |model: &Model| {
+        let pairs = (0..model.npair()).map(|pair| {
+            let geoms = [model.pair_geom1()[pair], model.pair_geom2()[pair]];
+            let name = model.pair(pair).unwrap().name().map(str::to_owned);
+            (name, geoms, model.pair_dim()[pair], model.pair_margin()[pair].to_bits())
+        });
+        pairs.collect::<BTreeSet<_>>()
+    };
+    let (model, saved) = saved_with(|| Model::from_xml_str(&xml).unwrap(), &path, &SaveXmlOptions::default());
+    assert_eq!(saved.unwrap(), []);
+    assert_eq!(named(&Model::from_xml_path(&path).unwrap()), named(&model));
+
+    // An edit is saved or reported as lost, under the name of its pair.
+    let edited = || {
+        let mut model = Model::from_xml_str(&xml).unwrap();
+        model.edit().pair_margin_mut()[7] = 0.77;
+        model
+    };
+    let (model, saved) = saved_with(edited, &path, &SaveXmlOptions::default());
+    match saved {
+        Ok(_) => assert_eq!(named(&Model::from_xml_path(&path).unwrap()), named(&model)),
+        Err(error) => {
+            let Error::XmlLosesEdits { fields, .. } = &error else { panic!("{error}") };
+            let name = model.pair(7).unwrap().name().unwrap();
+            assert!(fields[0].field == "pair_margin" && fields[0].elements == [name], "{error}");
+        }
+    }
+}
+
+/// The writer of 2.2.2 raises an exception (mujoco#561).
+#[test]
+fn a_mass_in_the_defaults_of_meshes_is_saved_or_the_error_names_the_ways_out() {
+    const XML: &str = r#"<mujoco><default><geom type="mesh" mass="2"/></default>
+        <asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
+        <worldbody><body><freejoint/><geom mesh="m"/></body></worldbody></mujoco>"#;
+    let _lock = super::lock_engine();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh.xml");
+    let load = || Model::from_xml_str(XML).unwrap();
+    let (model, saved) = saved_with(load, &path, &SaveXmlOptions::default());
+    match saved {
+        Ok(_) => assert!((Model::from_xml_path(&path).unwrap().total_mass() - model.total_mass()).abs() < 1e-4),
+        Err(error) => {
+            assert!(cfg!(not(engine_since = "2.3.0")) && matches!(error, Error::Save { .. }), "{error}");
+            let text = error.to_string();
+            assert!(["Spec::to_xml", "save_binary", "type='mesh'"].iter().all(|way| text.contains(way)), "{text}");
+            std::fs::write(&path, Spec::from_xml_str(XML).unwrap().to_xml()).unwrap();
+            assert_eq!(Model::from_xml_path(&path).unwrap().body_mass(), model.body_mass());
+            assert_eq!(Model::from_binary(&model.to_binary().unwrap()).unwrap().body_mass(), model.body_mass());
+        }
+    }
+}
 
 #[test]
 fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {

@@ -88,6 +88,20 @@ fn a_malformed_csv_file_is_an_error_that_names_the_line() {
 }
 
 #[test]
+fn a_line_without_end_is_an_error_before_it_fills_the_memory() {
+    let path = csv_path();
+    Trajectory::new(&CARTPOLE).save_csv(&path).unwrap();
+    let header = std::fs::read(&path).unwrap();
+    for (number, text) in [(1, &[][..]), (2, &header)] {
+        std::fs::write(&path, text).unwrap();
+        // A sparse file, whose zeros are a line without end.
+        std::fs::File::options().write(true).open(&path).unwrap().set_len(1 << 40).unwrap();
+        let error = Trajectory::load_csv(&CARTPOLE, &path).unwrap_err().to_string();
+        assert!(error.contains(&format!("line {number} has more than")), "{error}");
+    }
+}
+
+#[test]
 fn a_simulation_continues_from_an_applied_record() {
     let mut data = Data::new(CARTPOLE.clone()).unwrap();
     data.qpos_mut()[1] = 0.2;

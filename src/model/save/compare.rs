@@ -5,6 +5,7 @@
 //! compiler derives from the fields.
 
 use super::arrays::{Arrays, decode};
+use super::order::{Orders, is_place_of_names, sorted_names};
 use crate::error::{Result, UnsavedField};
 use crate::field_docs::FieldDoc;
 use crate::generated::{model_settings, model_sizes};
@@ -133,20 +134,29 @@ fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
 /// Compares all arrays of two models with the same elements. An array whose length depends on a derived size may have another length.
 fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) -> Result<()> {
     let (own, other) = (Arrays::of(model, sizes(model))?, Arrays::of(reloaded, sizes(reloaded))?);
+    let orders = Orders::of([(model, &own), (reloaded, &other)]);
     for field in Model::fields().filter(|field| field.is_array) {
         let name = field.name;
         let (own_field, other_field) = (own.bytes(name), other.bytes(name));
         let is_skipped = [&FRAME_FLAGS[..], SIMPLE_BODY_FLAGS, &PATHS].iter().any(|names| names.contains(&name));
-        if is_skipped || own_field.len() != other_field.len() || own_field == other_field {
+        let is_moved = orders.move_names()
+            && (is_place_of_names(name) || (name == "names" && sorted_names(own_field) == sorted_names(other_field)));
+        if is_skipped || is_moved || own_field.len() != other_field.len() || own_field == other_field {
             continue;
         }
         let absolute = if MASSES.contains(&name) { ABSOLUTE_OF_MASS } else { ABSOLUTE };
         let relative = if SIX_DIGITS.contains(&name) { relative.max(RELATIVE_OF_SIX_DIGITS) } else { relative };
         let row = own.row_length(&field);
-        let differ = own_field.chunks_exact(row).zip(other_field.chunks_exact(row)).map(|(own, other)| {
+        let differs = |own: usize, other: usize| {
+            let (own, other) = (&own_field[own * row..][..row], &other_field[other * row..][..row]);
             own != other && !agree(&decode(field.ctype, own), &decode(field.ctype, other), relative, absolute)
-        });
-        let rows: Vec<usize> = differ.enumerate().filter_map(|(row, differs)| differs.then_some(row)).collect();
+        };
+        let rows: Vec<usize> = match orders.of_rows(field.rows) {
+            Some([own, other]) => {
+                std::iter::zip(own, other).filter_map(|(&own, &other)| differs(own, other).then_some(own)).collect()
+            }
+            None => (0..own_field.len() / row).filter(|&row| differs(row, row)).collect(),
+        };
         if !rows.is_empty() {
             lost.push(of_rows(&own, &field, &rows));
         }

@@ -7,6 +7,7 @@
 
 mod arrays;
 mod compare;
+mod order;
 mod xml_text;
 
 use std::fs::File;
@@ -178,6 +179,8 @@ impl Model {
     /// if the vertices of a mesh are rounded. The comparison skips flags of the compiler that do not change results (`body_sameframe`,
     /// `geom_sameframe` and `site_sameframe`, and with 2.2.2 also `body_simple` and `dof_simplenum`), and the paths of the files of meshes,
     /// textures, height fields and skins, but not the contents of these files.
+    /// Pairs and exclusions of contacts are compared as sets, because each load sorts them, and some builds of 2.2.2 change the order of
+    /// those of the same bodies.
     ///
     /// The comparison includes derived fields. After an edit that they depend on, call
     /// [`update_constants`](super::ModelMut::update_constants) first. Otherwise the check reports fields such as

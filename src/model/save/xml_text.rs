@@ -14,6 +14,14 @@ use crate::model::Model;
 use crate::model::load::{TEXT, XmlState, path_c_string};
 use crate::{ffi, file};
 
+/// Message of the shim for an exception that is not a `std::exception`, such as the engine's own.
+const UNKNOWN_EXCEPTION: &str = "an exception of unknown type";
+
+/// Known cause of this exception: mujoco#561, in 2.2.2.
+const MASS_IN_MESH_DEFAULTS: &str = "the engine's writer raised an exception. MuJoCo 2.2.2 cannot write a default class of \
+    geoms with a mass and type='mesh' (mujoco#561): move type='mesh' from the class to its geoms, or save the model with \
+    save_binary, or read its file as a Spec and save the text of Spec::to_xml";
+
 /// Attributes that the engine stores in single precision, in every element that has them.
 const SINGLE: [&str; 12] = [
     "rgba",
@@ -91,7 +99,10 @@ impl Model {
                 )
             }
         });
-        xml.leave("mj_saveLastXML", status)?;
+        xml.leave("mj_saveLastXML", status).map_err(|error| match error {
+            Error::Engine { message, .. } if message == UNKNOWN_EXCEPTION => failed(MASS_IN_MESH_DEFAULTS.to_owned()),
+            error => error,
+        })?;
         if saved == 1 {
             return match std::fs::read(file.path()) {
                 Ok(text) if text.trim_ascii_end().ends_with(b"</mujoco>") => Ok(text),

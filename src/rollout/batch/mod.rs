@@ -10,12 +10,12 @@ use std::sync::Arc;
 
 use self::member::Row;
 use self::worker::{Pool, continue_from};
-use super::result::no_room;
 use super::workers::{restart, restore};
 use super::{Parameters, Read};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView};
+use crate::memory;
 use crate::model::{IntoModel, Model};
 
 /// Batch of simulations of one model that are stepped together under a policy: a vectorised environment of reinforcement
@@ -79,7 +79,8 @@ impl<'a> Batch<'a> {
     pub fn new(model: impl IntoModel, count: usize) -> Result<Self> {
         let model = model.into_model();
         model.check_without_sleep("a batch")?;
-        check_memory(&model, count)?;
+        let numbers = model.state_size(StateSpec::INTEGRATION) + model.nu() + model.state_size(StateSpec::PHYSICS);
+        memory::check("simulations", count, numbers * size_of::<f64>() + size_of::<Row>())?;
         let (pool, mut slot) = (Pool::new(model.clone()), None);
         let (mut rows, mut states) = (Vec::new(), Matrix::zeros(count, model.state_size(StateSpec::INTEGRATION)));
         if count > 0 {
@@ -311,12 +312,4 @@ impl fmt::Debug for Batch<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Batch: {} simulations, {} failed, of {:?}", self.len(), self.failures().count(), self.model())
     }
-}
-
-/// Checks that there is enough memory for all simulations, before they are allocated.
-fn check_memory(model: &Model, count: usize) -> Result<()> {
-    let numbers = model.state_size(StateSpec::INTEGRATION) + model.nu() + model.state_size(StateSpec::PHYSICS);
-    let bytes = (numbers * size_of::<f64>() + size_of::<Row>()).checked_mul(count);
-    let fits = bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
-    if fits { Ok(()) } else { Err(no_room("simulations", count)) }
 }

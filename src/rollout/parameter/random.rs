@@ -47,7 +47,9 @@ impl Random {
     /// Draws from the uniform distribution between two numbers.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         let fraction: f64 = self.generator.random();
-        low + fraction * (high - low)
+        let width = high - low;
+        // The width of a range of finite numbers can exceed the largest number.
+        if width.is_finite() { low + fraction * width } else { (1.0 - fraction) * low + fraction * high }
     }
 
     /// Draws from the standard normal distribution.
