@@ -10,6 +10,9 @@ mod fields;
 #[path = "../common/child.rs"]
 mod child;
 
+#[path = "../common/schema_models/mod.rs"]
+mod schema_models;
+
 // Its expectations are those of the arena of 3.5 and later.
 #[cfg(engine_since = "3.5.0")]
 mod arena;
@@ -50,6 +53,7 @@ mod plugin;
 #[cfg(engine_since = "3.1.3")]
 mod plugin_state;
 mod real_models;
+mod schema;
 #[cfg(engine_since = "3.0.0")]
 mod signed_distance;
 #[cfg(engine_since = "3.5.0")]

@@ -75,6 +75,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         joints: Vec::new(),
         has_small_njmax: false,
         has_adhesion: false,
+        is_in_file_mesh: false,
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
@@ -115,6 +116,8 @@ struct Check<'f> {
     has_small_njmax: bool,
     /// `true` if an actuator acts on a body.
     has_adhesion: bool,
+    /// `true` inside a mesh from a file. The engine crashes if such a mesh has a plugin.
+    is_in_file_mesh: bool,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
     /// Directories that may contain assets.
@@ -170,6 +173,7 @@ impl<'f> Check<'f> {
         for tag in Tags::new(text) {
             let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
             if tag.closes {
+                self.is_in_file_mesh &= tag.name != b"mesh";
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
                 self.fusion.end(outer + depth);
@@ -178,11 +182,19 @@ impl<'f> Check<'f> {
             if let Err(why) = self.model.expansion.start(&tag, outer + depth) {
                 return reject(tag.position, &why);
             }
+            let file = tag.attribute(b"file");
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
             let why =
                 names.find_map(|name| reject_name(tag.name, &name)).or_else(|| limits::reject(&tag, &self.composite));
             if let Some(why) = why {
                 return reject(tag.position, &why);
+            }
+            match tag.name {
+                b"mesh" => self.is_in_file_mesh = !tag.empty && file.is_some(),
+                b"plugin" if self.is_in_file_mesh => {
+                    return reject(tag.position, "a mesh has either a file or a plugin");
+                }
+                _ => {}
             }
             self.muscles.record(&tag, self.depth > 0);
             self.rangefinders.record(&tag, source_name);
@@ -191,7 +203,6 @@ impl<'f> Check<'f> {
             if self.folders.len() > MOST_FOLDERS {
                 return reject(tag.position, &format!("the model has more than {MOST_FOLDERS} asset directories"));
             }
-            let file = tag.attribute(b"file");
             // Older compilers reject a model as an asset.
             let is_model = cfg!(engine_since = "3.2.0") && tag.name == b"model" && !self.model.urdf.is_urdf();
             if self.open > MOST_INCLUDED && file.is_some() && (is_model || is(b"include")) {
@@ -459,6 +470,11 @@ mod tests {
             ("<flexcomp count='3 3 46341' dof='trilinear'/>", "a flex is too large"),
             ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
             ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
+            ("<mesh file='a.stl'><plugin/></mesh>", "either a file or a plugin"),
+            (
+                "<mesh file='a.stl'>\n<plugin plugin='p'><config key='a'/></plugin></mesh>",
+                "either a file or a plugin, line 2",
+            ),
             ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs an njmax"),
@@ -483,6 +499,7 @@ mod tests {
             "<hfield nrow='3' ncol='3'/><geom hfield='h'/><rangefinder/>",
             "<hfield nrow='3' ncol='2'/><geom hfield='h'/>",
             "<hfield nrow='3' ncol='2'/><rangefinder/>",
+            "<mesh file='a.stl'/><plugin/><mesh file='a.stl'></mesh><plugin/><mesh name='m'><plugin/></mesh>",
             "<compiler meshdir='parts'/><hfield file='a'/>",
             "<texture file='&#97;.png'/>",
             "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",
