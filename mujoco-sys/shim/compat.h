@@ -9,6 +9,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include "optional.h"
+
 // Raises an engine error whose text contains an integer. `mju_error` takes a format since 2.3.3, and `mju_error_i` is removed in 3.10.
 #if mjVERSION_HEADER < 233
 #define compat_error_i(format, number) mju_error_i(format, number)

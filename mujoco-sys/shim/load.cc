@@ -13,6 +13,7 @@
 #endif
 
 #include "guard.h"
+#include "optional.h"
 
 extern "C" {
 // Private functions of the engine. Weak, because newer engines lack them.

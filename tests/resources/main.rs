@@ -1,4 +1,4 @@
-//! Allocations, leaks and output: properties of the process, so the tests run one at a time.
+//! Allocations, leaks, output and the engine that is loaded: properties of the process, so the tests run one at a time.
 
 #[path = "../common/child.rs"]
 mod child;
@@ -8,6 +8,8 @@ mod trouble;
 mod allocations;
 mod allocations_in_control;
 mod allocator;
+#[cfg(target_os = "linux")]
+mod engine_version;
 mod leaks;
 mod quiet;
 
