@@ -14,6 +14,8 @@ mod computed_by;
 mod facts;
 #[path = "build/notes.rs"]
 mod notes;
+#[path = "build/support.rs"]
+mod support;
 
 use std::path::{Path, PathBuf};
 
@@ -48,6 +50,15 @@ fn main() {
     if version > 222 {
         generate(&fields);
     }
+    let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
+    let knowledge = read(Path::new("build/knowledge/derivative.tsv"));
+    let checks = support::generate(&read(&fields), &knowledge, version);
+    write(
+        "support.rs",
+        &format!(
+            "/// `true` if the formulas were verified with this engine.\nconst IS_PROVED: bool = {is_proved};\n{checks}"
+        ),
+    );
     println!("cargo::rustc-check-cfg=cfg(validates_binaries)");
     if binary_table::VALIDATED.contains(&version) {
         println!("cargo::rustc-cfg=validates_binaries");
@@ -83,9 +94,9 @@ fn generate(table: &Path) {
     }
 }
 
-/// Returns the contents of a field table.
+/// Returns the contents of a table.
 fn read(table: &Path) -> String {
-    std::fs::read_to_string(table).expect("mujoco-sys has written the field table")
+    std::fs::read_to_string(table).unwrap_or_else(|error| panic!("{}: {error}", table.display()))
 }
 
 /// Writes a file into `OUT_DIR`.

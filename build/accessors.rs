@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, NEWER_TERMS, READ_ONLY, WITHOUT_ACCESSOR};
+use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, READ_ONLY, WITHOUT_ACCESSOR};
 use crate::notes::NOTES;
 use crate::{arena, computed_by};
 
@@ -108,7 +108,6 @@ pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 7
             writer(&mut model_mut, field);
         }
     }
-    newer_terms(&mut model, of("Model").filter(|field| NEWER_TERMS.contains(&field.name)));
     for field in of("Data") {
         reader(&mut data, field);
         if is_written(&field) {
@@ -384,29 +383,6 @@ fn reader(text: &mut String, field: Field<'_>) {
         text,
         "    #[inline]\n    pub fn {name}(&self) -> {result} {{\n        // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.\n        unsafe {{ {call} }}\n    }}\n"
     );
-}
-
-/// Writes the method that finds terms of the equations of motion that 2.2.2 does not have.
-fn newer_terms<'t>(text: &mut String, fields: impl Iterator<Item = Field<'t>>) {
-    text.push_str(
-        "    /// Returns `true` for a model whose equations of motion have terms that those of 2.2.2 do not have.\n",
-    );
-    text.push_str("    #[allow(clippy::unused_self, reason = \"2.2.2 has no such array\")]\n");
-    text.push_str("    pub(crate) fn has_newer_terms(&self) -> bool {\n        let is_used: &[bool] = &[\n");
-    for field in fields {
-        let name = field.name;
-        let values = match form(field) {
-            Form::Slice => format!("self.{name}()"),
-            _ => format!("self.{name}().as_flattened()"),
-        };
-        let zero = if field.ctype == "mjtNum" { "0.0" } else { "0" };
-        let _ = if field.is_array() {
-            writeln!(text, "            {values}.iter().any(|&value| value != {zero}),")
-        } else {
-            writeln!(text, "            self.{name}() != 0,")
-        };
-    }
-    text.push_str("        ];\n        is_used.contains(&true)\n    }\n");
 }
 
 /// Writes the line of an array in the macro calls of `restore.rs`.

@@ -29,28 +29,6 @@ pub(crate) const FLAGGED: [(&str, &str); 11] = [
     ("dof_armature", "clear_simple_body_flags"),
 ];
 
-/// Sizes and arrays of newer engines that add terms to the equations of motion which 2.2.2 does not have, unless they are zero.
-pub(crate) const NEWER_TERMS: [&str; 18] = [
-    "nflex",
-    "nplugin",
-    "body_gravcomp",
-    "jnt_stiffnesspoly",
-    "jnt_springyield",
-    "dof_dampingpoly",
-    "geom_surfacevel",
-    "geom_adhesion",
-    "pair_adhesion",
-    "pair_solreffriction",
-    "tendon_stiffnesspoly",
-    "tendon_dampingpoly",
-    "tendon_springyield",
-    "tendon_armature",
-    "actuator_actearly",
-    "actuator_armature",
-    "actuator_damping",
-    "actuator_dampingpoly",
-];
-
 /// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, because their
 /// copy costs less than a longer list would.
 pub(crate) const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];

@@ -415,8 +415,8 @@ engine_enum! {
         GeomFromTo = mjSENS_GEOMFROMTO,
         /// Potential energy, J. With engines from 3.3.0.
         PotentialEnergy = mjSENS_E_POTENTIAL,
-        /// Kinetic energy, J. The engine evaluates it with the sensors of the position stage, so a linearisation has no derivative with
-        /// respect to velocities. With engines from 3.3.0.
+        /// Kinetic energy, J. The engine evaluates it with the sensors of the position stage, so its own linearisation
+        /// ([`Data::transition_fd`](crate::Data::transition_fd)) has no derivative with respect to velocities. With engines from 3.3.0.
         KineticEnergy = mjSENS_E_KINETIC,
         /// 1 for an object inside a site's shape, else 0. With engines from 3.3.5.
         InsideSite = mjSENS_INSIDESITE,

@@ -192,12 +192,6 @@ impl Model {
         ffi::size(unsafe { adapted::inertia_len(self.as_ptr()) })
     }
 
-    /// Returns `true` if a joint or a tendon limits the force of its actuators.
-    pub(crate) fn limits_actuator_forces(&self) -> bool {
-        // SAFETY: a valid model, of which the function reads arrays of the engine's sizes.
-        unsafe { adapted::limits_actuator_forces(self.as_ptr()) != 0 }
-    }
-
     /// Returns the length of the state of the plugins.
     pub(crate) fn plugin_state_len(&self) -> usize {
         // SAFETY: a valid model, of which the function reads a size.

@@ -388,25 +388,6 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 #endif
 }
 
-int mujoco_sys_limitsActuatorForces(const mjModel* m) {
-#if mjVERSION_HEADER >= 237
-  for (int i = 0; i < m->njnt; i++) {
-    if (m->jnt_actfrclimited[i]) {
-      return 1;
-    }
-  }
-#endif
-#if mjVERSION_HEADER >= 331
-  for (int i = 0; i < m->ntendon; i++) {
-    if (m->tendon_actfrclimited[i]) {
-      return 1;
-    }
-  }
-#endif
-  (void)m;
-  return 0;
-}
-
 mjtNum* mujoco_sys_history(const mjData* d) {
 #if mjVERSION_HEADER >= 3005000
   return d->history;

@@ -153,9 +153,6 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]);
 void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 
-// Returns 1 if a joint or a tendon limits the force of its actuators, else 0.
-int mujoco_sys_limitsActuatorForces(const mjModel* m);
-
 // Buffers of delays (history) and their length (nhistory), since 3.5; before, NULL and 0.
 mjtNum* mujoco_sys_history(const mjData* d);
 int mujoco_sys_historyLength(const mjModel* m);

@@ -229,9 +229,6 @@ adapted! {
     mujoco_sys_contactSide = contact_side(contact: *const mjContact, side: c_int) -> ContactSide;
     /// Sets the fields of a contact between `geom1` and `geom2` that 2.2.2 does not have.
     mujoco_sys_completeContact = complete_contact(contact: *mut mjContact);
-    /// Returns 1 if a joint (`jnt_actfrclimited`, since 2.3.7) or a tendon (`tendon_actfrclimited`, since 3.3.1) limits the force of its
-    /// actuators, else 0.
-    mujoco_sys_limitsActuatorForces = limits_actuator_forces(m: *const mjModel) -> c_int;
     /// Returns the buffers of delays (`history`, since 3.5), or null.
     mujoco_sys_history = history(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.

@@ -5,6 +5,7 @@
 //! it does not export; here `mj_step2`, the second half of a step, replaces them. It always computes the acceleration sensors
 //! and repeats the factorisation of the integrator, with the same result.
 
+use super::implicit::has_kinetic_energy;
 use super::perturbation::{Input, PerturbedData, Settings, sides};
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::Integrator;
@@ -104,6 +105,9 @@ fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
         data.fwd_velocity()?;
         if sensors {
             data.sensor_vel()?;
+        }
+        if sensors && has_kinetic_energy(data.model()) {
+            data.sensor_pos()?;
         }
     }
     data.step2()

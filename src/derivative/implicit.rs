@@ -32,18 +32,17 @@ use mujoco_sys::mjSTAGE_ACC;
 
 use super::actuation::Actuation;
 use super::linear_algebra::{add, add_product, invert, quotient};
-use super::method::Fallback;
 use super::newton::Newton;
 use super::perturbation::{Input, PerturbedData, Settings, sides};
 use super::residual::{Residual, multiply_inertia};
 use super::rotation::{self, Rotation};
 use super::sizes;
 use crate::data::{Data, SensorUpdate};
-use crate::enums::{ActuatorDynamics, Integrator, SensorType};
+use crate::enums::SensorType;
 use crate::error::Result;
 use crate::math;
 use crate::matrix::Matrix;
-use crate::model::{DisableFlags, EnableFlags, Model};
+use crate::model::{DisableFlags, Model};
 
 /// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
@@ -71,6 +70,7 @@ pub(super) struct Linearisation {
     spread: Vec<f64>,
     rotations: Vec<Rotation>,
     has_acceleration_sensors: bool,
+    has_kinetic_energy: bool,
     /// Values to be differenced, at `BASE`, `RIGHT` and `LEFT`: g, `M (a − s)` and `sensordata`.
     residuals: [Vec<f64>; 3],
     inertial: [Vec<f64>; 3],
@@ -81,38 +81,16 @@ pub(super) struct Linearisation {
     acceleration: Vec<f64>,
 }
 
-/// Returns the reason why a step of this model cannot be differentiated implicitly, if there is one.
-pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    let options = &model.raw().opt;
-    match Integrator::of_field(options.integrator) {
-        Integrator::Rk4 => Some(Fallback::RungeKutta),
-        _ if options.noslip_iterations > 0 => Some(Fallback::NoSlip),
-        Integrator::Implicit | Integrator::ImplicitFast | Integrator::Discrete => Some(Fallback::ImplicitIntegrator),
-        _ if has_newer_feature(model) => Some(Fallback::NewerFeature),
-        _ => None,
-    }
+/// Returns `true` if a step of the Euler integrator contains the implicit damping of the joints. In 2.2.2 the flag for passive forces does not
+/// disable it.
+pub(super) fn has_implicit_damping(model: &Model) -> bool {
+    let is_enabled = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
+    is_enabled && model.dof_damping().iter().any(|&damping| damping > 0.0)
 }
 
-/// Returns `true` for a model with an option or an element that 2.2.2 does not have and that breaks an assumption of the method: inverse
-/// dynamics inverts a step, and a control changes the force of its actuator only, in the moments of that actuator.
-fn has_newer_feature(model: &Model) -> bool {
-    let options = model.options();
-    let has_sensor = |kinds: &[SensorType]| {
-        model.sensor_type().iter().any(|&raw| SensorType::from_raw(raw).is_some_and(|kind| kinds.contains(&kind)))
-    };
-    let is_newer =
-        |&raw: &i32| matches!(ActuatorDynamics::from_raw(raw), Some(ActuatorDynamics::DcMotor | ActuatorDynamics::Pid));
-    options.enable.intersects(EnableFlags::INVDISCRETE | EnableFlags::SPECULATIVE)
-        || options.disable.contains(DisableFlags::EULERDAMP)
-        || model.has_several_controls()
-        || model.limits_actuator_forces()
-        || model.actuator_dyntype().iter().any(is_newer)
-        || has_sensor(&[
-            SensorType::JointActuatorForce,
-            SensorType::TendonActuatorForce,
-            SensorType::Contact,
-            SensorType::Tactile,
-        ])
+/// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates with those of positions.
+pub(super) fn has_kinetic_energy(model: &Model) -> bool {
+    model.sensor_type().contains(&SensorType::KineticEnergy.raw())
 }
 
 impl Linearisation {
@@ -132,6 +110,7 @@ impl Linearisation {
             damped: false,
             spread: dofs.clone(),
             rotations: Vec::with_capacity(model.njnt()),
+            has_kinetic_energy: has_kinetic_energy(model),
             has_acceleration_sensors: model.sensor_needstage().contains(&(mjSTAGE_ACC as i32)),
             residuals: three(&dofs),
             inertial: three(&dofs),
@@ -170,7 +149,7 @@ impl Linearisation {
         invert(&self.newton.factor, &mut self.lower, &mut self.h_inverse);
         self.p_transposed.as_mut_slice().copy_from_slice(self.h_inverse.as_slice());
         self.spread.fill(0.0);
-        self.damped = model.dof_damping().iter().any(|&damping| damping > 0.0);
+        self.damped = has_implicit_damping(model);
         if !self.damped {
             return Ok(());
         }
@@ -274,6 +253,9 @@ impl Linearisation {
             }
             point.perturb(model, input, by)?;
             self.residual.update_forces(&mut point.data, is_position, wanted.sensors)?;
+            if wanted.sensors && !is_position && self.has_kinetic_energy {
+                point.data.sensor_pos()?;
+            }
             self.residual.evaluate(&mut point.data, &mut self.residuals[side])?;
             if is_position {
                 self.multiply_inertia(&point.data, side);

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
+use super::analytic;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
+use super::support::Obstacles;
 use super::work_queue::for_each_item;
 use super::worker::{Worker, linearise};
 use super::{StateSpace, TransitionOutputs, check_eps};
-use super::{analytic, implicit};
 use crate::data::{Data, StateSpec};
-use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::id::SensorId;
 use crate::matrix::Matrix;
-use crate::model::{IntoModel, Model};
+use crate::model::IntoModel;
 
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
@@ -48,8 +48,8 @@ pub struct Lineariser {
     pub(super) workers: Vec<Worker>,
     /// Buffer for the base point: [`StateSpec::INTEGRATION`].
     pub(super) base: Vec<f64>,
-    /// Method for the model of the workers, which is never changed in place while they share it.
-    method: (TransitionMethod, Option<Fallback>),
+    /// Obstacles for the model of the workers, which is never changed in place while they share it.
+    pub(super) obstacles: Obstacles,
 }
 
 impl Lineariser {
@@ -70,7 +70,7 @@ impl Lineariser {
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
         let base = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
-        Ok(Self { options, workers, base, method: select_method(&model, options.method) })
+        Ok(Self { options, workers, base, obstacles: Obstacles::of(&model) })
     }
 
     /// Returns the options that the lineariser was created with.
@@ -147,7 +147,7 @@ impl Lineariser {
         let columns = inputs(data.model(), Wanted::by(&outputs)).count();
         let workers = if columns < MIN_COLUMNS_TO_SHARE { &mut self.workers[..1] } else { &mut self.workers[..] };
         let base = BasePoint { integration: &self.base, knot: None };
-        linearise(workers, base, &self.options, (method, fallback), outputs)
+        linearise(workers, base, &self.options, self.obstacles, outputs)
     }
 
     /// Linearises the steps along a trajectory, for a regulator whose gain varies with time.
@@ -237,15 +237,15 @@ impl Lineariser {
         self.adopt_model(data)?;
         model.check_linearisable("a linearisation")?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
-        let (method, fallback) = self.method(data);
+        let (_, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
             return Err(Error::Unsupported("along linearises only simulations without callbacks".to_owned()));
         }
-        let (integration, options) = (&self.base, &self.options);
+        let (integration, options, obstacles) = (&self.base, &self.options, self.obstacles);
         for_each_item(&mut self.workers, systems, |worker, knot, (system, report)| {
             let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
             let workers = std::slice::from_mut(worker);
-            *report = linearise(workers, base, options, (method, fallback), outputs(system))?;
+            *report = linearise(workers, base, options, obstacles, outputs(system))?;
             Ok(())
         })
     }
@@ -258,7 +258,7 @@ impl Lineariser {
             return Err(Error::OtherModel { what: "the data to linearise" });
         }
         if !Arc::ptr_eq(self.workers[0].point.data.model(), data.model()) {
-            self.method = select_method(data.model(), self.options.method);
+            self.obstacles = Obstacles::of(data.model());
         }
         self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
         Ok(())
@@ -270,27 +270,6 @@ impl Lineariser {
             let is_other = self.options.method != TransitionMethod::Engine;
             return (TransitionMethod::Engine, is_other.then_some(Fallback::Callbacks));
         }
-        self.method
-    }
-}
-
-/// Selects the method for a model without callbacks.
-fn select_method(model: &Model, requested: TransitionMethod) -> (TransitionMethod, Option<Fallback>) {
-    let obstacle = match requested {
-        TransitionMethod::Implicit | TransitionMethod::Analytic => implicit::obstacle(model),
-        TransitionMethod::Engine if model.options().integrator == Integrator::Rk4 => Some(Fallback::RungeKutta),
-        _ => None,
-    };
-    if requested == TransitionMethod::Analytic && matches!(obstacle, None | Some(Fallback::ImplicitIntegrator)) {
-        return match (analytic::obstacle(model), obstacle) {
-            (None, _) => (requested, None),
-            // Inverse dynamics does not invert the implicit integrator.
-            (_, Some(_)) => (TransitionMethod::Columns, obstacle),
-            (reason, None) => (TransitionMethod::Implicit, reason),
-        };
-    }
-    match obstacle {
-        Some(_) => (TransitionMethod::Columns, obstacle),
-        None => (requested, None),
+        self.obstacles.method(self.options.method)
     }
 }

@@ -99,16 +99,28 @@ pub enum Fallback {
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
     /// method is [`Columns`](TransitionMethod::Columns).
     NoSlip,
-    /// The model has an option or an element that MuJoCo 2.2.2 does not have and that the method does not cover.
+    /// The model has a value that the method does not understand: `field` is the field of `mjModel`, such as `jnt_springyield`, or of its options, such
+    /// as `opt.enableflags`, and `element` is the index of the first such element, zero for options and sizes.
     ///
-    /// The method is [`Columns`](TransitionMethod::Columns) with discrete inverse dynamics, speculative contacts, limits of actuator forces at
-    /// joints or tendons, dynamics of DC motors and PID controllers, and sensors of contacts and of actuator forces at joints or tendons.
+    /// Each method states which values of which fields it understands. Everything else must have its default, so features that newer engines add are
+    /// not understood until they are examined. The method is [`Implicit`](TransitionMethod::Implicit) if that understands the model, else
+    /// [`Columns`](TransitionMethod::Columns).
     ///
-    /// The analytic method does not cover either, so that the method is [`Implicit`](TransitionMethod::Implicit): flexes, plugins, compensation of
-    /// gravity, stiffness and damping of higher order, springs that yield, damping and armature of actuators, armature of tendons, activations that
-    /// act within the step, adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, disabled groups of
-    /// actuators, springs disabled without dampers or dampers without springs, and the option `DIAGEXACT`.
-    NewerFeature,
+    /// The analytic method does not understand flexes, plugins, compensation of gravity, stiffness and damping of higher order, plastic deformation,
+    /// damping and armature of actuators, armature of tendons, activations that act within the step, limits of actuator forces at joints or tendons,
+    /// adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, disabled groups of actuators, springs
+    /// disabled without dampers or dampers without springs, the flag `EULERDAMP`, and options that newer engines can enable. Of these, the implicit
+    /// method understands compensation of gravity, stiffness of higher order, damping of higher order of tendons, activations that act within the step,
+    /// adhesion, surface velocity, `solreffriction`, constraints between sites, and springs or dampers disabled alone. Neither understands sensors of
+    /// contacts and of the actuator forces at joints or tendons.
+    NotUnderstood {
+        /// Field of `mjModel`, or `opt.` and the field of `mjOption`.
+        field: &'static str,
+        /// Index of the element.
+        element: usize,
+    },
+    /// The formulas were not verified with this version of the engine. The method is [`Columns`](TransitionMethod::Columns).
+    EngineVersion,
     /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
     /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
     NotConverged,
@@ -136,7 +148,10 @@ impl fmt::Display for Fallback {
             Self::RungeKutta => "the integrator is Rk4",
             Self::ImplicitIntegrator => "the integrator is Implicit",
             Self::NoSlip => "the no-slip solver is on",
-            Self::NewerFeature => "the model has a feature that MuJoCo 2.2.2 does not have",
+            Self::NotUnderstood { field, element } => {
+                return write!(f, "the method does not understand the value of {field}, element {element}");
+            }
+            Self::EngineVersion => "the formulas were not verified with this version of the engine",
             Self::NotConverged => "the constraint solver has not converged",
             Self::Fluid => "a medium acts on ellipsoids",
             Self::SpatialTendon => "a spatial tendon has no closed form",

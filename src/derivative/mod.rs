@@ -28,6 +28,7 @@ mod residual;
 mod rotation;
 #[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "the closed form of 2.2.2 uses the rest"))]
 pub(crate) mod spatial;
+mod support;
 mod transition;
 mod work_queue;
 mod worker;

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::analytic::Analytic;
 use super::columns::StepDifferences;
-use super::implicit::{self, Linearisation};
+use super::implicit::Linearisation;
 use super::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
+use super::support::Obstacles;
 use super::work_queue::{WorkQueue, for_each_worker};
 use super::{TransitionOutputs, sizes};
 use crate::error::Result;
@@ -102,9 +103,10 @@ pub(super) fn linearise(
     workers: &mut [Worker],
     base: BasePoint<'_>,
     options: &TransitionOptions,
-    (method, fallback): (TransitionMethod, Option<Fallback>),
+    obstacles: Obstacles,
     mut outputs: TransitionOutputs<'_>,
 ) -> Result<LinearisationReport> {
+    let (method, fallback) = obstacles.method(options.method);
     if method == TransitionMethod::Engine {
         let (point, step) = (&mut workers[0].point, options.step(method));
         point.set_base(base)?;
@@ -119,11 +121,9 @@ pub(super) fn linearise(
     match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
         Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
         Err(reason) => {
-            let is_differentiable = implicit::obstacle(workers[0].point.data.model()).is_none();
-            let method = if reason != Fallback::NotConverged && is_differentiable {
-                TransitionMethod::Implicit
-            } else {
-                TransitionMethod::Columns
+            let method = match reason {
+                Fallback::NotConverged => TransitionMethod::Columns,
+                _ => obstacles.differences(),
             };
             difference(workers, base, options, (method, Some(reason)), &[], outputs)
         }

@@ -2912,11 +2912,4 @@ impl Model {
         // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.
         unsafe { ffi::array(self.raw().name_keyadr, self.nkey()) }
     }
-
-    /// Returns `true` for a model whose equations of motion have terms that those of 2.2.2 do not have.
-    #[allow(clippy::unused_self, reason = "2.2.2 has no such array")]
-    pub(crate) fn has_newer_terms(&self) -> bool {
-        let is_used: &[bool] = &[];
-        is_used.contains(&true)
-    }
 }

@@ -35,6 +35,7 @@ pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
 pub(crate) use self::load::TEXT;
+pub(crate) use self::options::FIRST_ABSENT_FLAG;
 #[cfg(feature = "viewer")]
 pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};

@@ -13,10 +13,11 @@ use super::damped_inertia::DampedInertia;
 use super::rigid_body::RigidBodies;
 use super::tree::Tree;
 use crate::data::Data;
+use crate::derivative::implicit::has_implicit_damping;
 use crate::derivative::linear_algebra::add;
 use crate::derivative::rotation::{self, Rotation};
 use crate::matrix::Matrix;
-use crate::model::{DisableFlags, Model};
+use crate::model::Model;
 
 /// Buffers of the integrator.
 #[derive(Debug)]
@@ -50,12 +51,9 @@ impl Euler {
         let model = data.model();
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
         let damping = model.dof_damping();
-        // The engine's condition. In 2.2.2 the flag for passive forces does not disable implicit damping.
-        let is_enabled = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
-        let is_damped = is_enabled && damping.iter().any(|&damping| damping > 0.0);
         let spread = self.spread.as_mut_slice();
         spread.fill(0.0);
-        if is_damped {
+        if has_implicit_damping(model) {
             self.inertia.factor(data, tree);
             for ((spread, damping), qacc) in spread.iter_mut().zip(damping).zip(data.qacc()) {
                 *spread = h * damping * qacc;

@@ -32,7 +32,7 @@ fn has_medium(model: &Model) -> bool {
 }
 
 /// Returns `true` if a medium exerts forces that have no closed form here.
-pub(super) fn is_obstacle(model: &Model) -> bool {
+pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
     has_medium(model) && model.geom_fluid().iter().any(|&[interaction, ..]| interaction > 0.0)
 }
 

@@ -58,7 +58,7 @@ pub(super) fn is_used(model: &Model) -> bool {
 
 /// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
 /// formula: forces of a medium, muscles, spatial tendons, and actuators on sites.
-pub(super) fn is_obstacle(model: &Model) -> bool {
+pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
     let integrator = Integrator::of_field(model.raw().opt.integrator);
     if matches!(integrator, Integrator::ImplicitFast | Integrator::Discrete) {
         return true;

@@ -10,14 +10,14 @@
 //! forces are explicit functions of them, so no system of equations is solved: `∂f/∂q` and `∂f/∂v` are sums of the same terms, and
 //! `∂f/∂a = M + Jᵀ 𝒦 J` is the matrix H of `newton.rs`. Sensors have the derivatives of `sensors/` with a as a third input.
 
+use super::inertia;
 use super::sensors::{Point, Sensors};
 use super::{Analytic, Fallback, Outcome};
-use super::{actuators, fluid, has_newer_feature, inertia};
 use crate::data::{Data, SensorUpdate, Stage};
 use crate::derivative::{InverseForce, InverseOutputs};
 use crate::error::Result;
 use crate::matrix::Matrix;
-use crate::model::{EnableFlags, Model};
+use crate::model::Model;
 
 /// Buffers for the derivatives of inverse dynamics.
 #[derive(Debug)]
@@ -34,23 +34,6 @@ impl Inverse {
         let mut deceleration = Matrix::zeros(nv, 3 * nv);
         (0..nv).for_each(|dof| deceleration[(dof, 2 * nv + dof)] = -1.0);
         Self { sensors: Sensors::new(model, 3 * nv), deceleration }
-    }
-}
-
-/// Returns the reason why inverse dynamics of this model has no closed form here, if there is one.
-pub(in crate::derivative) fn obstacle(model: &Model, force: InverseForce) -> Option<Fallback> {
-    let has_actuators = force == InverseForce::WithoutActuators;
-    let is_newer = has_newer_feature(model)
-        || model.options().enable.intersects(EnableFlags::INVDISCRETE | EnableFlags::SPECULATIVE)
-        || (has_actuators && model.limits_actuator_forces());
-    if is_newer {
-        Some(Fallback::NewerFeature)
-    } else if fluid::is_obstacle(model) {
-        Some(Fallback::Fluid)
-    } else if has_actuators {
-        actuators::obstacle(model)
-    } else {
-        None
     }
 }
 

@@ -46,11 +46,13 @@ mod tendon;
 mod tree;
 
 use self::actuators::NextActivation;
+pub(super) use self::actuators::obstacle as actuator_obstacle;
 use self::constraint::Constraints;
 use self::euler::Euler;
+pub(super) use self::fluid::is_obstacle as has_fluid_obstacle;
 use self::implicit_step::ImplicitStep;
+pub(super) use self::implicit_step::is_obstacle as has_implicit_step_obstacle;
 use self::inverse::Inverse;
-pub(super) use self::inverse::obstacle as inverse_obstacle;
 use self::rigid_body::RigidBodies;
 use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
@@ -62,7 +64,7 @@ use super::{InverseForce, TransitionOutputs, sizes, spatial};
 use crate::data::Data;
 use crate::error::Result;
 use crate::matrix::Matrix;
-use crate::model::{DisableFlags, EnableFlags, Model};
+use crate::model::{DisableFlags, Model};
 
 /// Terms that were differenced, or the reason why there is no closed form.
 pub(super) type Outcome = std::result::Result<DifferencedTerms, Fallback>;
@@ -87,34 +89,6 @@ pub(super) struct Analytic {
     derivative: Matrix,
     /// `(na)`
     next_activation: Vec<NextActivation>,
-}
-
-/// Returns the reason why a step of this model has no closed form here, if there is one.
-pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    if has_newer_feature(model) {
-        Some(Fallback::NewerFeature)
-    } else if implicit_step::is_obstacle(model) {
-        Some(Fallback::ImplicitIntegrator)
-    } else if fluid::is_obstacle(model) {
-        Some(Fallback::Fluid)
-    } else {
-        actuators::obstacle(model)
-    }
-}
-
-/// Returns `true` for a model with an option or an element that 2.2.2 does not have and that changes the equations of motion.
-fn has_newer_feature(model: &Model) -> bool {
-    let options = model.options();
-    let disabled = options.disable;
-    // Both together are the flag of 2.2.2.
-    let disables_one =
-        !disabled.contains(DisableFlags::PASSIVE) && disabled.intersects(DisableFlags::SPRING | DisableFlags::DAMPER);
-    disables_one
-        || options.enable.contains(EnableFlags::DIAGEXACT)
-        || options.disableactuator != 0
-        || model.has_several_controls()
-        || model.has_newer_terms()
-        || (0..model.neq()).any(|equality| model.couples_sites(equality))
 }
 
 /// Returns the acceleration of gravity, zero if it is disabled.

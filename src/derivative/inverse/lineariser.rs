@@ -2,10 +2,11 @@
 
 use super::{InverseForce, InverseJacobians, InverseOutputs};
 use crate::data::{Data, StateSpec};
+use crate::derivative::Lineariser;
 use crate::derivative::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod};
 use crate::derivative::perturbation::BasePoint;
 use crate::derivative::worker::Worker;
-use crate::derivative::{Lineariser, analytic};
+use crate::enums::Integrator;
 use crate::error::Result;
 
 /// Default step of the differences.
@@ -80,13 +81,18 @@ impl Lineariser {
             data.inverse_fd_into(eps, force, outputs)?;
             return Ok(differences((requested != TransitionMethod::Engine).then_some(Fallback::Callbacks)));
         }
+        let obstacle = self.obstacles.to_inverse(force);
         let worker = self.set_first_base(data)?;
+        if Integrator::from_raw(data.model().raw().opt.integrator) == Some(Integrator::Discrete) {
+            // Inverse dynamics of this integrator reads results of the last computation of the forces.
+            worker.point.data.forward()?;
+        }
         worker.point.data.qacc_mut().copy_from_slice(data.qacc());
         if requested != TransitionMethod::Analytic {
             worker.point.data.inverse_fd_into(eps, force, outputs)?;
             return Ok(differences(None));
         }
-        match analytic::inverse_obstacle(data.model(), force) {
+        match obstacle {
             None => differentiate(worker, eps, force, &mut outputs),
             Some(reason) => {
                 worker.point.data.inverse_fd_into(eps, force, outputs)?;

@@ -200,22 +200,22 @@ bitflags! {
 
 /// The flag, or in newer engines the two flags, that disable springs and dampers.
 const PASSIVE: u32 =
-    if sys::mjDSBL_PASSIVE < FIRST_ABSENT { sys::mjDSBL_PASSIVE } else { sys::mjDSBL_SPRING | sys::mjDSBL_DAMPER };
+    if sys::mjDSBL_PASSIVE < FIRST_ABSENT_FLAG { sys::mjDSBL_PASSIVE } else { sys::mjDSBL_SPRING | sys::mjDSBL_DAMPER };
 
 /// Lowest bit of the flags that the engine does not have.
-const FIRST_ABSENT: u32 = 1 << 22;
+pub(crate) const FIRST_ABSENT_FLAG: u32 = 1 << 22;
 
 impl DisableFlags {
     /// Returns `true` for flags that the engine has.
     pub(crate) fn is_present(self) -> bool {
-        self.bits() < FIRST_ABSENT
+        self.bits() < FIRST_ABSENT_FLAG
     }
 }
 
 impl EnableFlags {
     /// Returns `true` for flags that the engine has.
     pub(crate) fn is_present(self) -> bool {
-        self.bits() < FIRST_ABSENT
+        self.bits() < FIRST_ABSENT_FLAG
     }
 }
 

@@ -4,7 +4,7 @@
 pub(crate) mod analytic;
 mod contract;
 pub(crate) mod features;
-mod oracle;
+pub(crate) mod oracle;
 
 use mujoco_safe::{Data, Matrix, StateSpace, sample};
 

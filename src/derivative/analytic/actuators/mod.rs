@@ -23,7 +23,7 @@ use crate::model::{DisableFlags, Model};
 pub(super) const MIN_TIME_CONSTANT: f64 = mujoco_sys::mjMINVAL;
 
 /// Returns the reason why an actuator has no closed form here, if there is one.
-pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
+pub(in crate::derivative) fn obstacle(model: &Model) -> Option<Fallback> {
     let is_covered = |actuator: usize| {
         let dynamics = ActuatorDynamics::from_raw(model.actuator_dyntype()[actuator]);
         let gain = ActuatorGain::from_raw(model.actuator_gaintype()[actuator]);
