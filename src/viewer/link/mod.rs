@@ -112,18 +112,18 @@ pub(crate) fn link(wake: impl Fn() + Send + Sync + 'static) -> (WindowEnd, Physi
 }
 
 impl WindowEnd {
-    /// Queues a request.
-    pub fn send(&self, request: impl Into<Request>) {
+    /// Queues a request. Returns its number, which is that of the previous request if both are merged, or `None` if the queue is full.
+    pub fn send(&self, request: impl Into<Request>) -> Option<u64> {
         let request = request.into();
-        {
+        let number = {
             let inbox = &mut *lock(&self.shared.inbox);
             let requests = &mut inbox.requests;
             if requests.back_mut().is_some_and(|last| last.merge(&request)) {
-                return;
+                return Some(inbox.queued);
             }
             if requests.len() >= MAX_REQUESTS {
                 log::warn!("the viewer drops the request {request:?}: {MAX_REQUESTS} requests wait for the program");
-                return;
+                return None;
             }
             // A request that refers to the displayed frame must be executed with the view from which the user made it.
             if request.reads_poses()
@@ -134,14 +134,10 @@ impl WindowEnd {
             }
             requests.push_back(request);
             inbox.queued += 1;
-        }
+            inbox.queued
+        };
         self.shared.arrived.notify_one();
-    }
-
-    /// Returns the number that this request will have if it is queued next.
-    pub fn next_number(&self, request: &Request) -> u64 {
-        let inbox = lock(&self.shared.inbox);
-        inbox.queued + 1 + u64::from(request.reads_poses() && inbox.view.is_some())
+        Some(number)
     }
 
     /// Returns the number of requests that were ever queued, which is the number of the last request.

@@ -1,46 +1,87 @@
 //! Prediction of the state after the pending requests.
 
-use super::{Appearance, EndpointRequest, Mode, Request, SimulationRequest, Snapshot};
+use std::collections::VecDeque;
+
+use super::{
+    Appearance, ControlNoise, EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest, Snapshot, Status,
+};
+use crate::id::{ActuatorId, EqualityId, JointId};
 use crate::model::Options;
+use crate::viewer::simulation::Burst;
 
 /// Predicted state after the pending requests. The window interprets keys, buttons and edits by it, because the newest snapshot may
 /// be older than the last request while the simulation is busy.
+///
+/// Panels base every edit on a predicted value, never on that of the snapshot. A text field discards its text if its number changes while
+/// the user types: with the number of an older snapshot, all digits but the last would be lost. A toggle or a difference would be
+/// computed from the previous value twice.
 ///
 /// Requests are numbered from 1. A snapshot contains the number of the last request that was executed before it.
 #[derive(Debug, Default)]
 pub(crate) struct PredictedState {
     /// Number of the last request that may select a body.
     selection: u64,
-    mode: Option<(u64, Mode)>,
-    options: Option<(u64, Options)>,
-    appearance: Option<(u64, Appearance)>,
+    /// Other requests, each with its number, from the oldest to the newest.
+    pending: VecDeque<(u64, Request)>,
 }
 
 impl PredictedState {
-    /// Updates the prediction for a request that is about to be sent with this number.
-    pub fn update(&mut self, request: &Request, number: u64, snapshot: &Snapshot) {
-        match request {
+    /// Updates the prediction for a request that was sent with this number.
+    pub fn update(&mut self, request: Request, number: u64, snapshot: &Snapshot) {
+        while self.pending.front().is_some_and(|(number, _)| *number <= snapshot.executed) {
+            self.pending.pop_front();
+        }
+        let request = match request {
             Request::Endpoint(EndpointRequest::Select(_) | EndpointRequest::SelectBody(Some(_))) => {
                 self.selection = number;
+                return;
             }
-            Request::Endpoint(EndpointRequest::SelectBody(None)) => self.selection = 0,
-            Request::Endpoint(EndpointRequest::SetOptions(options)) => self.options = Some((number, **options)),
-            Request::Endpoint(EndpointRequest::SetAppearance(appearance)) => {
-                self.appearance = Some((number, **appearance));
-            }
-            Request::Simulation(SimulationRequest::SetMode(mode)) if snapshot.modes.contains(mode) => {
-                self.mode = Some((number, *mode));
+            Request::Endpoint(EndpointRequest::SelectBody(None)) => {
+                self.selection = 0;
+                return;
             }
             Request::Simulation(SimulationRequest::CycleMode(step)) => {
                 let modes = &snapshot.modes;
-                if let Some(present) = modes.iter().position(|mode| *mode == self.mode(snapshot)) {
-                    let next = (present as i32 + step).rem_euclid(modes.len() as i32) as usize;
-                    self.mode = Some((number, modes[next]));
-                }
+                let Some(present) = modes.iter().position(|mode| *mode == self.mode(snapshot)) else { return };
+                let next = (present as i32 + step).rem_euclid(modes.len() as i32) as usize;
+                SimulationRequest::SetMode(modes[next]).into()
             }
-            Request::Simulation(SimulationRequest::Reload(_)) => *self = Self::default(),
-            _ => {}
+            Request::Simulation(SimulationRequest::Reload(_)) => {
+                *self = Self::default();
+                return;
+            }
+            request => request,
+        };
+        if let Some((last, pending)) = self.pending.back_mut()
+            && pending.merge(&request)
+        {
+            *last = number;
+        } else {
+            self.pending.push_back((number, request));
         }
+    }
+
+    /// Returns the pending requests, from the newest to the oldest.
+    fn pending(&self, snapshot: &Snapshot) -> impl DoubleEndedIterator<Item = &Request> {
+        let executed = self.pending.partition_point(|(number, _)| *number <= snapshot.executed);
+        self.pending.range(executed..).rev().map(|(_, request)| request)
+    }
+
+    /// Returns the value that the last pending request of a kind sets, if there is one.
+    fn set<T>(&self, snapshot: &Snapshot, value: impl FnMut(&Request) -> Option<T>) -> Option<T> {
+        self.pending(snapshot).find_map(value)
+    }
+
+    fn endpoint<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(&EndpointRequest) -> Option<T>) -> Option<T> {
+        self.set(snapshot, |request| if let Request::Endpoint(request) = request { value(request) } else { None })
+    }
+
+    fn simulation<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(&SimulationRequest) -> Option<T>) -> Option<T> {
+        self.set(snapshot, |request| if let Request::Simulation(request) = request { value(request) } else { None })
+    }
+
+    fn playback<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(PlaybackRequest) -> Option<T>) -> Option<T> {
+        self.set(snapshot, |request| if let Request::Playback(request) = request { value(*request) } else { None })
     }
 
     /// Returns `true` if a body is selected or may be.
@@ -48,22 +89,134 @@ impl PredictedState {
         snapshot.selected.is_some() || self.selection > snapshot.executed
     }
 
+    /// Returns `true` if the simulation is paused.
+    pub fn is_paused(&self, snapshot: &Snapshot) -> bool {
+        self.pending(snapshot).rev().fold(snapshot.status == Status::Paused, |paused, request| match request {
+            Request::Pause(paused) => *paused,
+            Request::TogglePause => !paused,
+            _ => paused,
+        })
+    }
+
     /// Returns the mode.
     pub fn mode(&self, snapshot: &Snapshot) -> Mode {
-        let pending = self.mode.filter(|(number, _)| *number > snapshot.executed);
-        pending.map_or(snapshot.mode, |(_, mode)| mode)
+        let mode = self.simulation(snapshot, |request| match request {
+            SimulationRequest::SetMode(mode) if snapshot.modes.contains(mode) => Some(*mode),
+            _ => None,
+        });
+        mode.unwrap_or(snapshot.mode)
     }
 
-    /// Returns the physics options on which the next edit is based.
+    /// Returns the factor of simulated over real time.
+    pub fn target_speed(&self, snapshot: &Snapshot) -> f64 {
+        let factor = self.simulation(snapshot, |request| match request {
+            SimulationRequest::SetSpeed(factor) => Some(*factor),
+            _ => None,
+        });
+        factor.unwrap_or_else(|| snapshot.speed.target())
+    }
+
+    /// Returns the noise on the controls.
+    pub fn noise(&self, snapshot: &Snapshot) -> ControlNoise {
+        let noise = self.simulation(snapshot, |request| match request {
+            SimulationRequest::SetNoise(noise) => Some(*noise),
+            _ => None,
+        });
+        noise.unwrap_or(snapshot.noise)
+    }
+
+    /// Returns the index of the current state in the history.
+    pub fn history_position(&self, snapshot: &Snapshot) -> usize {
+        let index = self.simulation(snapshot, |request| match request {
+            SimulationRequest::Scrub(index) => Some(*index),
+            _ => None,
+        });
+        index.unwrap_or(snapshot.history_position)
+    }
+
+    /// Returns the index of a trajectory that the user has chosen, until a snapshot contains it.
+    pub fn trajectory(&self, snapshot: &Snapshot) -> Option<usize> {
+        self.playback(snapshot, |request| match request {
+            PlaybackRequest::SetTrajectory(index) => Some(index),
+            _ => None,
+        })
+    }
+
+    /// Returns the index of a record that the user has chosen, until a snapshot contains it.
+    pub fn record(&self, snapshot: &Snapshot) -> Option<usize> {
+        self.playback(snapshot, |request| match request {
+            PlaybackRequest::SetFrame(frame) => Some(frame),
+            _ => None,
+        })
+    }
+
+    /// Returns the burst of the playback after the pending changes of a burst.
+    pub fn burst(&self, snapshot: &Snapshot, mut burst: Burst) -> Burst {
+        for request in self.pending(snapshot).rev() {
+            match request {
+                Request::Playback(PlaybackRequest::ToggleBurst) => burst.on = !burst.on,
+                Request::Playback(PlaybackRequest::ToggleDoppler) => burst.doppler = !burst.doppler,
+                Request::Playback(PlaybackRequest::ChangeBurstFactor(notches)) => {
+                    burst.factor = Burst::adjusted(burst.factor, *notches);
+                }
+                Request::Playback(PlaybackRequest::ChangeBurstGamma(notches)) => {
+                    burst.gamma = Burst::adjusted(burst.gamma, *notches);
+                }
+                _ => {}
+            }
+        }
+        burst
+    }
+
+    /// Returns the physics options.
     pub fn options(&self, snapshot: &Snapshot) -> Options {
-        let pending = self.options.filter(|(number, _)| *number > snapshot.executed);
-        pending.map_or_else(|| snapshot.model.options(), |(_, options)| options)
+        let options = self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetOptions(options) => Some(**options),
+            _ => None,
+        });
+        options.unwrap_or_else(|| snapshot.model.options())
     }
 
-    /// Returns the appearance on which the next edit is based.
+    /// Returns the appearance of the model.
     pub fn appearance(&self, snapshot: &Snapshot) -> Appearance {
-        let pending = self.appearance.filter(|(number, _)| *number > snapshot.executed);
-        pending.map_or_else(|| Appearance::of(&snapshot.model), |(_, appearance)| appearance)
+        let appearance = self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetAppearance(appearance) => Some(**appearance),
+            _ => None,
+        });
+        appearance.unwrap_or_else(|| Appearance::of(&snapshot.model))
+    }
+
+    /// Returns a parameter of the instruments that the user has set, until a snapshot contains it.
+    pub fn parameter(&self, snapshot: &Snapshot, name: &str) -> Option<f64> {
+        self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetParameter(set, value) if **set == *name => Some(*value),
+            _ => None,
+        })
+    }
+
+    /// Returns a control of an actuator that the user has set, until a snapshot contains it.
+    pub fn control(&self, snapshot: &Snapshot, actuator: ActuatorId, number: usize) -> Option<f64> {
+        self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetControl(set, part, value) if (*set, *part) == (actuator, number) => Some(*value),
+            EndpointRequest::ClearControls => Some(0.0),
+            _ => None,
+        })
+    }
+
+    /// Returns an element of a joint's position that the user has set, until a snapshot contains it.
+    pub fn position(&self, snapshot: &Snapshot, joint: JointId, part: usize) -> Option<f64> {
+        self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetPosition(set, index, value) if (*set, *index) == (joint, part) => Some(*value),
+            _ => None,
+        })
+    }
+
+    /// Returns the state of an equality constraint that the user has set, until a snapshot contains it.
+    pub fn equality(&self, snapshot: &Snapshot, equality: EqualityId) -> Option<bool> {
+        self.endpoint(snapshot, |request| match request {
+            EndpointRequest::SetEquality(set, active) if *set == equality => Some(*active),
+            _ => None,
+        })
     }
 }
 
@@ -77,8 +230,8 @@ mod tests {
     /// Sends a request as the window does, without a tick of the simulation.
     fn send(bench: &Bench, predicted: &mut PredictedState, request: impl Into<Request>) {
         let request = request.into();
-        predicted.update(&request, bench.window.next_number(&request), bench.window.current().unwrap());
-        bench.window.send(request);
+        let number = bench.window.send(request.clone()).unwrap();
+        predicted.update(request, number, bench.window.current().unwrap());
     }
 
     #[test]

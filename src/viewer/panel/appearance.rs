@@ -10,7 +10,7 @@ use crate::viewer::link::EndpointRequest;
 const LABEL_WIDTH: f32 = 104.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let mut appearance = cx.appearance;
+    let mut appearance = cx.predicted.appearance(cx.snapshot);
     let before = appearance;
     let visual = &mut appearance.visual;
     group(ui, "global", visual.global.settings());

@@ -18,7 +18,8 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     layout::section(ui, "Parameters", true, |ui| {
         for parameter in &snapshot.parameters {
             layout::labelled(ui, &parameter.name, LABEL_WIDTH, |ui| {
-                let ([low, high], mut value) = (parameter.range, parameter.value);
+                let [low, high] = parameter.range;
+                let mut value = cx.predicted.parameter(snapshot, &parameter.name).unwrap_or(parameter.value);
                 let is_logarithmic = low > 0.0 && high >= LOGARITHMIC * low;
                 let slider = layout::slider(&mut value, low..=high).logarithmic(is_logarithmic).max_decimals(5);
                 let slider = ui.add(slider);

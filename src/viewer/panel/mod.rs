@@ -18,9 +18,8 @@ use egui::Ui;
 pub(super) use self::layout::{has_place_for_sides, side_widths};
 pub(super) use self::style::{apply_style, limited_scale};
 use super::input::Action;
-use super::link::{Appearance, Request, Snapshot, Status};
+use super::link::{PredictedState, Request, Snapshot, Status};
 use super::view::View;
-use crate::model::Options;
 
 /// Properties of the window that the panels show.
 #[derive(Debug)]
@@ -42,10 +41,8 @@ pub(super) struct WindowStatus<'a> {
 pub(super) struct PanelContext<'a> {
     pub snapshot: &'a Snapshot,
     pub view: &'a mut View,
-    /// Physics options on which an edit is based.
-    pub options: Options,
-    /// Appearance on which an edit is based.
-    pub appearance: Appearance,
+    /// Values on which edits are based.
+    pub predicted: &'a PredictedState,
     pub status: &'a WindowStatus<'a>,
     /// Actions of the user.
     pub actions: &'a mut Vec<Action>,

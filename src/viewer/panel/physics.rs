@@ -14,7 +14,7 @@ use crate::viewer::link::EndpointRequest;
 const LABEL_WIDTH: f32 = 104.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let mut options = cx.options;
+    let mut options = cx.predicted.options(cx.snapshot);
     let before = options;
 
     choice(ui, "integrator", &mut options.integrator, Integrator::from_raw);
@@ -104,7 +104,7 @@ fn toggles<F: Copy>(
 pub(super) fn show_equalities(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let model = cx.snapshot.model.clone();
     for equality in model.equalities() {
-        let mut active = equality.active();
+        let mut active = cx.predicted.equality(cx.snapshot, equality.id()).unwrap_or_else(|| equality.active());
         let text = format!("{} ({:?})", equality_name(&model, &equality), equality.equality_type());
         // The box of the checkbox and its margins need up to 1.5 times the height of a row.
         let shown = layout::fit(ui, &text, ui.available_width() - 1.5 * ui.spacing().interact_size.y).into_owned();

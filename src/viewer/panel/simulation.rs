@@ -44,7 +44,7 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 
 /// Shows the button that pauses or resumes the simulation. Returns `true` if it is paused.
 fn pause_button(ui: &mut Ui, cx: &mut PanelContext<'_>) -> bool {
-    let paused = cx.snapshot.status == Status::Paused;
+    let paused = cx.predicted.is_paused(cx.snapshot);
     if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(46.0, 0.0))).clicked() {
         cx.send(Request::Pause(!paused));
     }
@@ -86,7 +86,7 @@ fn modes(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         ui.spacing_mut().item_spacing.x = 2.0;
         for mode in cx.snapshot.modes.clone() {
             let text = if mode == Mode::Passive { "Passive".to_owned() } else { mode.to_string() };
-            if ui.selectable_label(mode == cx.snapshot.mode, text).clicked() {
+            if ui.selectable_label(mode == cx.predicted.mode(cx.snapshot), text).clicked() {
                 cx.send(SimulationRequest::SetMode(mode));
             }
         }
@@ -96,7 +96,7 @@ fn modes(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let speed = cx.snapshot.speed;
     layout::labelled(ui, "speed", LABEL_WIDTH, |ui| {
-        let mut factor = speed.target();
+        let mut factor = cx.predicted.target_speed(cx.snapshot);
         let slider = layout::slider(&mut factor, 0.01..=10.0)
             .logarithmic(true)
             .custom_formatter(|value, _| format!("{value:.2}x"));
@@ -121,7 +121,7 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 }
 
 fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let (count, position) = (cx.snapshot.history_len, cx.snapshot.history_position);
+    let (count, position) = (cx.snapshot.history_len, cx.predicted.history_position(cx.snapshot));
     layout::labelled(ui, "history", LABEL_WIDTH, |ui| {
         let mut index = position.min(count);
         let slider = layout::slider(&mut index, 0..=count).show_value(false);
@@ -137,7 +137,7 @@ fn noise(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         return;
     }
     layout::labelled(ui, "noise", LABEL_WIDTH, |ui| {
-        let mut noise = cx.snapshot.noise;
+        let mut noise = cx.predicted.noise(cx.snapshot);
         let deviation = DragValue::new(&mut noise.deviation).speed(0.002).range(0.0..=2.0).max_decimals(3);
         let changed = ui
             .add(deviation)
@@ -158,7 +158,7 @@ const PLAYBACK_LABEL_WIDTH: f32 = 84.0;
 pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let Some(playback) = cx.snapshot.playback else { return };
     layout::labelled(ui, "trajectory", PLAYBACK_LABEL_WIDTH, |ui| {
-        let mut number = playback.trajectory + 1;
+        let mut number = cx.predicted.trajectory(cx.snapshot).unwrap_or(playback.trajectory) + 1;
         let slider = layout::slider(&mut number, 1..=playback.trajectories)
             .custom_formatter(|value, _| format!("{value} / {}", playback.trajectories));
         if ui.add_enabled(playback.trajectories > 1, slider).changed() {
@@ -166,14 +166,14 @@ pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         }
     });
     layout::labelled(ui, "record", PLAYBACK_LABEL_WIDTH, |ui| {
-        let mut record = playback.frame + 1;
+        let mut record = cx.predicted.record(cx.snapshot).unwrap_or(playback.frame) + 1;
         let slider = layout::slider(&mut record, 1..=playback.frames)
             .custom_formatter(|value, _| format!("{value} / {}", playback.frames));
         if ui.add(slider).changed() {
             cx.send(PlaybackRequest::SetFrame(record - 1));
         }
     });
-    let burst = playback.burst;
+    let burst = cx.predicted.burst(cx.snapshot, playback.burst);
     ui.horizontal(|ui| {
         for (text, on, request) in [
             ("reverse", playback.reversed, PlaybackRequest::ToggleReverse),

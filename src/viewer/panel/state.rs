@@ -54,18 +54,19 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     for ((actuator, control), &ctrl) in controls.zip(&snapshot.ctrl) {
         let is_limited = model.actuator_ctrllimited()[control] != 0;
         let [low, high] = if is_limited { model.actuator_ctrlrange()[control] } else { [-1.0, 1.0] };
+        let number = control - actuator.controls().start;
         let mut name = display_name(actuator.name(), actuator.index());
         if actuator.controls().len() > 1 {
-            name = format!("{name} [{}]", control - actuator.controls().start);
+            name = format!("{name} [{number}]");
         }
         layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
-            let mut value = ctrl;
-            let range = low.min(ctrl)..=high.max(ctrl);
+            let mut value = cx.predicted.control(snapshot, actuator.id(), number).unwrap_or(ctrl);
+            let range = low.min(value)..=high.max(value);
             let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
             #[cfg(feature = "test-hooks")]
             crate::viewer::test_hooks::add_slider(&slider, ui);
             if slider.changed() {
-                cx.send(EndpointRequest::SetControl(actuator.id(), control - actuator.controls().start, value));
+                cx.send(EndpointRequest::SetControl(actuator.id(), number, value));
             }
         });
     }
@@ -90,7 +91,7 @@ pub(super) fn show_joints(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         };
         let [low, high] = if joint.limited() { *joint.range() } else { [-unlimited, unlimited] };
         layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
-            let mut value = qpos[0];
+            let mut value = cx.predicted.position(snapshot, joint.id(), 0).unwrap_or(qpos[0]);
             let range = low.min(value)..=high.max(value);
             if ui.add_enabled(editable, layout::slider(&mut value, range).fixed_decimals(3)).changed() {
                 cx.send(EndpointRequest::SetPosition(joint.id(), 0, value));
@@ -111,7 +112,7 @@ fn show_elements(ui: &mut Ui, cx: &mut PanelContext<'_>, name: &str, joint: Join
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.label(RichText::new(what).small().weak());
             for index in part {
-                let mut value = qpos[index];
+                let mut value = cx.predicted.position(cx.snapshot, joint, index).unwrap_or(qpos[index]);
                 let drag = DragValue::new(&mut value).speed(0.005).fixed_decimals(2);
                 if ui.add_enabled(editable, drag).changed() {
                     cx.send(EndpointRequest::SetPosition(joint, index, value));

@@ -9,6 +9,7 @@ mod mode;
 mod mouse;
 mod request;
 mod save;
+mod text_field;
 mod thread;
 
 use std::cell::Cell;

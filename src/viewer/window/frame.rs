@@ -231,7 +231,6 @@ impl Session {
         self.panels_stale = false;
         let status = self.status(&gpu);
         let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return false };
-        let (options, appearance) = (self.predicted.options(snapshot), self.predicted.appearance(snapshot));
         let mut actions = Vec::new();
         let before = view.clone();
         self.shown = Some(PanelContent { snapshot: (snapshot.generation, snapshot.number), view: before.clone() });
@@ -239,7 +238,8 @@ impl Session {
             actions.clear();
             #[cfg(feature = "test-hooks")]
             test_hooks::clear_widgets();
-            let mut cx = PanelContext { snapshot, view, options, appearance, status: &status, actions: &mut actions };
+            let mut cx =
+                PanelContext { snapshot, view, predicted: &self.predicted, status: &status, actions: &mut actions };
             self.panels.show(ui, &mut cx);
         });
         self.link.set_view(&view.scene_view());

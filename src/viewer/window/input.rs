@@ -99,10 +99,9 @@ impl Session {
         if let Some(view) = &self.view {
             self.link.set_view(&view.scene_view());
         }
-        if let Some(snapshot) = self.link.current() {
-            self.predicted.update(&request, self.link.next_number(&request), snapshot);
+        if let (Some(number), Some(snapshot)) = (self.link.send(request.clone()), self.link.current()) {
+            self.predicted.update(request, number, snapshot);
         }
-        self.link.send(request);
     }
 
     /// Performs the action of a key or a panel. Before the first snapshot, only actions on the window have an effect.
