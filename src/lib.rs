@@ -125,6 +125,8 @@ mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+#[cfg(all(feature = "viewer", target_os = "linux"))]
+mod x11;
 
 mod generated;
 

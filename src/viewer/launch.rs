@@ -10,7 +10,7 @@ use super::simulation::{PhysicsThread, Simulation};
 use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
-use crate::error::Outcome;
+use crate::error::{Error, Outcome};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
@@ -38,9 +38,9 @@ pub enum Theme {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ViewerOptions {
-    /// Title of the window.
+    /// Title of the window, without NUL.
     pub title: String,
-    /// Width and height of the window, in pixels. `None` for two thirds of the monitor.
+    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the monitor.
     pub size: Option<[u32; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
@@ -81,6 +81,25 @@ impl Default for ViewerOptions {
             directory: ".".into(),
             recording: RecorderOptions::default(),
         }
+    }
+}
+
+impl ViewerOptions {
+    /// Largest width and height of a window in the protocol of X.
+    const MAX_SIZE: u32 = u16::MAX as u32;
+
+    /// Rejects values that the windowing system cannot represent.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        if self.title.contains('\0') {
+            return Err(Error::invalid("the title of the window", format!("{:?}", self.title), "a text without NUL"));
+        }
+        if let Some([width, height]) = self.size
+            && ![width, height].iter().all(|pixels| (1..=Self::MAX_SIZE).contains(pixels))
+        {
+            let expected = format!("a width and a height from 1 to {} pixels", Self::MAX_SIZE);
+            return Err(Error::invalid("the size of the window", format!("{width} × {height}"), expected));
+        }
+        Ok(())
     }
 }
 
@@ -190,7 +209,9 @@ impl Viewer {
     /// # Errors
     ///
     /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others if the window cannot be shown;
-    /// [`ViewerError::Engine`] for a trajectory that is empty or of another model.
+    /// [`ViewerError::Window`] if the window ends early, for example because the X server has ended, after which a running recording is
+    /// complete and this process can show no more windows; [`ViewerError::Engine`] for a title or a size that no window can have, and for a
+    /// trajectory that is empty or of another model.
     pub fn run(self, data: Data) -> Result<Data, ViewerError> {
         let (request, link) = WindowRequest::on_this_thread(self.options)?;
         let simulation = Simulation::new(data, self.controller, self.trajectories, link)?;
@@ -199,7 +220,9 @@ impl Viewer {
         // A window of the background thread needs no event loop here; the physics thread ends with the window.
         event_loop.map_or(Ok(()), |event_loop| event_loop.run())?;
         opened.wait()?;
-        physics.join().ok_or_else(|| ViewerError::Window("the physics thread has panicked".to_owned()))
+        let data = physics.join().ok_or_else(|| ViewerError::Window("the physics thread has panicked".to_owned()))?;
+        opened.end()?;
+        Ok(data)
     }
 }
 
@@ -210,7 +233,7 @@ impl Viewer {
 ///
 /// # Errors
 ///
-/// Those of the program, and those of [`Viewer::run`], in which case the program is not started.
+/// Those of the program, and those of [`Viewer::run`]. If the window cannot be shown, the program is not started.
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{self, ViewerError, ViewerOptions};
@@ -235,7 +258,9 @@ where
     let (event_loop, opened) = request.split();
     let program = move || {
         opened.wait()?;
-        program(&mut ViewerHandle::new(link))
+        let result = program(&mut ViewerHandle::new(link))?;
+        opened.end()?;
+        Ok(result)
     };
     let Some(event_loop) = event_loop else { return program() };
     thread::scope(|scope| {

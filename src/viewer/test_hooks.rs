@@ -22,6 +22,7 @@ static SCENES: AtomicU64 = AtomicU64::new(0);
 static PASSES: AtomicU64 = AtomicU64::new(0);
 static REPAINTED: AtomicU64 = AtomicU64::new(0);
 static REPAINT_REQUESTED: AtomicBool = AtomicBool::new(false);
+static PANICKING: Mutex<Option<String>> = Mutex::new(None);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static PLOTS: Mutex<Vec<(String, Vec<String>)>> = Mutex::new(Vec::new());
 static TEXTS: Mutex<Vec<(String, [f32; 2])>> = Mutex::new(Vec::new());
@@ -123,6 +124,17 @@ pub fn latest() -> Option<WindowState> {
 /// Makes the next frame lose its surface.
 pub fn lose_surface() {
     SURFACE_LOSS_REQUESTED.store(true, Ordering::Relaxed);
+}
+
+/// Makes the next frame of the window with this title panic.
+pub fn panic_in_frame(title: &str) {
+    *lock(&PANICKING) = Some(title.to_owned());
+}
+
+/// Panics once after [`panic_in_frame`] with the title of the window that is drawn.
+pub(super) fn panic_if_requested(title: &str) {
+    let is_requested = lock(&PANICKING).take_if(|requested| requested == title).is_some();
+    assert!(!is_requested, "a panic of the test");
 }
 
 /// Blocks the window thread in its next frame until [`release`], so that events wait in the queue.

@@ -14,11 +14,11 @@ pub struct Display {
 }
 
 impl Display {
-    /// Starts a server on the first free display number.
+    /// Starts a server on the first free display number. Keys do not repeat, because on a loaded machine a key can be released late.
     pub fn start() -> Self {
         let folder = tempfile::tempdir().expect("the temporary folder is writable");
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-fbdir"])
+            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-r", "-fbdir"])
             .arg(folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -36,6 +36,11 @@ impl Display {
     /// Returns the value of `DISPLAY`.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Returns the number of the server's process.
+    pub fn process(&self) -> u32 {
+        self.server.id()
     }
 
     /// Returns the path of the framebuffer.

@@ -3,11 +3,11 @@
 use std::process::Command;
 
 use mujoco_safe::record::RecorderOptions;
-use mujoco_safe::viewer::{Viewer, ViewerError, ViewerOptions};
+use mujoco_safe::viewer::{self, Viewer, ViewerError, ViewerOptions, test_hooks};
 use mujoco_safe::{Controller, Data, Result, sample};
 
-use crate::harness::{press, show, show_with, state};
-use crate::input::wait_until;
+use crate::harness::{SIZE, exit_on_panic, press, show, show_with, state};
+use crate::input::{Input, wait_until};
 
 pub fn signals() {
     for signal in ["INT", "TERM", "HUP"] {
@@ -78,6 +78,74 @@ pub fn lost_surface() {
             wait_until("more frames are drawn", || state().frame > frame + 2);
         }
     });
+}
+
+/// Checks that values that no window can have are errors, other unusual values are accepted, and neither prevents later windows.
+pub fn options() {
+    let options = |size: [u32; 2]| ViewerOptions::default().with_size(size);
+    for (options, cause) in [
+        (options(SIZE).with_title("a\0b"), "the title of the window"),
+        (options([0, 100]), "the size of the window"),
+        (options([100, 0]), "the size of the window"),
+        (options([65_536, 100]), "the size of the window"),
+        (options([100, u32::MAX]), "the size of the window"),
+    ] {
+        let error = viewer::launch(options.clone()).map(drop).unwrap_err().to_string();
+        assert!(error.contains(cause), "{error}");
+        let error = Viewer::new().options(options).run(Data::new(sample::cartpole()).unwrap()).map(drop).unwrap_err();
+        assert!(error.to_string().contains(cause), "{error}");
+    }
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    for options in [
+        options(SIZE).with_title(""),
+        options(SIZE).with_title("\u{1}\u{10ffff}\n".repeat(10_000)),
+        options([1, 1]),
+        options(SIZE).with_scale(f64::NAN),
+        options(SIZE).with_scale(f64::MAX),
+        options(SIZE).with_scale(-1.0),
+    ] {
+        test_hooks::start();
+        let mut handle = viewer::launch(options).unwrap();
+        handle.sync(&mut data).unwrap();
+        wait_until("the window is drawn", || test_hooks::latest().is_some());
+        assert!(handle.is_running());
+    }
+    // The X server rejects this size, or the graphics driver does.
+    for size in [[65_535, 1], [65_535; 2]] {
+        if let Ok(mut handle) = viewer::launch(options(size)) {
+            handle.sync(&mut data).unwrap();
+        }
+    }
+    test_hooks::start();
+    let mut handle = viewer::launch(options(SIZE)).unwrap();
+    handle.sync(&mut data).unwrap();
+    wait_until("a usual window is drawn", || test_hooks::latest().is_some());
+}
+
+/// Checks that a panic in a frame ends its window with an error, but no other window.
+pub fn panic() {
+    let options = || ViewerOptions::default().with_size(SIZE);
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut first = viewer::launch(options()).unwrap();
+    for _ in 0..2 {
+        test_hooks::start();
+        let result = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                exit_on_panic(|| {
+                    wait_until("the window is drawn", || test_hooks::latest().is_some());
+                    test_hooks::panic_in_frame("panic");
+                    // Causes a frame.
+                    Input::at("panic").key("F12");
+                });
+            });
+            let options = options().with_title("panic");
+            Viewer::new().options(options).run(Data::new(sample::cartpole()).unwrap())
+        });
+        let error = result.map(drop).unwrap_err().to_string();
+        assert!(error.contains("a panic of the test"), "{error}");
+        first.sync(&mut data).unwrap();
+        assert!(first.is_running());
+    }
 }
 
 /// Checks that an idle window neither draws nor computes.

@@ -25,6 +25,7 @@ mod panels;
 mod processor;
 mod queued_events;
 mod screenshots;
+mod server;
 mod trajectories;
 mod window;
 
@@ -73,6 +74,9 @@ const CASES: &[Case] = &[
     ("signals_finish_the_recording", errors::signals),
     ("controller_failure_is_shown", errors::controller_failure),
     ("lost_surface_is_recreated", errors::lost_surface),
+    ("options_that_no_window_can_have_are_errors", errors::options),
+    ("panic_of_the_window_thread_ends_one_window", errors::panic),
+    ("end_of_the_x_server_is_an_error", server::end),
     ("idle_window_uses_no_processor_time", errors::idle),
 ];
 
@@ -97,6 +101,10 @@ fn main() -> ExitCode {
         }
         ["draw", directory] => {
             screenshots::draw(Path::new(directory));
+            ExitCode::SUCCESS
+        }
+        ["lose", function, server, directory] => {
+            server::lose(function, server, Path::new(directory));
             ExitCode::SUCCESS
         }
         ["measure"] => {

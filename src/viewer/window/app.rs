@@ -8,14 +8,17 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
-use super::event_loop::{Wake, WindowToken};
+use super::event_loop::{CONNECTION_LOST, Wake, WindowToken, connection_is_lost};
 use super::session::Session;
+use crate::error::catch_panic;
 
 /// After a shorter wait, the events were already in the queue. The limit is not zero, because the thread may be preempted during the
 /// wait.
 const MIN_WAIT: Duration = Duration::from_millis(20);
 
 /// All windows of the process. A window is drawn when something in it has changed; otherwise the thread sleeps.
+///
+/// A panic ends only its window: the process cannot create a second event loop, so a panic must not reach the first.
 pub(super) struct App {
     sessions: HashMap<WindowId, Session>,
     exit: ExitCondition,
@@ -41,16 +44,47 @@ impl App {
         Self { sessions: HashMap::new(), exit: ExitCondition::Never }
     }
 
-    fn by_token(&mut self, token: WindowToken) -> Option<&mut Session> {
-        self.sessions.values_mut().find(|session| session.token() == token)
-    }
-
-    /// Removes the closed windows.
-    fn remove_closed(&mut self, event_loop: &ActiveEventLoop) {
-        self.sessions.retain(|_, session| !session.is_closed());
+    /// Calls a function with each selected window, and removes the windows that are closed afterwards. Ends all windows after the loss of
+    /// the connection.
+    fn update(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        is_selected: impl Fn(&Session) -> bool,
+        mut update: impl FnMut(&mut Session),
+    ) {
+        for session in self.sessions.values_mut().filter(|session| is_selected(session)) {
+            // Most calls of the windowing library panic after the loss.
+            if connection_is_lost() {
+                break;
+            }
+            if let Err(panic) = catch_panic(|| update(session))
+                && !connection_is_lost()
+            {
+                session.fail(&format!("a panic of its thread: {panic}"));
+            }
+        }
+        if connection_is_lost() {
+            self.fail_all(CONNECTION_LOST);
+            event_loop.exit();
+        }
+        self.remove_closed();
         if matches!(self.exit, ExitCondition::WhenEmpty) && self.sessions.is_empty() {
             event_loop.exit();
         }
+    }
+
+    fn remove_closed(&mut self) {
+        for (_, session) in self.sessions.extract_if(|_, session| session.is_closed()) {
+            if let Err(panic) = catch_panic(|| drop(session)) {
+                log::error!("a window could not be destroyed: {panic}");
+            }
+        }
+    }
+
+    /// Ends all windows with an error.
+    pub fn fail_all(&mut self, problem: &str) {
+        self.sessions.values_mut().for_each(|session| session.fail(problem));
+        self.remove_closed();
     }
 }
 
@@ -72,38 +106,37 @@ impl ApplicationHandler<Wake> for App {
                 if matches!(self.exit, ExitCondition::After(awaited) if awaited == opening.waker.token()) {
                     self.exit = ExitCondition::WhenEmpty;
                 }
-                if let Some((id, session)) = Session::open(event_loop, *opening) {
+                // Without a connection, dropping the opening reports the error.
+                if !connection_is_lost()
+                    && let Some((id, session)) = Session::open(event_loop, *opening)
+                {
                     self.sessions.insert(id, session);
                 }
+                self.update(event_loop, |_| false, |_| ());
             }
             Wake::Update(token) => {
-                if let Some(session) = self.by_token(token) {
-                    session.handle_update();
-                }
+                self.update(event_loop, |session| session.token() == token, Session::handle_update);
             }
-            Wake::CloseAll => self.sessions.values_mut().for_each(Session::close),
+            Wake::CloseAll => self.update(event_loop, |_| true, Session::close),
+            Wake::ConnectionLost => self.update(event_loop, |_| false, |_| ()),
         }
-        self.remove_closed(event_loop);
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
-        if let Some(session) = self.sessions.get_mut(&id) {
-            session.handle_event(&event);
-        }
-        self.remove_closed(event_loop);
+        self.update(event_loop, |session| session.window.id() == id, |session| session.handle_event(&event));
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = Instant::now();
         let mut next: Option<Instant> = None;
-        for session in self.sessions.values_mut() {
-            session.run_due_pass(now);
+        let schedule = |session: &mut Session| {
+            session.schedule(now);
             match session.scheduler.due() {
                 Some(due) if due <= now => session.window.request_redraw(),
                 due => next = [next, due, session.scheduler.pass_due()].into_iter().flatten().min(),
             }
-        }
-        self.remove_closed(event_loop);
+        };
+        self.update(event_loop, |_| true, schedule);
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

@@ -3,6 +3,9 @@
 //! The windowing library allows a process to create a single event loop. After a window is closed, the loop is therefore kept for the
 //! next window: in the thread that opened the first window ([`run_on_this_thread`]), or in a background thread ([`window_thread`])
 //! that lives as long as the process.
+//!
+//! The library also connects to a single X server, once. After the loss of that connection, all windows end with an error, and later ones
+//! cannot be opened.
 
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -13,9 +16,12 @@ use std::thread::{self, ThreadId};
 use winit::error::EventLoopError;
 use winit::event_loop::{EventLoop, EventLoopProxy};
 use winit::platform::run_on_demand::EventLoopExtRunOnDemand;
+#[cfg(target_os = "linux")]
+use winit::raw_window_handle::HasDisplayHandle;
 
 use super::Opening;
 use super::app::App;
+use crate::error::catch_panic;
 use crate::viewer::error::ViewerError;
 
 thread_local! {
@@ -30,7 +36,7 @@ enum Owner {
     Caller(ThreadId),
     /// Background thread.
     WindowThread(EventLoopProxy<Wake>),
-    /// The creation has failed. The library does not allow a second attempt.
+    /// The creation has failed, or the loop has ended for good. The library does not allow a second attempt.
     Failed(String),
 }
 
@@ -68,10 +74,44 @@ pub(super) fn acquire() -> Result<EventLoopAccess, ViewerError> {
 }
 
 /// Runs the event loop on the calling thread until the window, which was requested through the loop's proxy, is closed.
-pub(super) fn run_on_this_thread(mut event_loop: Box<EventLoop<Wake>>, token: WindowToken) -> Result<(), ViewerError> {
-    let result = event_loop.run_app_on_demand(&mut App::until_closed(token));
-    store(event_loop);
-    result.map_err(|error| convert(&error))
+pub(super) fn run_on_this_thread(event_loop: Box<EventLoop<Wake>>, token: WindowToken) -> Result<(), ViewerError> {
+    store(run(event_loop, App::until_closed(token))?);
+    Ok(())
+}
+
+/// Runs an event loop until it exits. Returns it if it can run again.
+///
+/// # Errors
+///
+/// [`ViewerError::Window`] if the connection to the display server is lost or the windowing library fails. All windows have received the
+/// error.
+fn run(mut event_loop: Box<EventLoop<Wake>>, mut app: App) -> Result<Box<EventLoop<Wake>>, ViewerError> {
+    // The handlers of `app` do not panic, but the library panics in some of its calls after the connection was lost.
+    let result = catch_panic(|| event_loop.run_app_on_demand(&mut app));
+    let problem = match result {
+        _ if connection_is_lost() => CONNECTION_LOST.to_owned(),
+        Ok(Ok(())) => return Ok(event_loop),
+        Ok(Err(error)) => message_of(&error),
+        Err(panic) => format!("the event loop has panicked: {panic}"),
+    };
+    app.fail_all(&problem);
+    // Its destructor would use the connection.
+    std::mem::forget(event_loop);
+    *owner() = Owner::Failed(format!("{problem}; a program can connect only once"));
+    Err(ViewerError::Window(problem))
+}
+
+/// Message of the error about a lost connection.
+pub(super) const CONNECTION_LOST: &str = "the connection to the X server was lost: the server has ended";
+
+/// Most calls of the windowing library panic after the loss.
+#[cfg(target_os = "linux")]
+pub(super) use crate::x11::is_lost as connection_is_lost;
+
+/// Returns `true` if the connection to the display server was lost, which does not happen on this platform.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn connection_is_lost() -> bool {
+    false
 }
 
 /// Stores the event loop of this thread for its next window.
@@ -95,8 +135,8 @@ pub(super) fn window_thread() -> Result<EventLoopProxy<Wake>, ViewerError> {
         .spawn(move || match build() {
             Ok(event_loop) => {
                 let _ = sender.send(Ok(event_loop.create_proxy()));
-                if let Err(error) = event_loop.run_app(&mut App::forever()) {
-                    log::error!("the window thread has ended: {}", message_of(&error));
+                if let Err(error) = run(Box::new(event_loop), App::forever()) {
+                    log::error!("{error}");
                 }
             }
             Err(error) => drop(sender.send(Err(error))),
@@ -130,7 +170,16 @@ fn build() -> Result<EventLoop<Wake>, ViewerError> {
         use winit::platform::windows::EventLoopBuilderExtWindows;
         builder.with_any_thread(true);
     }
-    builder.build().map_err(|error| convert(&error))
+    let event_loop = builder.build().map_err(|error| convert(&error))?;
+    #[cfg(target_os = "linux")]
+    if let Ok(display) = event_loop.display_handle() {
+        let proxy = event_loop.create_proxy();
+        let is_watched = crate::x11::watch(display, move || drop(proxy.send_event(Wake::ConnectionLost)));
+        if !is_watched {
+            log::debug!("this version of Xlib ends the process with the X server");
+        }
+    }
+    Ok(event_loop)
 }
 
 fn convert(error: &EventLoopError) -> ViewerError {
@@ -170,6 +219,8 @@ pub(super) enum Wake {
     Update(WindowToken),
     /// Closes all windows.
     CloseAll,
+    /// Ends all windows after the loss of the connection to the display server.
+    ConnectionLost,
 }
 
 /// Sender of update messages for one window.
@@ -188,7 +239,7 @@ impl Waker {
 
     /// Sends an update message, unless the last message has not been acknowledged yet.
     pub fn wake(&self) {
-        if !self.pending.swap(true, Ordering::AcqRel) {
+        if !self.pending.swap(true, Ordering::SeqCst) {
             let _ = self.proxy.send_event(Wake::Update(self.token));
         }
     }
@@ -203,6 +254,7 @@ impl Waker {
 
     /// Acknowledges the messages so far. The next update sends a message again.
     pub fn acknowledge(&self) {
-        self.pending.store(false, Ordering::Release);
+        // Not a store, which the processor may delay until after the window has looked for updates: an update between both would be lost.
+        self.pending.swap(false, Ordering::SeqCst);
     }
 }

@@ -53,6 +53,7 @@ impl Session {
         #[cfg(feature = "test-hooks")]
         {
             test_hooks::wait_while_held();
+            test_hooks::panic_if_requested(&self.options.title);
             if test_hooks::take_surface_loss() {
                 self.surface.recreate()?;
             }
@@ -60,7 +61,9 @@ impl Session {
                 self.canvas.clear();
             }
         }
-        let texture = match self.surface.acquire()? {
+        let acquired = self.surface.acquire()?;
+        self.hidden = matches!(acquired, SurfaceFrame::Hidden);
+        let texture = match acquired {
             SurfaceFrame::Ready(texture) => texture,
             SurfaceFrame::Hidden => {
                 // A recording continues while the window is hidden.
@@ -77,9 +80,14 @@ impl Session {
         Ok(())
     }
 
-    /// Runs a pass of the panels if one is due, and requests a frame if the panels have changed.
-    pub(super) fn run_due_pass(&mut self, now: Instant) {
-        if self.scheduler.pass_due().is_some_and(|due| due <= now) && self.run_panels() {
+    /// Runs a pass of the panels if one is due, and requests a frame if the window does not show the panels of the last pass, whatever has
+    /// caused that pass.
+    pub(super) fn schedule(&mut self, now: Instant) {
+        if self.scheduler.pass_due().is_some_and(|due| due <= now) {
+            self.run_panels();
+        }
+        // A hidden window is drawn when it appears, and a frame that failed has requested the next attempt.
+        if self.overlay.has_changes() && !self.hidden && self.scheduler.due().is_none() {
             self.scheduler.request(now);
         }
     }
@@ -221,8 +229,8 @@ impl Session {
         }
     }
 
-    /// Runs a pass of the panels for the events so far, and performs the resulting actions. Returns `true` if the panels have changed.
-    pub(super) fn run_panels(&mut self) -> bool {
+    /// Runs a pass of the panels for the events so far, and performs the resulting actions.
+    pub(super) fn run_panels(&mut self) {
         let gpu = self.surface.gpu().clone();
         let now = Instant::now();
         self.scheduler.pass_started(now);
@@ -230,7 +238,7 @@ impl Session {
         test_hooks::count_pass();
         self.panels_stale = false;
         let status = self.status(&gpu);
-        let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return false };
+        let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return };
         let mut actions = Vec::new();
         let before = view.clone();
         self.shown = Some(PanelContent { snapshot: (snapshot.generation, snapshot.number), view: before.clone() });
@@ -253,7 +261,6 @@ impl Session {
         for action in actions {
             self.act(&action);
         }
-        pass.has_changed
     }
 
     /// Returns the area of the window between the side panels.

@@ -31,7 +31,7 @@ struct Opening {
     waker: Waker,
     link: WindowEnd,
     options: ViewerOptions,
-    /// Receives the result.
+    /// Receives the result of the opening, and then the error that ends the window, if there is one.
     result: mpsc::Sender<Result<(), ViewerError>>,
 }
 
@@ -53,6 +53,7 @@ pub(super) struct OpeningResult(mpsc::Receiver<Result<(), ViewerError>>);
 impl WindowRequest {
     /// Requests a window on the calling thread, or on the background thread if that was started before.
     pub fn on_this_thread(options: ViewerOptions) -> Result<(Self, PhysicsEnd), ViewerError> {
+        options.check()?;
         let token = WindowToken::next();
         Ok(match event_loop::acquire()? {
             EventLoopAccess::WindowThread(proxy) => Self::new(&proxy, token, options, None),
@@ -66,6 +67,7 @@ impl WindowRequest {
     /// Requests a window on the background thread.
     #[cfg(not(target_os = "macos"))]
     pub fn on_window_thread(options: ViewerOptions) -> Result<(Self, PhysicsEnd), ViewerError> {
+        options.check()?;
         Ok(Self::new(&event_loop::window_thread()?, WindowToken::next(), options, None))
     }
 
@@ -110,7 +112,12 @@ impl Drop for LocalEventLoop {
 
 impl OpeningResult {
     /// Waits until the window is open or could not be opened.
-    pub fn wait(self) -> Result<(), ViewerError> {
+    pub fn wait(&self) -> Result<(), ViewerError> {
         self.0.recv().map_err(|_| ViewerError::Window("the window thread has ended".to_owned()))?
+    }
+
+    /// Returns the error that has ended the open window, if there was one. Call it once, after the window was closed.
+    pub fn end(&self) -> Result<(), ViewerError> {
+        self.0.try_recv().unwrap_or(Ok(()))
     }
 }

@@ -22,8 +22,6 @@ use crate::viewer::panel::apply_style;
 
 /// Result of a pass of the panels.
 pub(super) struct PanelPass {
-    /// The panels differ from those of the previous pass.
-    pub has_changed: bool,
     /// The only input was motion of the pointer.
     pub only_motion: bool,
     /// Time until the panels may change by themselves; [`Duration::MAX`] if they do not.
@@ -225,14 +223,18 @@ impl Overlay {
         } else {
             vec![Rect::EVERYTHING]
         };
-        let has_changed = !changes.is_empty();
-        if has_changed || !output.textures_delta.is_empty() {
+        if !changes.is_empty() || !output.textures_delta.is_empty() {
             self.triangles.0.clear();
         }
         (self.shapes, self.scale) = (output.shapes, scale);
         self.changes.extend(changes);
         self.textures.append(output.textures_delta);
-        PanelPass { has_changed, only_motion, repaint_delay }
+        PanelPass { only_motion, repaint_delay }
+    }
+
+    /// Returns `true` if the panels have changed since the last call of [`Overlay::take_changes`].
+    pub fn has_changes(&self) -> bool {
+        !self.changes.is_empty()
     }
 
     /// Returns for each of these areas of a window the smallest rectangle that contains the changes of the panels since the last call.

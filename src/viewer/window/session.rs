@@ -1,6 +1,6 @@
 //! Session of a window: its state, opening, closing and dispatch of events.
 
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use winit::dpi::PhysicalSize;
@@ -11,7 +11,7 @@ use winit::window::{Window, WindowId};
 
 use super::Opening;
 use super::canvas::Canvas;
-use super::event_loop::{Waker, WindowToken, message_of};
+use super::event_loop::{Waker, WindowToken, connection_is_lost, message_of};
 use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
 use super::open_windows::OpenWindow;
@@ -20,6 +20,7 @@ use super::overlay::Overlay;
 use super::scene_renderer::SceneRenderer;
 use super::scheduler::FrameScheduler;
 use super::surface::WindowSurface;
+use crate::error::catch_panic;
 use crate::viewer::error::ViewerError;
 use crate::viewer::input::{EventTime, Mouse};
 use crate::viewer::launch::ViewerOptions;
@@ -40,6 +41,8 @@ pub(super) struct Session {
     pub surface: WindowSurface,
     pub window: Arc<Window>,
 
+    /// Receives the result of the opening, and then the error that ends the session, if there is one.
+    result: mpsc::Sender<Result<(), ViewerError>>,
     pub link: WindowEnd,
     pub waker: Waker,
     pub options: ViewerOptions,
@@ -67,6 +70,8 @@ pub(super) struct Session {
     /// Start of the last frame, if the events that are processed now may have arrived while it was drawn.
     pub frame_start: Option<Duration>,
     pub scheduler: FrameScheduler,
+    /// The last frame was not drawn because the window was hidden.
+    pub hidden: bool,
     pub closed: bool,
     /// Dropped last, because the process may end then.
     pub _registration: OpenWindow,
@@ -80,9 +85,10 @@ impl Session {
             return None;
         }
         let sender = opening.result.clone();
-        let (session, result) = match Self::new(event_loop, opening) {
-            Ok(session) => (Some((session.window.id(), session)), Ok(())),
-            Err(error) => (None, Err(error)),
+        let (session, result) = match catch_panic(|| Self::new(event_loop, opening)) {
+            Ok(Ok(session)) => (Some((session.window.id(), session)), Ok(())),
+            Ok(Err(error)) => (None, Err(error)),
+            Err(panic) => (None, Err(ViewerError::Window(format!("a panic of its thread: {panic}")))),
         };
         // Fails if the caller no longer waits.
         let _ = sender.send(result);
@@ -90,7 +96,7 @@ impl Session {
     }
 
     fn new(event_loop: &ActiveEventLoop, opening: Opening) -> Result<Self, ViewerError> {
-        let Opening { waker, link, mut options, .. } = opening;
+        let Opening { waker, link, mut options, result } = opening;
         let registration = OpenWindow::register(waker.proxy())?;
         let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
         let two_thirds = |size: PhysicalSize<u32>| [2 * size.width / 3, 2 * size.height / 3];
@@ -115,6 +121,7 @@ impl Session {
             canvas,
             surface,
             window,
+            result,
             link,
             waker,
             options,
@@ -133,6 +140,7 @@ impl Session {
             opened: now,
             frame_start: None,
             scheduler,
+            hidden: false,
             closed: false,
             _registration: registration,
         })
@@ -161,9 +169,27 @@ impl Session {
             log::error!("{problem}");
         }
         self.link.close();
-        // The destruction of the window reaches the server only with the next request, which may never be sent.
-        self.window.set_visible(false);
         self.closed = true;
+        if !connection_is_lost() {
+            // The destruction of the window reaches the server only with the next request, which may never be sent.
+            self.window.set_visible(false);
+        }
+    }
+
+    /// Ends the session with an error, which the thread that opened the window receives. Finishes the recording as [`close`](Self::close)
+    /// does.
+    pub fn fail(&mut self, problem: &str) {
+        if self.closed {
+            return;
+        }
+        log::error!("the window failed: {problem}");
+        // Fails if the caller does not wait for the end.
+        let _ = self.result.send(Err(ViewerError::Window(problem.to_owned())));
+        if let Err(panic) = catch_panic(|| self.close()) {
+            log::error!("a panic while the window was closed: {panic}");
+            self.link.close();
+            self.closed = true;
+        }
     }
 
     /// Returns the time since the window was opened.
