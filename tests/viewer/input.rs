@@ -4,8 +4,10 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use mujoco_safe::viewer::test_hooks;
+
 /// Time limit of a wait, which only a window that hangs reaches, also on a loaded machine.
-const TIMEOUT: Duration = Duration::from_secs(300);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Input for one window.
 pub struct Input {
@@ -120,11 +122,15 @@ impl Input {
     }
 }
 
-/// Waits for a condition, and panics with its description after the time limit.
+/// Waits for a condition, and panics with its description and the state of the last frame after the time limit.
 pub fn wait_until(description: &str, mut condition: impl FnMut() -> bool) {
     let deadline = Instant::now() + TIMEOUT;
     while !condition() {
-        assert!(Instant::now() < deadline, "timeout while waiting for: {description}");
+        assert!(
+            Instant::now() < deadline,
+            "timeout after {TIMEOUT:?} while waiting for: {description}. State of the last frame: {:#?}",
+            test_hooks::latest()
+        );
         thread::sleep(Duration::from_millis(10));
     }
 }
