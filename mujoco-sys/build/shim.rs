@@ -7,7 +7,7 @@ pub(crate) fn compile(engine: &Engine) {
     println!("cargo::rerun-if-changed=shim");
     let mut c = cc::Build::new();
     c.files(
-        ["guard", "callbacks", "collision", "interpose", "stderr", "adapted", "adapted_scene"]
+        ["guard", "exception", "callbacks", "collision", "interpose", "stderr", "adapted", "adapted_scene"]
             .map(|name| format!("shim/{name}.c")),
     )
     .include(&engine.include)

@@ -5,6 +5,8 @@
 #include <dlfcn.h>
 
 #include <clocale>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 
@@ -12,6 +14,7 @@
 #include <xlocale.h>
 #endif
 
+#include "exception.h"
 #include "guard.h"
 #include "optional.h"
 
@@ -33,16 +36,30 @@ namespace {
 struct ThreadState {
   locale_t locale = uselocale(static_cast<locale_t>(0));
   mujoco_sys_guard* guard = *mujoco_sys_innermost();
+  mujoco_sys_catcher* call = *mujoco_sys_innermost_call();
   mujoco_sys_handler error = _mjPRIVATE__get_tls_error_fn ? _mjPRIVATE__get_tls_error_fn() : nullptr;
   mujoco_sys_handler warning = _mjPRIVATE__get_tls_warning_fn ? _mjPRIVATE__get_tls_warning_fn() : nullptr;
 
   void restore() const {
     uselocale(locale);
     *mujoco_sys_innermost() = guard;
+    *mujoco_sys_innermost_call() = call;
     if (_mjPRIVATE__set_tls_error_fn) _mjPRIVATE__set_tls_error_fn(error);
     if (_mjPRIVATE__set_tls_warning_fn) _mjPRIVATE__set_tls_warning_fn(warning);
   }
 };
+
+// Sets the message for an exception of LLVM's library, and returns the code.
+inline int caught(const char* type) {
+  if (std::strcmp(type, "St9bad_alloc") == 0) {
+    mujoco_sys_set_message("out of memory");
+    return MUJOCO_SYS_OUT_OF_MEMORY;
+  }
+  char message[200];
+  std::snprintf(message, sizeof(message), "an exception of type %s", type);
+  mujoco_sys_set_message(message);
+  return MUJOCO_SYS_EXCEPTION;
+}
 
 // Runs `call` behind a guard. The frames of this file that the jump skips hold no object with a destructor.
 template <typename Call>
@@ -58,7 +75,9 @@ int run(Call call) {
   *mujoco_sys_innermost() = &guard;
   int status = MUJOCO_SYS_OK;
   try {
-    call();
+    // The function has no object with a destructor, so that its frame needs no personality routine.
+    const auto invoke = [](void* argument) { (*static_cast<Call*>(argument))(); };
+    if (const char* type = mujoco_sys_call(invoke, &call)) status = caught(type);
   } catch (const std::bad_alloc&) {
     mujoco_sys_set_message("out of memory");
     status = MUJOCO_SYS_OUT_OF_MEMORY;

@@ -21,7 +21,7 @@ const MEMORY: u64 = 4 << 20;
 /// Largest number of findings, because a child that always crashes would never finish.
 const MOST_FINDINGS: usize = 1000;
 
-const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--urdf N] [--archives N] [--plain N] \
+const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--schema N] [--urdf N] [--archives N] [--plain N] \
                      [--first SEED] [--jobs N] [--progress]";
 
 /// A campaign: the number of cases per target, and its options.
@@ -43,6 +43,7 @@ impl Campaign {
             (Target::Archives, 500),
             (Target::Plain, 500),
             (Target::Mjcf, 600),
+            (Target::Schema, 400),
         ];
         Self { cases, first: 0, jobs: 2, progress: false }
     }

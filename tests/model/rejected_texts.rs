@@ -273,3 +273,20 @@ fn texts_that_once_crashed_the_compiler_are_rejected() {
     }
     assert!(tried >= 6);
 }
+
+/// Engines from PyPI have another C++ library than the program.
+#[test]
+fn exceptions_of_the_compiler_are_errors_and_loading_still_works() {
+    let body = |equality: &str| {
+        let text = format!("<mujoco><worldbody><body name='b'/></worldbody><equality>{equality}</equality></mujoco>");
+        Model::from_xml_str(&text)
+    };
+    for _ in 0..3 {
+        for anchor in ["anchor=''", "anchor=' '"] {
+            // Since 3.17 the compiler throws std::bad_optional_access.
+            let error = body(&format!("<connect body1='b' {anchor}/>")).unwrap_err().to_string();
+            assert!(error.contains("anchor") || error.contains("bad_optional_access"), "{error}");
+        }
+        assert_eq!(body("<connect body1='b' anchor='0 0 0'/>").unwrap().neq(), 1);
+    }
+}

@@ -76,6 +76,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         has_small_njmax: false,
         has_adhesion: false,
         is_in_file_mesh: false,
+        is_in_flex: false,
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
@@ -118,6 +119,8 @@ struct Check<'f> {
     has_adhesion: bool,
     /// `true` inside a mesh from a file. The engine crashes if such a mesh has a plugin.
     is_in_file_mesh: bool,
+    /// `true` inside a `flexcomp`. The engine crashes if it has a plugin without a name.
+    is_in_flex: bool,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
     /// Directories that may contain assets.
@@ -174,6 +177,7 @@ impl<'f> Check<'f> {
             let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
             if tag.closes {
                 self.is_in_file_mesh &= tag.name != b"mesh";
+                self.is_in_flex &= tag.name != b"flexcomp";
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
                 self.fusion.end(outer + depth);
@@ -191,8 +195,14 @@ impl<'f> Check<'f> {
             }
             match tag.name {
                 b"mesh" => self.is_in_file_mesh = !tag.empty && file.is_some(),
+                b"flexcomp" => self.is_in_flex = !tag.empty,
                 b"plugin" if self.is_in_file_mesh => {
                     return reject(tag.position, "a mesh has either a file or a plugin");
+                }
+                b"plugin"
+                    if self.is_in_flex && [&b"plugin"[..], b"instance"].iter().all(|name| is_empty(&tag, name)) =>
+                {
+                    return reject(tag.position, "the plugin of a flexcomp needs the attribute plugin or instance");
                 }
                 _ => {}
             }
@@ -398,6 +408,11 @@ fn counts(tag: &Tag<'_>) -> Vec<u64> {
         .collect()
 }
 
+/// Returns `true` if an attribute is missing or empty.
+fn is_empty(tag: &Tag<'_>, name: &[u8]) -> bool {
+    tag.attribute(name).is_none_or(|value| value.is_empty())
+}
+
 /// Appends the line of a position to a message.
 fn at_line(message: &str, text: &[u8], position: usize) -> String {
     let line = text[..position].split(|&byte| byte == b'\n').count();
@@ -475,6 +490,8 @@ mod tests {
                 "<mesh file='a.stl'>\n<plugin plugin='p'><config key='a'/></plugin></mesh>",
                 "either a file or a plugin, line 2",
             ),
+            ("<flexcomp><plugin/></flexcomp>", "needs the attribute plugin or instance"),
+            ("<flexcomp><edge/><plugin plugin=''></plugin></flexcomp>", "needs the attribute plugin or instance"),
             ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs an njmax"),
@@ -500,6 +517,7 @@ mod tests {
             "<hfield nrow='3' ncol='2'/><geom hfield='h'/>",
             "<hfield nrow='3' ncol='2'/><rangefinder/>",
             "<mesh file='a.stl'/><plugin/><mesh file='a.stl'></mesh><plugin/><mesh name='m'><plugin/></mesh>",
+            "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
             "<compiler meshdir='parts'/><hfield file='a'/>",
             "<texture file='&#97;.png'/>",
             "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",

@@ -18,10 +18,14 @@ mod mjcf;
 mod models;
 mod newer_models;
 mod plain;
+mod schema;
 mod sequence;
 mod text;
 mod token;
 mod urdf;
+
+#[path = "../schema_models/mod.rs"]
+mod schema_models;
 
 #[path = "../mutate.rs"]
 mod mutate;
@@ -56,11 +60,21 @@ pub enum Target {
     Plain,
     /// Generated MJCF, saved and loaded again, and steps of accepted models.
     Mjcf,
+    /// Texts with extreme values of all elements and attributes of the engine's schema, and calls with accepted models.
+    Schema,
 }
 
 impl Target {
-    pub const ALL: [Self; 7] =
-        [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf, Self::Archives, Self::Plain, Self::Mjcf];
+    pub const ALL: [Self; 8] = [
+        Self::Sequences,
+        Self::Binaries,
+        Self::Texts,
+        Self::Urdf,
+        Self::Archives,
+        Self::Plain,
+        Self::Mjcf,
+        Self::Schema,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -71,6 +85,7 @@ impl Target {
             Self::Archives => "archives",
             Self::Plain => "plain",
             Self::Mjcf => "mjcf",
+            Self::Schema => "schema",
         }
     }
 
@@ -90,6 +105,7 @@ impl Target {
             Self::Archives => archive::mutated_archive(bytes, log),
             Self::Plain => plain::mutated_plain(bytes, log),
             Self::Mjcf => mjcf::generated_mjcf(bytes, log),
+            Self::Schema => schema::hostile_text(bytes, log),
         }
     }
 }

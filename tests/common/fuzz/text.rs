@@ -177,32 +177,31 @@ pub(super) fn mutated_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> 
     load_and_use(&text, &files, log)
 }
 
-/// Loads a text with files in memory. An accepted model must survive the binary round trip bit for bit, and every use.
+/// Loads a text with files in memory, and uses an accepted model.
 pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)) -> Verdict {
+    load(text, files, log).map_or(Verdict::Rejected, |model| use_model(model, log))
+}
+
+/// Loads a text with files in memory. An accepted model must survive the binary round trip bit for bit.
+pub(super) fn load(text: &str, files: &[File], log: &mut dyn FnMut(&str)) -> Option<Model> {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (&name[..], &content[..])).collect();
     log(&format!("loading\n{text}\n"));
     for (name, content) in &files {
         log(&format!("{name}: {}", content.escape_ascii()));
     }
-    match Model::from_xml_str_with(text, &LoadOptions::default().with_files(&files)) {
-        Ok(model) => {
-            log("the binary round trip");
-            let saved = model.to_binary().expect("a model that loads can be saved");
-            match Model::from_binary(&saved) {
-                // The rules for binary models are known for 2.2.2 and 3.5.0 only, except for some features.
-                Err(Error::Unsupported(_)) => {}
-                again => {
-                    let again = again.expect("a model that was saved loads again").to_binary();
-                    assert!(again.expect("a model that loads can be saved") == saved, "the binary form changed");
-                }
-            }
-            use_model(model, log)
-        }
-        Err(error) => {
-            log(&error.to_string());
-            Verdict::Rejected
+    let model = Model::from_xml_str_with(text, &LoadOptions::default().with_files(&files));
+    let model = model.inspect_err(|error| log(&error.to_string())).ok()?;
+    log("the binary round trip");
+    let saved = model.to_binary().expect("a model that loads can be saved");
+    match Model::from_binary(&saved) {
+        // The rules for binary models are known for 2.2.2 and 3.5.0 only, except for some features.
+        Err(Error::Unsupported(_)) => {}
+        again => {
+            let again = again.expect("a model that was saved loads again").to_binary();
+            assert!(again.expect("a model that loads can be saved") == saved, "the binary form changed");
         }
     }
+    Some(model)
 }
 
 /// Returns one of the strings, with newer engines half of the time one that 2.2.2 lacks.

@@ -18,6 +18,7 @@
 mod assets;
 mod cases;
 mod document;
+mod hostile;
 mod schema;
 mod specimens;
 mod values;
@@ -25,6 +26,7 @@ mod values;
 use std::sync::OnceLock;
 
 pub use self::cases::{Case, Effect, case, excite, load};
+pub use self::hostile::hostile;
 pub use self::schema::{Attribute, Element, attributes, elements};
 use document::Node;
 
@@ -33,7 +35,7 @@ fn rig() -> Node {
 }
 
 /// Files that values of attributes name.
-fn files() -> &'static [(&'static str, Vec<u8>)] {
+pub fn files() -> &'static [(&'static str, Vec<u8>)] {
     static FILES: OnceLock<Vec<(&str, Vec<u8>)>> = OnceLock::new();
     FILES.get_or_init(|| {
         let mut files = assets::all();

@@ -1,0 +1,26 @@
+//! Texts with extreme values of every element and attribute of the linked engine's schema.
+
+use std::sync::Arc;
+
+use mujoco_safe::Data;
+
+use super::binary::{is_small, use_model};
+use super::{Bytes, Verdict, schema_models, sequence, text};
+
+/// Largest number of calls for an accepted model.
+const MOST_CALLS: usize = 6;
+
+pub(super) fn hostile_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
+    let text = schema_models::hostile(&mut |end| bytes.below(end));
+    let files = schema_models::files().iter().map(|(name, content)| ((*name).to_owned(), content.clone()));
+    let Some(model) = text::load(&text, &files.collect::<Vec<_>>(), log).map(Arc::new) else {
+        return Verdict::Rejected;
+    };
+    let verdict = use_model(model.clone(), log);
+    if is_small(&model)
+        && let Ok(data) = Data::new(model.clone())
+    {
+        sequence::make_calls(model, data, MOST_CALLS, bytes, log);
+    }
+    verdict
+}
