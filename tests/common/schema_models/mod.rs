@@ -40,9 +40,11 @@ pub fn files() -> &'static [(&'static str, Vec<u8>)] {
     FILES.get_or_init(|| {
         let mut files = assets::all();
         files.push(("piece.xml", PIECE.into()));
-        // Other contents of files that a folder of the compiler selects.
-        files.push(("other/meshes/solid.stl", twice_as_large(assets::stl())));
-        files.push(("other/images/flat.png", assets::png(png::ColorType::Rgb, 1, 1, &[1, 2, 3])));
+        // Other contents of files that a folder of the compiler selects. Older engines compare names without their path.
+        if cfg!(engine_since = "3.0.0") {
+            files.push(("other/meshes/solid.stl", twice_as_large(assets::stl())));
+            files.push(("other/images/flat.png", assets::png(png::ColorType::Rgb, 1, 1, &[1, 2, 3])));
+        }
         files
     })
 }
