@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::text::{self, Written};
-use super::{Spec, names};
+use super::tree::{Index, Tree};
+use super::{Spec, attach, names};
 use crate::error::{Error, Result};
 use crate::model::{LoadOptions, Model, TEXT};
 
@@ -14,7 +15,7 @@ impl Spec {
     /// # Errors
     ///
     /// [`Error::Load`] with the message of the engine's compiler, and the element if the compiler names its place. The spec is unchanged and can be
-    /// corrected.
+    /// corrected. [`Error::Invalid`] if a name or another attribute has a NUL character.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -42,7 +43,8 @@ impl Spec {
     ///
     /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for [`Model::from_xml_str_with`].
     pub fn compile_with(&self, options: &LoadOptions<'_>) -> Result<Model> {
-        let written = text::write(&self.tree);
+        let written = text::write(&attach::resolved(&self.tree));
+        self.check_characters(&written.text)?;
         let path = self.directory.as_deref().unwrap_or(Path::new("")).join(TEXT);
         Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options).map_err(|error| match error {
             Error::Load { source_name, message } => {
@@ -52,7 +54,8 @@ impl Spec {
         })
     }
 
-    /// Returns the MJCF text of the spec. Includes are replaced by their content.
+    /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine and [`Spec`] read all names and texts as they
+    /// are here, also those with control characters, which are written as `&#1;`. Other readers of XML may reject these.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -63,7 +66,20 @@ impl Spec {
     /// ```
     #[doc(alias = "mj_saveXMLString")]
     pub fn to_xml(&self) -> String {
-        text::write(&self.tree).text
+        text::write(&attach::resolved(&self.tree)).text
+    }
+
+    /// Returns an error if an attribute has a NUL character, at which the engine would end its text.
+    fn check_characters(&self, text: &str) -> Result<()> {
+        if !text.contains('\0') {
+            return Ok(());
+        }
+        for index in self.tree.descendants(Tree::ROOT) {
+            for (attribute, value) in &self.tree.node(index).attributes {
+                check_character(&self.tree, index, attribute, value)?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns the name of the spec for messages.
@@ -77,6 +93,15 @@ impl Spec {
         let Some(&index) = line.checked_sub(1).and_then(|line| written.lines.get(line)) else { return message };
         format!("{message} ({})", names::describe(&self.tree, index))
     }
+}
+
+/// Returns an error if the value of an attribute has a NUL character, which no text of a model can have.
+pub(super) fn check_character(tree: &Tree, index: Index, attribute: &str, value: &str) -> Result<()> {
+    if !value.contains('\0') {
+        return Ok(());
+    }
+    let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
+    Err(Error::invalid(what, format!("{value:?}"), "a text without NUL"))
 }
 
 /// Returns the number of a line in a message: `line 3` or `line = 3`.

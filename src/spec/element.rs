@@ -3,6 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use super::compile::check_character;
 use super::key::{Any, ElementId, Key, SpecKind};
 use super::names::{self, Named};
 use super::schema::Schema;
@@ -120,7 +121,8 @@ impl<'s, K> ElementMut<'s, K> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the engine does not know the attribute. The value is checked when the spec is compiled.
+    /// [`Error::Invalid`] if the engine does not know the attribute, or the value has a NUL character. Otherwise the value is checked when the spec
+    /// is compiled.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -145,6 +147,7 @@ impl<'s, K> ElementMut<'s, K> {
             let what = format!("the name of an attribute of {}", names::describe(&self.spec.tree, self.index));
             return Err(Error::invalid(what, format!("'{attribute}'"), expected));
         }
+        check_character(&self.spec.tree, self.index, attribute, &value.text())?;
         if attribute == "name" {
             return Ok(self.set_name(&value.text()));
         }
@@ -229,7 +232,7 @@ impl Spec {
 
     /// Returns `true` if the element belongs to this spec and was not removed.
     pub fn contains<K>(&self, id: ElementId<K>) -> bool {
-        id.lineage() == self.lineage && self.tree.contains(id.index())
+        self.owns(id) && self.tree.contains(id.index())
     }
 
     /// Returns the ids of all elements of a kind, in the order of the text.

@@ -33,7 +33,8 @@ impl<K: ElementKind> SpecKind for K {
     const KIND: Option<Kind> = Some(K::KIND);
 }
 
-/// Id of an element of a [`Spec`] and of its clones. It stays valid when other elements are added or removed.
+/// Id of an element of a [`Spec`], and of its copy in each clone that was made later. It stays valid when other elements are added or removed.
+/// The id of an element that was added after a clone is that of another spec for the clone, and vice versa.
 ///
 /// It is not the id of the element in the compiled model: look that one up by its name.
 pub struct ElementId<K = Any> {

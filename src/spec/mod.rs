@@ -42,9 +42,12 @@
 
 mod add;
 mod attach;
+mod attributes;
 mod compile;
+mod control;
 mod element;
 mod key;
+mod lineages;
 mod names;
 mod paths;
 mod read;
@@ -61,6 +64,7 @@ use std::path::{Path, PathBuf};
 pub use self::attach::Mount;
 pub use self::element::{Element, ElementMut};
 pub use self::key::{Any, ElementId, Key, Reference, SpecKind};
+use self::lineages::Lineages;
 use self::names::Named;
 use self::read::Sources;
 use self::schema::Schema;
@@ -68,21 +72,21 @@ use self::tree::{Index, Tree};
 pub use self::value::Value;
 use crate::error::{Error, Result};
 use crate::file;
-use crate::id::Lineage;
 use crate::kind;
 use crate::model::LoadOptions;
 #[cfg(doc)]
 use crate::model::Model;
 
 /// Editable description of a model. See the [module](self).
+///
+/// A clone has the same elements with the same ids. An element that is added later, to the spec or to the clone, belongs to one of them only.
 #[doc(alias = "mjSpec")]
 #[doc(alias = "mj_makeSpec")]
 #[doc(alias = "mj_copySpec")]
 #[doc(alias = "mj_deleteSpec")]
-#[derive(Clone)]
 pub struct Spec {
     tree: Tree,
-    lineage: Lineage,
+    lineages: Lineages,
     world: Index,
     /// Directory of the file, to which the names of assets are relative.
     directory: Option<PathBuf>,
@@ -155,7 +159,7 @@ impl Spec {
     fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
-        Self { tree, lineage: Lineage::new(), world, directory, own_class: None }
+        Self { tree, lineages: Lineages::new(), world, directory, own_class: None }
     }
 
     /// Returns the name of the model, the attribute `model` of the root.
@@ -176,7 +180,12 @@ impl Spec {
 
 impl Spec {
     fn id<K>(&self, index: Index) -> ElementId<K> {
-        ElementId::new(index, self.lineage)
+        ElementId::new(index, self.lineages.of(index))
+    }
+
+    /// Returns `true` if the id is that of an element, which may be removed, of this spec.
+    fn owns<K>(&self, id: ElementId<K>) -> bool {
+        id.lineage() == self.lineages.of(id.index())
     }
 
     /// Returns the index of an element.
@@ -186,7 +195,7 @@ impl Spec {
     /// If the id belongs to another spec, or the element was removed.
     #[track_caller]
     fn index<K>(&self, id: ElementId<K>) -> Index {
-        assert!(id.lineage() == self.lineage, "the id belongs to another spec");
+        assert!(self.owns(id), "the id belongs to another spec");
         assert!(self.tree.contains(id.index()), "the element was removed from its spec");
         id.index()
     }
@@ -218,6 +227,18 @@ impl Spec {
         }
         let place = names::describe(&self.tree, parent);
         Err(Error::invalid(format!("the tag of an element in {place}"), format!("'{tag}'"), known.join(", ")))
+    }
+}
+
+impl Clone for Spec {
+    fn clone(&self) -> Self {
+        Self {
+            tree: self.tree.clone(),
+            lineages: self.lineages.of_clone(self.tree.next()),
+            world: self.world,
+            directory: self.directory.clone(),
+            own_class: self.own_class.clone(),
+        }
     }
 }
 

@@ -1,5 +1,8 @@
 //! Kinds and names of elements, and the attributes by which elements refer to each other.
 
+use std::collections::HashMap;
+
+use super::attributes::{self, Meaning};
 use super::tree::{Index, Tree};
 use crate::kind::Kind;
 
@@ -10,7 +13,7 @@ pub(super) enum Named {
     Kind(Kind),
     /// Class of defaults (`class`).
     Class,
-    /// Frame, which the compiler removes.
+    /// Frame, which the compiler removes. Nothing refers to it.
     Frame,
     /// Model that is an asset (`<model>`).
     Model,
@@ -125,76 +128,54 @@ pub(super) fn all(tree: &Tree, class: Named) -> impl Iterator<Item = Index> {
     places.into_iter().filter(move |&index| named(tree, index) == Some(class))
 }
 
-/// Attributes that contain the name of an element, and the class of the name. The attributes of these names in the section `visual` are
-/// colours and sizes.
-const REFERENCES: [(&str, Named); 38] = {
-    use Kind::{Actuator, Body, Camera, Geom, HeightField, Joint, Material, Mesh, Site, Tendon, Texture};
-    [
-        ("joint", Named::Kind(Joint)),
-        ("joint1", Named::Kind(Joint)),
-        ("joint2", Named::Kind(Joint)),
-        ("jointinparent", Named::Kind(Joint)),
-        ("body", Named::Kind(Body)),
-        ("body1", Named::Kind(Body)),
-        ("body2", Named::Kind(Body)),
-        ("node", Named::Kind(Body)),
-        ("target", Named::Kind(Body)),
-        ("subtree1", Named::Kind(Body)),
-        ("subtree2", Named::Kind(Body)),
-        ("geom", Named::Kind(Geom)),
-        ("geom1", Named::Kind(Geom)),
-        ("geom2", Named::Kind(Geom)),
-        ("site", Named::Kind(Site)),
-        ("site1", Named::Kind(Site)),
-        ("site2", Named::Kind(Site)),
-        ("sidesite", Named::Kind(Site)),
-        ("slidersite", Named::Kind(Site)),
-        ("cranksite", Named::Kind(Site)),
-        ("refsite", Named::Kind(Site)),
-        ("tendon", Named::Kind(Tendon)),
-        ("tendon1", Named::Kind(Tendon)),
-        ("tendon2", Named::Kind(Tendon)),
-        ("actuator", Named::Kind(Actuator)),
-        ("camera", Named::Kind(Camera)),
-        ("mesh", Named::Kind(Mesh)),
-        ("hfield", Named::Kind(HeightField)),
-        ("material", Named::Kind(Material)),
-        ("texture", Named::Kind(Texture)),
-        ("class", Named::Class),
-        ("childclass", Named::Class),
-        ("flex", Named::Flex),
-        ("instance", Named::Instance),
-        ("model", Named::Model),
-        ("frame", Named::Frame),
-        // The attribute `objtype` or `reftype` has the class.
-        ("objname", Named::Kind(Body)),
-        ("refname", Named::Kind(Body)),
-    ]
-};
+/// Reference of an attribute to other elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Referring<'t> {
+    pub(super) attribute: &'t str,
+    /// Class of the names.
+    pub(super) class: Named,
+    /// The attribute has several names, separated by spaces. Elsewhere a space is a part of the name.
+    is_list: bool,
+}
 
-/// Returns the attributes of an element that refer to other elements, with the class of the names in them. An attribute can contain several
-/// names, separated by spaces.
-pub(super) fn references(tree: &Tree, index: Index) -> Vec<(&str, Named)> {
-    let node = tree.node(index);
-    let parent = tree.parent(index).map(|parent| tree.tag(parent));
-    // The names in `attach` are those of another model, except that of the asset. The root has the name of the model.
-    if index == Tree::ROOT || parent == Some("visual") || node.tag == "default" && parent != Some("default") {
-        return Vec::new();
+impl Referring<'_> {
+    /// Returns the names in a value of the attribute.
+    fn names<'v>(&self, value: &'v str) -> Vec<&'v str> {
+        if self.is_list { value.split_ascii_whitespace().collect() } else { vec![value] }
     }
-    let refers = |&(attribute, _): &(&str, Named)| match (&node.tag[..], attribute) {
-        ("attach", attribute) => attribute == "model",
-        ("default", attribute) => attribute != "class",
-        _ => true,
+
+    /// Returns `true` if the attribute of an element contains one of these names.
+    pub(super) fn refers_to(&self, tree: &Tree, index: Index, names: &Names) -> bool {
+        let is_one = |name: &&str| names.get(*name).is_some_and(|classes| classes.contains(&self.class));
+        tree.attribute(index, self.attribute).is_some_and(|value| self.names(value).iter().any(is_one))
+    }
+}
+
+/// Returns the attributes of an element that refer to other elements.
+pub(super) fn references(tree: &Tree, index: Index) -> Vec<Referring<'_>> {
+    let meanings = attributes::meanings(tree, index);
+    let node = tree.node(index);
+    let referring = |attribute: &'_ str| {
+        let (class, is_list) = match meanings.get(attribute)? {
+            Meaning::Reference(class) => (*class, false),
+            Meaning::References(class) => (*class, true),
+            // The attribute `objtype` or `reftype` has the class.
+            Meaning::Object => {
+                let kind = node.attribute(&attribute.replace("name", "type"))?;
+                (class_of_type(kind)?, false)
+            }
+            _ => return None,
+        };
+        Some((class, is_list))
     };
-    let present =
-        REFERENCES.iter().filter(|(attribute, _)| node.attribute(attribute).is_some()).filter(|row| refers(row));
-    present
-        .filter_map(|&(attribute, class)| match attribute {
-            "objname" => Some((attribute, class_of_type(node.attribute("objtype")?)?)),
-            "refname" => Some((attribute, class_of_type(node.attribute("reftype")?)?)),
-            _ => Some((attribute, class)),
-        })
+    let all = node.attributes.iter();
+    all.filter_map(|(name, _)| referring(name).map(|(class, is_list)| Referring { attribute: name, class, is_list }))
         .collect()
+}
+
+/// Returns `true` if an attribute of an element has a list of names.
+pub(super) fn has_list(tree: &Tree, index: Index) -> bool {
+    references(tree, index).iter().any(|found| found.is_list)
 }
 
 /// Returns the class of the names of a type in MJCF.
@@ -204,22 +185,18 @@ fn class_of_type(word: &str) -> Option<Named> {
         "hfield" => Kind::HeightField,
         "key" => Kind::Keyframe,
         "flex" => return Some(Named::Flex),
+        "plugin" => return Some(Named::Instance),
         word => *Kind::ALL.iter().find(|kind| kind.to_string() == word)?,
     };
     Some(Named::Kind(kind))
 }
 
-/// Returns `true` if an attribute contains a name. A name may contain spaces, but not in an attribute with a list of names.
-fn refers_to(value: &str, name: &str) -> bool {
-    value == name || value.split_ascii_whitespace().any(|word| word == name)
-}
+/// Classes of names by the names.
+pub(super) type Names = HashMap<String, Vec<Named>>;
 
-/// Returns the elements that refer to an element.
-pub(super) fn referrers(tree: &Tree, class: Named, name: &str) -> Vec<Index> {
-    let refers = |index: &Index| {
-        let mut attributes = references(tree, *index).into_iter().filter(|&(_, found)| found == class);
-        attributes.any(|(attribute, _)| tree.attribute(*index, attribute).is_some_and(|value| refers_to(value, name)))
-    };
+/// Returns the elements that refer to one of these names.
+pub(super) fn referrers(tree: &Tree, names: &Names) -> Vec<Index> {
+    let refers = |index: &Index| references(tree, *index).iter().any(|found| found.refers_to(tree, *index, names));
     tree.descendants(Tree::ROOT).into_iter().filter(refers).collect()
 }
 
@@ -231,21 +208,19 @@ pub(super) fn rename_references(tree: &mut Tree, class: Named, old: &str, new: &
 /// Replaces names in all references. `map` returns the new name, or `None` to keep the old one.
 pub(super) fn map_references(tree: &mut Tree, map: &mut dyn FnMut(Named, &str) -> Option<String>) {
     for index in tree.descendants(Tree::ROOT) {
-        let attributes: Vec<(String, Named)> =
-            references(tree, index).into_iter().map(|(attribute, class)| (attribute.to_owned(), class)).collect();
-        for (attribute, class) in attributes {
-            let value = tree.attribute(index, &attribute).unwrap_or_default().to_owned();
-            let is_list = matches!((tree.tag(index), &attribute[..]), ("flex", "body" | "node"));
-            let mapped = if is_list {
-                let words =
-                    value.split_ascii_whitespace().map(|word| map(class, word).unwrap_or_else(|| word.to_owned()));
-                Some(words.collect::<Vec<_>>().join(" "))
-            } else {
-                map(class, &value)
-            };
-            if let Some(mapped) = mapped.filter(|mapped| *mapped != value) {
-                tree.node_mut(index).set(&attribute, mapped);
+        let mut changes = Vec::new();
+        for found in references(tree, index) {
+            let value = tree.attribute(index, found.attribute).unwrap_or_default();
+            let names: Vec<(&str, Option<String>)> =
+                found.names(value).into_iter().map(|name| (name, map(found.class, name))).collect();
+            if names.iter().any(|(_, new)| new.is_some()) {
+                let names: Vec<String> =
+                    names.into_iter().map(|(old, new)| new.unwrap_or_else(|| old.to_owned())).collect();
+                changes.push((found.attribute.to_owned(), names.join(" ")));
             }
+        }
+        for (attribute, value) in changes {
+            tree.node_mut(index).set(&attribute, value);
         }
     }
 }
@@ -273,28 +248,18 @@ pub(super) fn describe(tree: &Tree, index: Index) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::schema::Schema;
-    use super::{REFERENCES, references};
-
-    /// A new version of the engine adds attributes, which may be references.
-    #[test]
-    fn every_attribute_of_the_engine_is_known_to_be_a_reference_or_not() {
-        let listed: Vec<&str> = include_str!("plain_attributes.txt").split_whitespace().collect();
-        for attribute in Schema::of_engine().unwrap().all_attributes() {
-            let is_reference = REFERENCES.iter().any(|(name, _)| *name == attribute);
-            assert!(is_reference != listed.contains(&attribute), "{attribute}: reference {is_reference}");
-        }
-    }
+    use super::super::text::parse;
+    use super::{Referring, references};
 
     #[test]
-    fn colours_and_classes_are_no_references() {
-        let text = "<mujoco model='m'><visual><rgba joint='1 0 0 1'/></visual><default><default class='c'><geom class='d'/></default></default></mujoco>";
-        let tree = super::super::text::parse(text).unwrap();
-        let all: Vec<String> = tree
-            .descendants(0)
-            .into_iter()
-            .flat_map(|index| references(&tree, index).into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>())
+    fn colours_classes_and_names_of_models_are_no_references() {
+        let text = "<mujoco model='m'><visual><rgba joint='1 0 0 1'/></visual>
+            <default><default class='c'><geom material='d'/></default></default>
+            <worldbody><attach model='a' body='b' prefix='p'/></worldbody></mujoco>";
+        let tree = parse(text).unwrap();
+        let all: Vec<&str> = (tree.descendants(0).into_iter())
+            .flat_map(|index| references(&tree, index).into_iter().map(|Referring { attribute, .. }| attribute))
             .collect();
-        assert_eq!(all, ["class"]);
+        assert_eq!(all, ["material", "model"]);
     }
 }

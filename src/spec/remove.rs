@@ -1,8 +1,11 @@
 //! Removal of elements.
 
+use std::collections::HashSet;
+
 use super::Spec;
+use super::attributes;
 use super::key::ElementId;
-use super::names::{self, Named};
+use super::names::{self, Names};
 use super::tree::{Index, Tree};
 use crate::error::{Error, Result};
 
@@ -13,6 +16,7 @@ impl Spec {
     /// # Errors
     ///
     /// [`Error::Invalid`], and nothing is removed, if other elements refer to a removed one, or if the element is the world or the root.
+    /// [`Error::Unsupported`] if an attribute that only newer engines than those of this crate have may refer to it.
     ///
     /// # Panics
     ///
@@ -39,6 +43,7 @@ impl Spec {
     #[track_caller]
     pub fn remove<K>(&mut self, id: ElementId<K>) -> Result<()> {
         let index = self.removable(id)?;
+        self.check_unknown(&[index])?;
         let referrers = self.referrers(&[index]);
         if referrers.is_empty() {
             self.tree.remove(index);
@@ -58,7 +63,7 @@ impl Spec {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the element is the world or the root.
+    /// [`Error::Invalid`] if the element is the world or the root, [`Error::Unsupported`] as for [`remove`](Self::remove). Nothing is removed then.
     ///
     /// # Panics
     ///
@@ -66,6 +71,7 @@ impl Spec {
     #[track_caller]
     pub fn remove_with_references<K>(&mut self, id: ElementId<K>) -> Result<()> {
         let mut removed = vec![self.removable(id)?];
+        let before = self.tree.clone();
         loop {
             self.remove_attributes(&removed);
             let referrers = self.referrers(&removed);
@@ -73,6 +79,10 @@ impl Spec {
                 break;
             }
             removed.extend(referrers);
+        }
+        if let Err(error) = self.check_unknown(&removed) {
+            self.tree = before;
+            return Err(error);
         }
         for index in removed {
             if self.tree.contains(index) {
@@ -95,49 +105,86 @@ impl Spec {
     /// Removes the attributes without which an element can exist and that refer to the given elements or to those in them.
     fn remove_attributes(&mut self, removed: &[Index]) {
         const OPTIONAL: [&str; 4] = ["class", "childclass", "material", "texture"];
-        for (class, name) in self.removed_names(removed) {
-            for index in names::referrers(&self.tree, class, &name) {
-                for attribute in OPTIONAL {
-                    let refers = names::references(&self.tree, index).contains(&(attribute, class));
-                    if refers && self.tree.attribute(index, attribute) == Some(&name) {
-                        self.tree.node_mut(index).unset(attribute);
-                    }
-                }
+        let names = self.removed_names(removed);
+        for index in names::referrers(&self.tree, &names) {
+            // A layer of a material needs its texture, and the material does not need the layer.
+            if self.tree.tag(index) == "layer" {
+                self.tree.remove(index);
+                continue;
+            }
+            let references = names::references(&self.tree, index).into_iter();
+            let optional: Vec<String> = references
+                .filter(|found| OPTIONAL.contains(&found.attribute) && found.refers_to(&self.tree, index, &names))
+                .map(|found| found.attribute.to_owned())
+                .collect();
+            for attribute in optional {
+                self.tree.node_mut(index).unset(&attribute);
             }
         }
     }
 
-    /// Returns the names of the given elements and those in them, except the names that other elements have too.
-    fn removed_names(&self, removed: &[Index]) -> Vec<(Named, String)> {
-        let inside: Vec<Index> = removed.iter().flat_map(|&index| self.tree.descendants(index)).collect();
-        let name = |index: Index| names::named(&self.tree, index).zip(names::name(&self.tree, index));
-        let remains = |(class, text): &(Named, &str)| {
-            names::all(&self.tree, *class)
-                .any(|other| !inside.contains(&other) && names::name(&self.tree, other) == Some(text))
+    /// Returns an error if an attribute of a newer engine may refer to an element that is to be removed.
+    fn check_unknown(&self, removed: &[Index]) -> Result<()> {
+        let inside = self.inside(removed);
+        let names = self.removed_names(removed);
+        let may_be_removed = |value: &str| {
+            names.contains_key(value) || value.split_ascii_whitespace().any(|word| names.contains_key(word))
         };
-        let names = inside.iter().filter_map(|&index| name(index)).filter(|name| !remains(name));
-        names.map(|(class, name)| (class, name.to_owned())).collect()
+        for other in self.tree.descendants(Tree::ROOT).into_iter().filter(|index| !inside.contains(index)) {
+            for attribute in attributes::unknown(&self.tree, other) {
+                if self.tree.attribute(other, attribute).is_some_and(may_be_removed) {
+                    let [element, other] = [removed[0], other].map(|index| names::describe(&self.tree, index));
+                    return Err(Error::Unsupported(format!(
+                        "cannot remove {element}: attribute '{attribute}' of {other} is not known here and may refer to it"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the names of the given elements and those in them, except the names that other elements have too.
+    fn removed_names(&self, removed: &[Index]) -> Names {
+        let inside = self.inside(removed);
+        let mut names = Names::new();
+        let name = |index: Index| names::named(&self.tree, index).zip(names::name(&self.tree, index));
+        for (class, text) in inside.iter().filter_map(|&index| name(index)) {
+            names.entry(text.to_owned()).or_default().push(class);
+        }
+        let others = self.tree.descendants(Tree::ROOT).into_iter().filter(|index| !inside.contains(index));
+        for (class, text) in others.filter_map(name) {
+            if let Some(classes) = names.get_mut(text) {
+                classes.retain(|&removed| removed != class);
+            }
+        }
+        names
     }
 
     /// Returns the elements outside of the given ones that refer to an element in them. An element without a name of its own, such as a
     /// part of a tendon, is represented by the one that contains it.
     fn referrers(&self, removed: &[Index]) -> Vec<Index> {
-        let inside: Vec<Index> = removed.iter().flat_map(|&index| self.tree.descendants(index)).collect();
+        let inside = self.inside(removed);
         let mut found = Vec::new();
-        for (class, name) in self.removed_names(removed) {
-            for referrer in names::referrers(&self.tree, class, &name) {
-                let whole = self.whole(referrer);
-                if !inside.contains(&whole) && !found.contains(&whole) {
-                    found.push(whole);
-                }
+        for referrer in names::referrers(&self.tree, &self.removed_names(removed)) {
+            let whole = self.whole(referrer);
+            if !inside.contains(&whole) && !found.contains(&whole) {
+                found.push(whole);
             }
         }
         found
     }
 
-    /// Returns the tendon, tuple, material or skin of which an element is a part, or the element.
+    fn inside(&self, removed: &[Index]) -> HashSet<Index> {
+        removed
+            .iter()
+            .filter(|&&index| self.tree.contains(index))
+            .flat_map(|&index| self.tree.descendants(index))
+            .collect()
+    }
+
+    /// Returns the tendon, tuple or skin of which an element is a part, or the element.
     fn whole(&self, index: Index) -> Index {
-        let is_part = matches!(self.tree.tag(index), "site" | "geom" | "joint" | "element" | "bone" | "layer")
+        let is_part = matches!(self.tree.tag(index), "site" | "geom" | "joint" | "element" | "bone")
             && names::named(&self.tree, index).is_none();
         match self.tree.parent(index) {
             Some(parent) if is_part && self.tree.tag(parent) != "default" => parent,

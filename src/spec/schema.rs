@@ -15,7 +15,7 @@ const FRAME: [&str; 8] = ["name", "childclass", "pos", "quat", "axisangle", "xya
 const REPLICATE: [&str; 4] = ["count", "offset", "euler", "sep"];
 
 /// Tag of bodies and of the world in the schema.
-const BODY: &str = "(world)body";
+pub(super) const BODY: &str = "(world)body";
 
 impl Schema {
     /// Returns the schema of the engine.
@@ -86,14 +86,15 @@ impl Schema {
         found
     }
 
+    /// Returns the path of each element with the name of each of its attributes.
     #[cfg(test)]
-    pub(super) fn all_attributes(&self) -> std::collections::BTreeSet<&str> {
-        self.0.values().flatten().map(String::as_str).collect()
+    pub(super) fn all_attributes(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().flat_map(|(path, names)| names.iter().map(|name| (&path[..], &name[..])))
     }
 }
 
 /// Returns the path of an element in the schema. Bodies, frames and classes in each other have the path of the outermost.
-fn path(tree: &Tree, index: Index) -> String {
+pub(super) fn path(tree: &Tree, index: Index) -> String {
     let mut tags = Vec::new();
     let mut at = Some(index);
     while let Some(index) = at {

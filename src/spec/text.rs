@@ -1,12 +1,16 @@
 //! Reading and writing of MJCF as text.
 
 use super::tree::{Index, Tree};
+use super::{control, value};
 
 /// Largest depth of elements, which the compiler has too.
 const MOST_NESTED: usize = 400;
 
-/// Parses a text. Returns the position and the reason if it is not XML.
+/// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader, it accepts references to control
+/// characters.
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
+    let hidden = control::hide(text)?;
+    let text = hidden.as_deref().unwrap_or(text);
     let document = roxmltree::Document::parse(text).map_err(|error| error.to_string())?;
     let root = document.root_element();
     let mut tree = Tree::new(root.tag_name().name());
@@ -17,13 +21,37 @@ pub(super) fn parse(text: &str) -> Result<Tree, String> {
             return Err(format!("elements are nested more than {MOST_NESTED} deep"));
         }
         for attribute in element.attributes() {
-            tree.node_mut(index).attributes.push((attribute.name().to_owned(), attribute.value().to_owned()));
+            let mut value = exact(attribute.value(), &text[attribute.range_value()]);
+            if hidden.is_some() {
+                value = control::show(&value);
+            }
+            tree.node_mut(index).attributes.push((attribute.name().to_owned(), value));
         }
         for child in element.children().filter(roxmltree::Node::is_element) {
             open.push((child, tree.add(index, child.tag_name().name()), depth + 1));
         }
     }
     Ok(tree)
+}
+
+/// Returns the value of an attribute with the white space of its text, which XML replaces by spaces and the engine keeps. A list of numbers
+/// has spaces.
+fn exact(value: &str, text: &str) -> String {
+    if !text.contains(['\t', '\n', '\r']) || value::numbers(value).is_some() {
+        return value.to_owned();
+    }
+    let text = text.replace("\r\n", "\n").replace('\r', "\n");
+    let mut rest = text.chars();
+    let mut exact = String::new();
+    for character in value.chars() {
+        let found = rest.next();
+        if found == Some('&') {
+            // A reference is one character of the value.
+            rest.by_ref().find(|&character| character == ';');
+        }
+        exact.push(found.filter(|character| matches!(character, '\t' | '\n')).unwrap_or(character));
+    }
+    exact
 }
 
 /// Text of a tree, with at most one start tag in each line.
@@ -87,7 +115,7 @@ impl Written {
     }
 }
 
-/// Appends an attribute value. A line break would shift the numbers of the lines.
+/// Appends an attribute value. Readers would replace white space by spaces, and a line break would shift the numbers of the lines.
 fn escape(value: &str, text: &mut String) {
     for character in value.chars() {
         match character {
@@ -95,8 +123,11 @@ fn escape(value: &str, text: &mut String) {
             '<' => *text += "&lt;",
             '>' => *text += "&gt;",
             '"' => *text += "&quot;",
-            '\n' => *text += "&#10;",
-            '\r' => *text += "&#13;",
+            // No reader of XML accepts NUL.
+            '\0' => text.push(character),
+            _ if character.is_control() || control::is_not_xml(character) => {
+                text.extend(["&#", &u32::from(character).to_string(), ";"]);
+            }
             _ => text.push(character),
         }
     }

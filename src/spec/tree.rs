@@ -3,22 +3,39 @@
 /// Index of an element in a [`Tree`]. The index of a removed element is not used again.
 pub(super) type Index = u32;
 
+/// Joint position whose unit depends on the type of the joint, which may be a setting of another element than the position.
+#[derive(Clone, Debug)]
+pub(super) struct Position {
+    pub(super) attribute: String,
+    /// Value of the attribute if it is an angle.
+    pub(super) angle: String,
+    /// Value of the attribute if it is a length.
+    pub(super) length: String,
+}
+
 /// Element of MJCF: a tag, attributes in the order of the text, and elements in it.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub(super) tag: String,
     pub(super) attributes: Vec<(String, String)>,
+    /// Positions from a spec with another unit of angles. The attribute has one of the two values.
+    pub(super) positions: Vec<Position>,
     pub(super) children: Vec<Index>,
     /// `None` for the root.
     pub(super) parent: Option<Index>,
 }
 
 impl Node {
+    fn new(tag: &str, parent: Option<Index>) -> Self {
+        Self { tag: tag.to_owned(), attributes: Vec::new(), positions: Vec::new(), children: Vec::new(), parent }
+    }
+
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| &value[..])
     }
 
     pub(super) fn set(&mut self, name: &str, value: String) {
+        self.positions.retain(|position| position.attribute != name);
         match self.attributes.iter_mut().find(|(found, _)| found == name) {
             Some((_, old)) => *old = value,
             // A name is the first attribute in the text, as is usual.
@@ -29,6 +46,7 @@ impl Node {
 
     pub(super) fn unset(&mut self, name: &str) -> Option<String> {
         let position = self.attributes.iter().position(|(found, _)| found == name)?;
+        self.positions.retain(|position| position.attribute != name);
         Some(self.attributes.remove(position).1)
     }
 }
@@ -45,8 +63,17 @@ impl Tree {
 
     /// Creates a tree with a root only.
     pub(super) fn new(tag: &str) -> Self {
-        let root = Node { tag: tag.to_owned(), attributes: Vec::new(), children: Vec::new(), parent: None };
-        Self { nodes: vec![Some(root)] }
+        Self { nodes: vec![Some(Node::new(tag, None))] }
+    }
+
+    /// Returns the index of the next element.
+    ///
+    /// # Panics
+    ///
+    /// If the tree has 2³² elements.
+    #[track_caller]
+    pub(super) fn next(&self) -> Index {
+        Index::try_from(self.nodes.len()).expect("a spec has fewer than 2³² elements")
     }
 
     pub(super) fn contains(&self, index: Index) -> bool {
@@ -69,6 +96,11 @@ impl Tree {
         self.nodes[index as usize].as_mut().expect("the element was removed from its spec")
     }
 
+    /// Returns `true` if an element has a position whose unit depends on the type of the joint.
+    pub(super) fn has_positions(&self) -> bool {
+        self.nodes.iter().flatten().any(|node| !node.positions.is_empty())
+    }
+
     pub(super) fn tag(&self, index: Index) -> &str {
         &self.node(index).tag
     }
@@ -88,10 +120,9 @@ impl Tree {
     /// Appends an element without attributes to the elements in `parent`.
     #[track_caller]
     pub(super) fn add(&mut self, parent: Index, tag: &str) -> Index {
-        let index = Index::try_from(self.nodes.len()).expect("a spec has fewer than 2³² elements");
+        let index = self.next();
         self.node_mut(parent).children.push(index);
-        let (attributes, children) = (Vec::new(), Vec::new());
-        self.nodes.push(Some(Node { tag: tag.to_owned(), attributes, children, parent: Some(parent) }));
+        self.nodes.push(Some(Node::new(tag, Some(parent))));
         index
     }
 
@@ -122,6 +153,7 @@ impl Tree {
             let node = from.node(source);
             let copy = self.add(parent, &node.tag);
             self.node_mut(copy).attributes.clone_from(&node.attributes);
+            self.node_mut(copy).positions.clone_from(&node.positions);
             open.extend(node.children.iter().rev().map(|&child| (child, copy)));
             first.get_or_insert(copy);
         }

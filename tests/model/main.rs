@@ -1,5 +1,7 @@
 //! Loading, saving and editing models, and the guards in front of the engine's compiler.
 
+#![allow(clippy::duplicate_mod, reason = "the models of the schema have the files of assets too")]
+
 #[path = "../common/assets.rs"]
 mod assets;
 #[cfg(validates_binaries)]
@@ -7,8 +9,15 @@ mod assets;
 mod mutate;
 #[path = "../common/print_all.rs"]
 mod print_all;
+#[macro_use]
+#[path = "../common/fields.rs"]
+mod fields;
+#[path = "../common/same_models.rs"]
+mod same_models;
 #[path = "../common/scene_options.rs"]
 mod scene_options;
+#[path = "../common/schema_models/mod.rs"]
+mod schema_models;
 
 mod asset_models;
 mod damaged_assets;

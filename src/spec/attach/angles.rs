@@ -1,11 +1,11 @@
 //! Units and conventions of angles in the text of a model.
 
+use super::super::attributes::{self, Meaning};
 use super::super::tree::{Index, Tree};
 use super::super::value::{self, Value};
 use super::super::{names, paths};
-use super::classes;
+use super::{classes, positions};
 use crate::error::{Error, Result};
-use crate::kind::Kind;
 use crate::math;
 
 /// Attributes of an orientation. An element has at most one of them.
@@ -26,50 +26,82 @@ impl Angles {
         Self { unit, eulerseq: paths::setting(tree, "eulerseq").unwrap_or("xyz").to_owned() }
     }
 
-    /// Converts the angles of a model to other settings: orientations become quaternions, and joints get their limits, reference and spring
-    /// reference in the other unit, also those that they have from a class.
+    /// Converts a number to the unit of other settings.
+    pub(super) fn in_unit_of(&self, new: &Self, number: f64) -> f64 {
+        number * self.unit / new.unit
+    }
+
+    /// Converts the angles of a model to other settings.
     pub(super) fn convert(&self, tree: &mut Tree, new: &Self) -> Result<()> {
         if self == new {
             return Ok(());
         }
-        let (joints, others): (Vec<Index>, Vec<Index>) = (tree.descendants(Tree::ROOT).into_iter())
-            .partition(|&index| names::kind(tree, index) == Some(Kind::Joint));
-        // The joints first: the others contain their defaults.
-        for index in joints {
-            self.convert_joint(tree, index, new.unit)?;
-        }
-        for index in others {
-            let parent = tree.parent(index).map_or("", |parent| tree.tag(parent));
-            match (parent, tree.tag(index)) {
-                ("default", "joint") => self.convert_joint(tree, index, new.unit)?,
-                (_, "replicate") if tree.attribute(index, "euler").is_some() => {
-                    return Err(not_convertible("<replicate euler>"));
-                }
-                ("composite", "joint") if tree.attribute(index, "range").is_some() => {
+        // The elements first: the conversion of some depends on that they have from their classes.
+        let with_axes = tags_with_axes(tree);
+        let (defaults, elements): (Vec<Index>, Vec<Index>) =
+            tree.descendants(Tree::ROOT).into_iter().partition(|&index| is_default(tree, index));
+        for index in elements.into_iter().chain(defaults) {
+            if tree.tag(index) == "joint" && tree.parent(index).is_some_and(|parent| tree.tag(parent) == "composite") {
+                // The type of the composite decides whether the range is an angle.
+                if tree.attribute(index, "range").is_some() {
                     return Err(not_convertible("a limited joint of a composite"));
                 }
-                _ => {}
+                continue;
             }
-            for attribute in ["euler", "axisangle"] {
-                let Some(text) = tree.attribute(index, attribute).map(str::to_owned) else { continue };
-                let quat = self.quaternion(tree, index, attribute, &text)?;
-                let node = tree.node_mut(index);
-                node.unset(attribute);
-                node.set("quat", quat.text().into_owned());
+            let meanings = attributes::meanings(tree, index);
+            let names: Vec<String> = tree.node(index).attributes.iter().map(|(name, _)| name.clone()).collect();
+            for attribute in names {
+                match meanings.get(&attribute[..]) {
+                    Some(Meaning::Angle) if self.unit != new.unit => {
+                        positions::convert(tree, index, &attribute, self, new)?;
+                    }
+                    Some(Meaning::Rotation) => self.convert_rotation(tree, index, &attribute, new, &with_axes)?,
+                    _ => {}
+                }
             }
         }
         Ok(())
     }
 
-    fn convert_joint(&self, tree: &mut Tree, index: Index, unit: f64) -> Result<()> {
-        if matches!(classes::effective(tree, index, "type"), Some("slide" | "free")) || tree.tag(index) == "freejoint" {
+    /// Converts a rotation. Where attributes of an element and of its class compete, the kind of the attribute decides which one the compiler
+    /// uses, so the kind stays the same if the order of Euler angles does.
+    fn convert_rotation(
+        &self,
+        tree: &mut Tree,
+        index: Index,
+        attribute: &str,
+        new: &Self,
+        with_axes: &[String],
+    ) -> Result<()> {
+        let text = tree.attribute(index, attribute).unwrap_or_default().to_owned();
+        if attribute == "axisangle" || self.eulerseq == new.eulerseq {
+            let mut numbers = parsed(tree, index, attribute, &text)?;
+            let start = if attribute == "axisangle" { 3 } else { 0 };
+            for number in numbers.iter_mut().skip(start) {
+                *number = self.in_unit_of(new, *number);
+            }
+            tree.node_mut(index).set(attribute, (&numbers[..]).text().into_owned());
             return Ok(());
         }
-        for attribute in ["range", "ref", "springref"] {
-            let Some(text) = classes::effective(tree, index, attribute).map(str::to_owned) else { continue };
-            let numbers = parsed(tree, index, attribute, &text)?;
-            let numbers: Vec<f64> = numbers.into_iter().map(|number| number * self.unit / unit).collect();
-            tree.node_mut(index).set(attribute, (&numbers[..]).text().into_owned());
+        if tree.tag(index) == "replicate" {
+            return Err(not_convertible("<replicate euler>"));
+        }
+        let competes = is_default(tree, index)
+            || ORIENTATIONS[1..].iter().any(|other| classes::of_class(tree, index, other).is_some());
+        // Older compilers prefer axes of the element or of the class by their kind.
+        if competes && cfg!(not(engine_since = "3.2.0")) && with_axes.iter().any(|tag| tag == tree.tag(index)) {
+            return Err(not_convertible(&format!("Euler angles in a class of {}", names::describe(tree, index))));
+        }
+        let quat = self.quaternion(tree, index, attribute, &text)?;
+        let node = tree.node_mut(index);
+        node.unset(attribute);
+        if competes {
+            // Other than a quaternion, axes replace the orientation of a class in all engines.
+            let columns = math::quat2mat(&quat);
+            let axes: Vec<f64> = [0, 3, 6, 1, 4, 7].map(|cell| columns[cell]).to_vec();
+            node.set("xyaxes", (&axes[..]).text().into_owned());
+        } else {
+            node.set("quat", quat.text().into_owned());
         }
         Ok(())
     }
@@ -118,6 +150,17 @@ impl Angles {
             }
         }
     }
+}
+
+/// Returns the tags of the elements whose orientation is given by axes.
+fn tags_with_axes(tree: &Tree) -> Vec<String> {
+    let has_axes = |index: &Index| ["xyaxes", "zaxis"].iter().any(|name| tree.attribute(*index, name).is_some());
+    tree.descendants(Tree::ROOT).into_iter().filter(has_axes).map(|index| tree.tag(index).to_owned()).collect()
+}
+
+/// Returns `true` for the defaults of elements in a class.
+fn is_default(tree: &Tree, index: Index) -> bool {
+    tree.parent(index).is_some_and(|parent| tree.tag(parent) == "default")
 }
 
 fn not_convertible(element: &str) -> Error {

@@ -25,9 +25,16 @@ pub(super) const ACTUATORS: [&str; 13] = [
 
 /// Returns an attribute of an element, or that of its class of defaults.
 pub(super) fn effective<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Option<&'t str> {
-    if let Some(value) = tree.attribute(index, attribute) {
-        return Some(value);
-    }
+    tree.attribute(index, attribute).or_else(|| of_class(tree, index, attribute))
+}
+
+/// Returns the value that an attribute has by the class of defaults of an element.
+pub(super) fn of_class<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Option<&'t str> {
+    tree.attribute(default(tree, index, attribute)?, attribute)
+}
+
+/// Returns the defaults from which an element has an attribute that is not its own.
+pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Index> {
     let tag = tree.tag(index);
     let own = tree.attribute(index, "class").or_else(|| {
         // Defaults have those of the classes around theirs.
@@ -44,15 +51,19 @@ pub(super) fn effective<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Op
     };
     let in_class = |class: Index| {
         let mut settings = tree.children(class).iter().rev().filter(|&&child| is_default(tree.tag(child)));
-        settings.find_map(|&child| tree.attribute(child, attribute))
+        settings.find(|&&child| child != index && tree.attribute(child, attribute).is_some()).copied()
     };
-    if let Some(class) = names::find(tree, Named::Class, class) {
-        let outer = std::iter::once(class).chain(ancestors(tree, class));
-        if let Some(value) = outer.take_while(|&class| tree.parent(class) != Some(Tree::ROOT)).find_map(in_class) {
-            return Some(value);
+    let mut sections: Vec<Index> = tree.sections("default").collect();
+    if let Some(class) = names::find(tree, Named::Class, class).filter(|class| !sections.contains(class)) {
+        let around: Vec<Index> = std::iter::once(class).chain(ancestors(tree, class)).collect();
+        let (section, classes) = around.split_last().unwrap_or((&class, &[]));
+        if let Some(found) = classes.iter().copied().find_map(in_class) {
+            return Some(found);
         }
+        // A class has no defaults of later sections.
+        sections.truncate(1 + sections.iter().position(|found| found == section).unwrap_or_default());
     }
-    tree.sections("default").rev().find_map(in_class)
+    sections.into_iter().rev().find_map(in_class)
 }
 
 /// Returns the elements that contain an element, from the inside.
@@ -69,19 +80,19 @@ pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &
     if !(ours || of_body || child.sections("default").next().is_some()) {
         return Ok(None);
     }
-    let own = ours.then(|| unused(tree, "outer"));
+    let own = ours.then(|| unused(&[tree, child], "outer"));
     if let Some(name) = &own {
         demote(tree, name, true)?;
     }
-    let name = if prefix.is_empty() { unused(tree, "attached") } else { MAIN.to_owned() };
+    let name = if prefix.is_empty() { unused(&[tree, child], "attached") } else { MAIN.to_owned() };
     demote(child, &name, ours || of_body || has_settings(child))?;
     Ok(own)
 }
 
-/// Returns the name of a class that does not exist, which starts with `name`.
-fn unused(tree: &Tree, name: &str) -> String {
+/// Returns the name of a class that does not exist in these trees, which starts with `name`.
+fn unused(trees: &[&Tree], name: &str) -> String {
     let mut name = name.to_owned();
-    while names::find(tree, Named::Class, &name).is_some() {
+    while trees.iter().any(|tree| names::find(tree, Named::Class, &name).is_some()) {
         name.push('_');
     }
     name
@@ -97,17 +108,22 @@ fn demote(tree: &mut Tree, name: &str, matters: bool) -> Result<()> {
     let sections: Vec<Index> = tree.sections("default").collect();
     let old = sections.iter().find_map(|&section| tree.attribute(section, "class")).unwrap_or(MAIN).to_owned();
     names::rename_references(tree, Named::Class, &old, name);
-    let root = tree.section("default");
-    let class = tree.add(root, "default");
-    for section in sections {
-        for child in tree.children(section).to_vec() {
-            if child != class {
-                tree.relocate(child, class);
-            }
+    let mut contents: Vec<Vec<Index>> = sections.iter().map(|&section| tree.children(section).to_vec()).collect();
+    let last = contents.pop().unwrap_or_default();
+    let mut place = tree.section("default");
+    for content in contents.into_iter().map(Some).chain([None]) {
+        // Classes in a section have the defaults of this and of earlier sections, not those of later ones.
+        let class_name = if content.is_some() { unused(&[tree], &format!("{name}_")) } else { name.to_owned() };
+        let class = tree.add(place, "default");
+        tree.node_mut(class).set("class", class_name);
+        for child in content.unwrap_or_else(|| last.clone()) {
+            tree.relocate(child, class);
         }
+        place = class;
+    }
+    for section in sections {
         tree.node_mut(section).unset("class");
     }
-    tree.node_mut(class).set("class", name.to_owned());
 
     let mut elements: Vec<Index> = Vec::new();
     for section in tree.children(Tree::ROOT).to_vec() {

@@ -3,16 +3,18 @@
 mod angles;
 mod classes;
 mod pose;
+mod positions;
 mod settings;
 
 use std::path::{Path, PathBuf};
 
 use self::angles::Angles;
+pub(super) use self::positions::resolved;
 use super::key::{ElementId, name_or_create};
 use super::names::{self, Named, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
-use super::{Spec, paths};
+use super::{Spec, attributes, paths};
 use crate::error::{Error, Result};
 use crate::kind::{self, Kind};
 use crate::math::{self, Pose};
@@ -68,8 +70,11 @@ impl Spec {
     ///
     /// The attached elements keep the defaults, angles, limits and directories of their own spec: classes of defaults are copied, angles are
     /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
-    /// independent of `meshdir` and `texturedir`. If this spec has defaults in `main`, they move to a class of their own, which its elements get,
-    /// also those that are added later. References to the world become references to the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied.
+    /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the type that the joint has when the text is
+    /// written, also if the position or the type is that of a class, and for joints that are added later. If this spec has defaults in `main`,
+    /// they move to a class of their own, which its elements get, also those that are added later. References to the world become references to
+    /// the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied. The settings of `compiler`
+    /// that concern the model as a whole, such as `fusestatic` and `discardvisual`, are those of this spec.
     ///
     /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
     /// those of the first one that is attached.
@@ -78,7 +83,7 @@ impl Spec {
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
     /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or is relative to the world in a way that the
-    /// body does not allow.
+    /// body does not allow, or has an attribute that only newer engines than those of this crate have.
     ///
     /// # Panics
     ///
@@ -104,6 +109,15 @@ impl Spec {
         let mut tree = self.tree.clone();
         let mut child = other.tree.clone();
 
+        let is_changed = body != self.world
+            || pose != Pose::default()
+            || !prefix.is_empty()
+            || Angles::of(&child) != Angles::of(&tree)
+            || settings::are_limits_automatic(&child) != settings::are_limits_automatic(&tree);
+        if is_changed {
+            check_known(&child)?;
+        }
+        check_prefix(&child, prefix)?;
         settings::agree(&mut tree, &mut child)?;
         Angles::of(&child).convert(&mut child, &Angles::of(&tree))?;
         if child.descendants(Tree::ROOT).iter().any(|&index| paths::is_asset(&child, index)) {
@@ -172,6 +186,34 @@ impl Spec {
 }
 
 const BODY: Named = Named::Kind(Kind::Body);
+
+/// Returns an error if an element has an attribute of a newer engine, which may be a name, an angle, a limit or a place in the world.
+fn check_known(child: &Tree) -> Result<()> {
+    let sections = COPIED.iter().chain(&["worldbody"]).flat_map(|tag| child.sections(tag));
+    for index in sections.flat_map(|section| child.descendants(section)) {
+        if let Some(attribute) = attributes::unknown(child, index).next() {
+            let element = names::describe(child, index);
+            return Err(Error::Unsupported(format!(
+                "cannot attach {element}: attribute '{attribute}' is not known here and may be a name, an angle, a limit or a place in the world"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Returns an error if names with the prefix would be other names in a text.
+fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
+    let invalid =
+        |expected: &str| Err(Error::invalid("the prefix of the attached spec", format!("{prefix:?}"), expected));
+    if prefix.contains('\0') {
+        return invalid("a text without NUL");
+    }
+    let has_list = || child.descendants(Tree::ROOT).into_iter().any(|index| names::has_list(child, index));
+    if prefix.contains(|character: char| character.is_ascii_whitespace()) && has_list() {
+        return invalid("a text without spaces, which separate the names in the lists of <flex>");
+    }
+    Ok(())
+}
 
 /// Makes the body explicit to which constraints without a second body connect, which is the world by default.
 fn refer_to_body(child: &mut Tree, body: &str, pose: &Pose) -> Result<()> {

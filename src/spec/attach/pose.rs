@@ -15,36 +15,51 @@ pub(super) fn of(tree: &Tree, index: Index, angles: &Angles) -> Result<Pose> {
 
 /// Moves an element by a pose. Returns the element, or a frame around it.
 pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<Index> {
-    if *pose == Pose::default() {
+    if *pose == Pose::default() || move_in_place(tree, index, pose, angles)? {
         return Ok(index);
     }
+    if cfg!(not(engine_since = "3.2.0")) {
+        let element = names::describe(tree, index);
+        return Err(Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec")));
+    }
+    let parent = tree.parent(index).unwrap_or(Tree::ROOT);
+    let frame = tree.add(parent, "frame");
+    tree.node_mut(frame).set("pos", pose.pos.text().into_owned());
+    tree.node_mut(frame).set("quat", pose.quat.text().into_owned());
+    tree.relocate(index, frame);
+    Ok(frame)
+}
+
+/// Changes the pose of an element. Returns `false`, and changes nothing, if only the compiler can do that.
+fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<bool> {
+    let is_turned = pose.quat != Pose::default().quat;
     match tree.tag(index) {
         "body" | "frame" | "geom" | "site" | "camera" => {
             if let Some(ends) = classes::effective(tree, index, "fromto").map(str::to_owned) {
-                let shape = classes::effective(tree, index, "type");
-                if matches!(shape, Some("box" | "ellipsoid")) && pose.quat != Pose::default().quat {
-                    // The compiler chooses the rotation about the axis, which would be another one.
-                    return Err(not_movable(tree, index));
+                let shape = classes::effective(tree, index, "type").unwrap_or("sphere");
+                // The compiler chooses the rotation about the axis, which would be another one for boxes and ellipsoids.
+                if is_turned && !matches!(shape, "capsule" | "cylinder") {
+                    return Ok(false);
                 }
                 let ends = parsed(tree, index, "fromto", &ends)?;
                 let moved =
                     ends.chunks_exact(3).flat_map(|point| math::trn_vec_pose(pose, &[point[0], point[1], point[2]]));
                 let moved: Vec<f64> = moved.collect();
                 tree.node_mut(index).set("fromto", (&moved[..]).text().into_owned());
-                return Ok(index);
+                return Ok(true);
             }
-            let old = of(tree, index, angles)?;
+            // A quaternion does not replace these attributes of a class.
+            let of_class =
+                |name: &&str| tree.attribute(index, name).is_none() && classes::effective(tree, index, name).is_some();
+            if is_turned && (competes(tree, index) || ORIENTATIONS[1..].iter().any(of_class)) {
+                return Ok(false);
+            }
+            let quat = if is_turned { orientation(tree, index, angles)? } else { Pose::default().quat };
+            let old = Pose { pos: triple(tree, index, "pos")?.unwrap_or_default(), quat };
             let new = math::mul_pose(pose, &old);
-            tree.node_mut(index).set("pos", new.pos.text().into_owned());
-            if pose.quat != Pose::default().quat {
-                // A quaternion does not replace these attributes of a class.
-                let of_class = |name: &&str| {
-                    tree.attribute(index, name).is_none() && classes::effective(tree, index, name).is_some()
-                };
-                if ORIENTATIONS[1..].iter().any(of_class) {
-                    return Err(not_movable(tree, index));
-                }
-                let node = tree.node_mut(index);
+            let node = tree.node_mut(index);
+            node.set("pos", new.pos.text().into_owned());
+            if is_turned {
                 for attribute in ORIENTATIONS {
                     node.unset(attribute);
                 }
@@ -59,29 +74,33 @@ pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles)
             node.set("dir", math::rot_vec_quat(&dir, &pose.quat).text().into_owned());
         }
         // These have no pose, or one with another meaning.
-        _ if cfg!(engine_since = "3.2.0") => {
-            let parent = tree.parent(index).unwrap_or(Tree::ROOT);
-            let frame = tree.add(parent, "frame");
-            tree.node_mut(frame).set("pos", pose.pos.text().into_owned());
-            tree.node_mut(frame).set("quat", pose.quat.text().into_owned());
-            tree.relocate(index, frame);
-            return Ok(frame);
-        }
-        _ => return Err(not_movable(tree, index)),
+        _ => return Ok(false),
     }
-    Ok(index)
+    Ok(true)
 }
 
-fn not_movable(tree: &Tree, index: Index) -> Error {
-    let element = names::describe(tree, index);
-    Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec"))
+/// Returns `true` if an element and its classes have several attributes of its orientation, of which the version of the engine decides which
+/// one it uses.
+fn competes(tree: &Tree, index: Index) -> bool {
+    let found: Vec<&str> =
+        ORIENTATIONS.into_iter().filter(|name| classes::effective(tree, index, name).is_some()).collect();
+    match found[..] {
+        [] | [_] => false,
+        ["quat", other] => tree.attribute(index, other).is_none(),
+        _ => true,
+    }
 }
 
 /// Returns the orientation of an element, by its attributes or those of its class.
 fn orientation(tree: &Tree, index: Index, angles: &Angles) -> Result<[f64; 4]> {
-    let own = ORIENTATIONS.iter().find_map(|name| Some((name, tree.attribute(index, name)?)));
-    let found =
-        own.or_else(|| ORIENTATIONS.iter().find_map(|name| Some((name, classes::effective(tree, index, name)?))));
+    if competes(tree, index) {
+        let element = names::describe(tree, index);
+        return Err(Error::Unsupported(format!(
+            "cannot compute the pose of {element}: its class has another orientation"
+        )));
+    }
+    // A quaternion counts only if there is nothing else.
+    let found = ORIENTATIONS.iter().rev().find_map(|name| Some((name, classes::effective(tree, index, name)?)));
     found.map_or(Ok(Pose::default().quat), |(attribute, text)| angles.quaternion(tree, index, attribute, text))
 }
 

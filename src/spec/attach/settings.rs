@@ -1,15 +1,16 @@
 //! Settings of `compiler` on which two specs must agree.
 
+use super::super::attributes::{self, Meaning};
 use super::super::tree::{Index, Tree};
-use super::super::{names, paths, value};
-use super::{BODY, classes};
+use super::super::{names, paths};
+use super::{BODY, classes, positions};
 use crate::error::{Error, Result};
-use crate::kind::Kind;
 use crate::spec::schema::Schema;
 
 /// Settings that change the meaning of a model, with their defaults.
-const SETTINGS: [(&str, &str); 10] = [
+const SETTINGS: [(&str, &str); 11] = [
     ("coordinate", "local"),
+    ("convexhull", "true"),
     ("inertiafromgeom", "auto"),
     ("inertiagrouprange", "0 5"),
     ("boundmass", "0"),
@@ -33,25 +34,35 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
     convert_limits(tree, child)?;
     let same_inertia = compute_inertia(child);
     let has_bodies = names::all(tree, BODY).any(|index| tree.tag(index) == "body");
-    for (attribute, default) in SETTINGS {
+    let undecided = child.sections("compiler").flat_map(|section| attributes::unknown(child, section));
+    let undecided: Vec<String> = undecided.map(str::to_owned).collect();
+    // The default of a setting of a newer engine is not known.
+    let undecided = undecided.iter().map(|attribute| (&attribute[..], None));
+    for (attribute, default) in
+        SETTINGS.map(|(attribute, default)| (attribute, Some(default))).into_iter().chain(undecided)
+    {
         let ours = paths::setting(tree, attribute);
-        let theirs = paths::setting(child, attribute).unwrap_or(default);
-        let is_same = ours.unwrap_or(default).split_ascii_whitespace().eq(theirs.split_ascii_whitespace());
+        let Some(theirs) = paths::setting(child, attribute).or(default) else { continue };
+        let is_same =
+            ours.or(default).is_some_and(|ours| ours.split_ascii_whitespace().eq(theirs.split_ascii_whitespace()));
         if is_same || (same_inertia && attribute == "inertiafromgeom" && ours != Some("false")) {
             continue;
         }
         if ours.is_some() || has_bodies {
             let what = format!("'{attribute}' of <compiler> in the attached spec");
-            return Err(Error::invalid(
-                what,
-                format!("'{theirs}'"),
-                format!("'{}', as in this spec", ours.unwrap_or(default)),
-            ));
+            let ours = ours.or(default).map_or("absent".to_owned(), |ours| format!("'{ours}'"));
+            return Err(Error::invalid(what, format!("'{theirs}'"), format!("{ours}, as in this spec")));
         }
+        let theirs = theirs.to_owned();
         let section = tree.section("compiler");
-        tree.node_mut(section).set(attribute, theirs.to_owned());
+        tree.node_mut(section).set(attribute, theirs);
     }
     Ok(())
+}
+
+/// Returns `true` if ranges are limits unless a text says otherwise.
+pub(super) fn are_limits_automatic(tree: &Tree) -> bool {
+    paths::setting(tree, "autolimits").unwrap_or(AUTOLIMITS) == "true"
 }
 
 /// Removes the inertias that the compiler replaces by those of the geoms. Returns `true` if all inertias are those of geoms.
@@ -68,19 +79,20 @@ fn compute_inertia(child: &mut Tree) -> bool {
 
 /// Makes the limits explicit that depend on `autolimits`, if the specs differ in this setting.
 fn convert_limits(tree: &Tree, child: &mut Tree) -> Result<()> {
-    let [ours, theirs] = [tree, child].map(|tree| paths::setting(tree, "autolimits").unwrap_or(AUTOLIMITS) == "true");
-    if ours == theirs {
+    let theirs = are_limits_automatic(child);
+    if theirs == are_limits_automatic(tree) {
         return Ok(());
     }
     let schema = Schema::of_engine()?;
     let mut changes = Vec::new();
     for index in child.descendants(Tree::ROOT) {
-        for &(limited, range) in limits(child, index) {
-            let Some(text) = child.attribute(index, range) else { continue };
+        let limits = attributes::meanings(child, index).iter().filter(|(_, meaning)| **meaning == Meaning::Limited);
+        for (&limited, _) in limits {
+            let range = limited.replace("limited", "range");
+            let has_range = classes::effective(child, index, &range).is_some();
             let is_automatic = classes::effective(child, index, limited).is_none_or(|value| value == "auto");
-            if is_automatic && schema.has(child, index, limited) {
-                let is_range =
-                    value::numbers(text).is_some_and(|numbers| numbers.len() == 2 && numbers[0] < numbers[1]);
+            if has_range && is_automatic && schema.has(child, index, limited) {
+                let is_range = positions::is_range(classes::effective(child, index, &range));
                 changes.push((index, limited, theirs && is_range));
             }
         }
@@ -91,15 +103,21 @@ fn convert_limits(tree: &Tree, child: &mut Tree) -> Result<()> {
     Ok(())
 }
 
-/// Returns the attributes of an element, or of defaults, that say whether a range is a limit, and those of the ranges.
-fn limits(tree: &Tree, index: Index) -> &'static [(&'static str, &'static str)] {
-    const LENGTHS: &[(&str, &str)] = &[("limited", "range"), ("actuatorfrclimited", "actuatorfrcrange")];
-    const SIGNALS: &[(&str, &str)] =
-        &[("ctrllimited", "ctrlrange"), ("forcelimited", "forcerange"), ("actlimited", "actrange")];
-    match (names::kind(tree, index), tree.tag(index)) {
-        (Some(Kind::Joint | Kind::Tendon), _) | (None, "joint" | "tendon") => LENGTHS,
-        (Some(Kind::Actuator), _) => SIGNALS,
-        (None, tag) if classes::ACTUATORS.contains(&tag) => SIGNALS,
-        _ => &[],
+#[cfg(test)]
+mod tests {
+    use super::super::super::attributes::{Meaning, meanings};
+    use super::super::super::text;
+    use super::SETTINGS;
+
+    #[test]
+    fn the_settings_on_which_specs_agree_have_defaults() {
+        let tree = text::parse("<mujoco><compiler/></mujoco>").unwrap();
+        let rows = meanings(&tree, tree.sections("compiler").next().unwrap()).iter();
+        let mut agreed: Vec<&str> =
+            rows.filter(|(_, meaning)| **meaning == Meaning::Agreed).map(|(&attribute, _)| attribute).collect();
+        let mut settings = SETTINGS.map(|(attribute, _)| attribute);
+        agreed.sort_unstable();
+        settings.sort_unstable();
+        assert_eq!(agreed, settings);
     }
 }

@@ -264,13 +264,30 @@ fn conflicts_are_errors_and_change_nothing() {
         <equality><weld body1='b' relpose='1 0 0 1 0 0 0'/></equality></mujoco>";
     let unsupported = error(weld, mount.with_pos([1.0, 0.0, 0.0]), "a_");
     assert!(matches!(unsupported, Error::Unsupported(_)), "{unsupported}");
-    let slab = "<mujoco><worldbody><geom name='slab' type='box' size='.1' fromto='0 0 0 1 0 0'/></worldbody></mujoco>";
-    let unsupported = error(slab, mount.with_quat([1.0, 1.0, 0.0, 0.0]), "a_").to_string();
-    assert!(unsupported.contains("geom 'a_slab'"), "{unsupported}");
-    let of_class =
-        "<mujoco><default><geom euler='1 2 3'/></default><worldbody><geom name='g' size='1'/></worldbody></mujoco>";
-    let unsupported = error(of_class, mount.with_quat([1.0, 1.0, 0.0, 0.0]), "a_");
-    assert!(matches!(unsupported, Error::Unsupported(_)), "{unsupported}");
+}
+
+/// The compiler decides the orientation of some elements. Since 3.2 it has frames, which turn all elements.
+#[test]
+fn elements_that_only_the_compiler_can_turn_are_put_into_frames_or_rejected() {
+    for world in [
+        "<geom name='a_slab' type='box' size='.1' fromto='0 0 0 1 0 0'/>",
+        "<geom name='a_slab' type='box' size='1 2 3' class='turned'/>",
+        "<geom name='a_slab' type='box' size='1 2 3' class='turned' quat='1 0 1 0'/>",
+    ] {
+        let default = "<default><default class='turned'><geom euler='10 20 30'/></default></default>";
+        let mut spec = parse("<mujoco/>");
+        let mount = Mount::body(spec.world()).with_pos([1.0, 2.0, 3.0]).with_quat([0.6, 0.8, 0.0, 0.0]);
+        let child = parse(&format!("<mujoco>{default}<worldbody>{}</worldbody></mujoco>", world.replace("a_", "")));
+        let result = spec.attach(&child, mount, "a_");
+        if cfg!(engine_since = "3.2.0") {
+            result.unwrap();
+            let frame = format!("<frame pos='1 2 3' quat='.6 .8 0 0'>{world}</frame>");
+            same(&spec, &format!("<mujoco>{default}<worldbody>{frame}</worldbody></mujoco>"));
+        } else {
+            let error = result.unwrap_err();
+            assert!(matches!(error, Error::Unsupported(_)) && error.to_string().contains("geom 'a_slab'"), "{error}");
+        }
+    }
 }
 
 /// The same robot many times, as in a scene with a crowd.

@@ -1,7 +1,7 @@
 //! Changes of specs.
 
 use mujoco_safe::kind::{Body, Geom};
-use mujoco_safe::spec::Spec;
+use mujoco_safe::spec::{Mount, Spec};
 
 use super::{parse, same};
 
@@ -103,6 +103,43 @@ fn ids_stay_valid_when_other_elements_change() {
 fn an_id_of_another_spec_panics() {
     let [mut one, two] = [Spec::new("one"), Spec::new("two")];
     one.add_geom(two.world());
+}
+
+#[test]
+fn elements_that_are_added_after_a_clone_belong_to_one_spec_only() {
+    let mut spec = parse(ARM);
+    let upper = spec.body("upper").unwrap().id();
+    let mut copy = spec.clone();
+    assert_eq!(copy.body("upper").unwrap().id(), upper);
+    let ours = spec.add_body(upper).set_name("ours").id();
+    let theirs = copy.add_geom(upper).set_name("theirs").id();
+    assert!(spec.contains(ours) && !copy.contains(ours));
+    assert!(copy.contains(theirs) && !spec.contains(theirs));
+    assert_ne!(ours.any(), theirs.any());
+
+    // A later clone has the elements of both lineages, and clones of clones agree on them.
+    let [mut second, third] = [copy.clone(), copy.clone().clone()];
+    for id in [upper.any(), theirs.any()] {
+        assert!(second.contains(id) && third.contains(id));
+    }
+    assert!(!second.contains(ours));
+    let last = second.add_geom(upper).id();
+    assert!(!copy.contains(last) && !third.contains(last) && !spec.contains(last));
+
+    // Attachments add elements too.
+    let mount = Mount::body(copy.world());
+    let attached = copy.attach(&parse(ARM), mount, "a_").unwrap()[0];
+    assert_eq!(copy.body(attached).name(), Some("a_upper"));
+    assert!(!spec.contains(attached) && !second.contains(attached));
+
+    let misuse = |operation: &mut dyn FnMut()| {
+        let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(operation)).unwrap_err();
+        assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("another spec")));
+    };
+    misuse(&mut || _ = copy.add_joint(ours));
+    misuse(&mut || _ = copy.remove(ours));
+    misuse(&mut || _ = spec.remove_with_references(theirs));
+    misuse(&mut || _ = spec.body(attached));
 }
 
 #[test]

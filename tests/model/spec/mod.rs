@@ -1,11 +1,17 @@
 //! Models in code, compared with texts that the engine compiles itself.
 
+mod angles;
 mod attach;
 mod building;
+mod defaults;
 mod editing;
+mod generated;
 mod kept;
+mod names;
+mod oracle;
 mod random;
 mod reading;
+mod text;
 
 use mujoco_safe::Model;
 use mujoco_safe::spec::Spec;

@@ -7,7 +7,7 @@ use mujoco_safe::{Error, LoadOptions, Model};
 
 use super::super::{bytes, folder};
 
-fn files(directory: &Path) -> Vec<PathBuf> {
+pub fn files(directory: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };
     let paths = entries.map(|entry| entry.unwrap().path());
     let mut found: Vec<PathBuf> =

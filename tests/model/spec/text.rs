@@ -1,0 +1,80 @@
+//! Texts of specs: the engine and the reader of specs read every name as it is.
+
+use mujoco_safe::Model;
+use mujoco_safe::kind::Geom;
+use mujoco_safe::spec::Spec;
+
+/// Names that need escapes in XML, or that XML cannot have.
+fn names() -> Vec<String> {
+    let mut names: Vec<String> = [
+        "a b",
+        " a  b ",
+        "a\"b'c",
+        "a&b<c>d",
+        "&amp;",
+        "&#1;",
+        "a\tb\nc\rd\r\ne",
+        "é😀",
+        "a;b/c\\d",
+        "]]>",
+        "<!--",
+        "\u{2028}",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    let special = (1..0x20).chain(0x7f..0xa1).chain([0xfeff, 0xfffd, 0xfffe, 0xffff, 0xf_0001, 0x10_ffff]);
+    names.extend(special.map(|code| format!("a{}b", char::from_u32(code).unwrap())));
+    names
+}
+
+#[test]
+fn all_names_survive_as_text() {
+    for name in names() {
+        let mut spec = Spec::new(&name);
+        let world = spec.world();
+        let body = spec.add_body(world).set_name(&name).id();
+        spec.add_geom(body).set_name(&name).set_size(&[0.1]);
+        spec.add_joint(body).set_name(&name);
+        spec.add_motor().set_name(&name).set_joint(&name[..]);
+        spec.add_text().set_name("t").set("data", &name[..]).unwrap();
+        let text = spec.to_xml();
+
+        let model = Model::from_xml_str(&text).unwrap_or_else(|error| panic!("{name:?}: {error}"));
+        assert!(model.body(&name).is_ok() && model.joint(&name).is_ok(), "{name:?}");
+        assert_eq!(model.actuator(&name).unwrap().id().index(), 0);
+        let read = Spec::from_xml_str(&text).unwrap_or_else(|error| panic!("{name:?}: {error}"));
+        assert_eq!(read.to_xml(), text);
+        assert_eq!(read.name(), name);
+        assert_eq!(read.geom(read.ids::<Geom>()[0]).name(), Some(&name[..]));
+        super::same(&read, &text);
+    }
+}
+
+/// The engine keeps white space in names, which readers of XML replace by spaces.
+#[test]
+fn texts_are_read_as_the_engine_reads_them() {
+    for value in ["a\tb", "a\nb", "a\r\nb\rc", "a&#9;b&#10;c", "&amp;\t&lt;\n&#65;", "a\u{1}b", "a&#2;\tb", "a&#x1f;b"]
+    {
+        let text = format!("<mujoco><worldbody><geom name=\"{value}\" size='1\n2 3'/></worldbody></mujoco>");
+        let model = Model::from_xml_str(&text).unwrap();
+        let spec = Spec::from_xml_str(&text).unwrap();
+        let geom = spec.geom(spec.ids::<Geom>()[0]);
+        assert_eq!(geom.name(), model.geom(0).unwrap().name(), "{value:?}");
+        assert_eq!(geom.attribute("size"), Some("1 2 3"));
+        super::same(&spec, &text);
+    }
+}
+
+#[test]
+fn a_nul_character_is_an_error() {
+    let mut spec = Spec::new("m");
+    let world = spec.world();
+    let mut geom = spec.add_geom(world);
+    assert!(geom.set_size(&[0.1]).set("name", "a\0b").unwrap_err().to_string().contains("NUL"));
+    geom.set_name("a\0b");
+    let error = spec.compile().unwrap_err().to_string();
+    assert!(error.contains("'name' of geom") && error.contains("NUL"), "{error}");
+    assert!(Model::from_xml_str(&spec.to_xml()).is_err());
+    assert!(Spec::from_xml_str(&spec.to_xml()).is_err());
+    assert!(Spec::from_xml_str("<mujoco model='a&#0;b'/>").is_err());
+}
