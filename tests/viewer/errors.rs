@@ -6,8 +6,8 @@ use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{self, Viewer, ViewerError, ViewerOptions, test_hooks};
 use mujoco_safe::{Controller, Data, Result, sample};
 
-use crate::harness::{SIZE, exit_on_panic, press, show, show_with, state};
-use crate::input::{Input, wait_until};
+use crate::harness::{SIZE, press, show, show_with, state};
+use crate::input::wait_until;
 
 pub fn signals() {
     for signal in ["INT", "TERM", "HUP"] {
@@ -128,20 +128,9 @@ pub fn panic() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut first = viewer::launch(options()).unwrap();
     for _ in 0..2 {
-        test_hooks::start();
-        let result = std::thread::scope(|scope| {
-            scope.spawn(|| {
-                exit_on_panic(|| {
-                    wait_until("the window is drawn", || test_hooks::latest().is_some());
-                    test_hooks::panic_in_frame("panic");
-                    // Causes a frame.
-                    Input::at("panic").key("F12");
-                });
-            });
-            let options = options().with_title("panic");
-            Viewer::new().options(options).run(Data::new(sample::cartpole()).unwrap())
-        });
-        let error = result.map(drop).unwrap_err().to_string();
+        test_hooks::panic_in_frame("panic");
+        let viewer = Viewer::new().options(options().with_title("panic"));
+        let error = viewer.run(Data::new(sample::cartpole()).unwrap()).map(drop).unwrap_err().to_string();
         assert!(error.contains("a panic of the test"), "{error}");
         first.sync(&mut data).unwrap();
         assert!(first.is_running());

@@ -11,6 +11,7 @@ use winit::window::WindowId;
 use super::event_loop::{CONNECTION_LOST, Wake, WindowToken, connection_is_lost};
 use super::session::Session;
 use crate::error::catch_panic;
+use crate::viewer::error::ViewerError;
 
 /// After a shorter wait, the events were already in the queue. The limit is not zero, because the thread may be preempted during the
 /// wait.
@@ -30,12 +31,19 @@ enum ExitCondition {
     /// After this window was opened and all windows are closed. Messages about previous windows may arrive before it opens.
     After(WindowToken),
     WhenEmpty,
+    /// At once. Windows are not opened any more.
+    Now,
 }
 
 impl App {
     /// Creates an app that exits when this window and all other windows are closed.
     pub fn until_closed(token: WindowToken) -> Self {
         Self { sessions: HashMap::new(), exit: ExitCondition::After(token) }
+    }
+
+    /// Creates an app that drops the messages in the queue.
+    pub fn ended() -> Self {
+        Self { sessions: HashMap::new(), exit: ExitCondition::Now }
     }
 
     /// Creates an app that never exits.
@@ -68,7 +76,7 @@ impl App {
             event_loop.exit();
         }
         self.remove_closed();
-        if matches!(self.exit, ExitCondition::WhenEmpty) && self.sessions.is_empty() {
+        if matches!(self.exit, ExitCondition::WhenEmpty | ExitCondition::Now) && self.sessions.is_empty() {
             event_loop.exit();
         }
     }
@@ -106,8 +114,10 @@ impl ApplicationHandler<Wake> for App {
                 if matches!(self.exit, ExitCondition::After(awaited) if awaited == opening.waker.token()) {
                     self.exit = ExitCondition::WhenEmpty;
                 }
-                // Without a connection, dropping the opening reports the error.
-                if !connection_is_lost()
+                if connection_is_lost() {
+                    // Fails if the caller no longer waits.
+                    let _ = opening.result.send(Err(ViewerError::Window(CONNECTION_LOST.to_owned())));
+                } else if !matches!(self.exit, ExitCondition::Now)
                     && let Some((id, session)) = Session::open(event_loop, *opening)
                 {
                     self.sessions.insert(id, session);

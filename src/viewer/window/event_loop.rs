@@ -42,8 +42,11 @@ enum Owner {
 
 static OWNER: Mutex<Owner> = Mutex::new(Owner::None);
 
-fn owner() -> MutexGuard<'static, Owner> {
-    OWNER.lock().unwrap_or_else(PoisonError::into_inner)
+/// Lock of the owner. While a thread holds it, the event loop does not end for good, so that messages to it are received.
+pub(super) struct OwnerLock(MutexGuard<'static, Owner>);
+
+fn owner() -> OwnerLock {
+    OwnerLock(OWNER.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Access to the event loop.
@@ -55,22 +58,23 @@ pub(super) enum EventLoopAccess {
 }
 
 /// Returns the event loop for a window of the calling thread: the loop of the background thread if it was started, else the loop of
-/// the calling thread.
-pub(super) fn acquire() -> Result<EventLoopAccess, ViewerError> {
-    let mut owner = owner();
-    match &*owner {
-        Owner::WindowThread(proxy) => return Ok(EventLoopAccess::WindowThread(proxy.clone())),
+/// the calling thread. The lock must be held until the window is requested.
+pub(super) fn acquire() -> Result<(EventLoopAccess, OwnerLock), ViewerError> {
+    let mut lock = owner();
+    let owner = &mut *lock.0;
+    match owner {
+        Owner::WindowThread(proxy) => return Ok((EventLoopAccess::WindowThread(proxy.clone()), lock)),
         Owner::Caller(thread) if *thread != thread::current().id() => return Err(ViewerError::OtherThread),
         Owner::Caller(_) => {
-            let idle = IDLE.with(RefCell::take);
-            return idle.map(EventLoopAccess::ThisThread).ok_or(ViewerError::Nested);
+            let idle = IDLE.with(RefCell::take).ok_or(ViewerError::Nested)?;
+            return Ok((EventLoopAccess::ThisThread(idle), lock));
         }
         Owner::Failed(reason) => return Err(ViewerError::NoDisplay(reason.clone())),
         Owner::None => {}
     }
-    let event_loop = record_failure(&mut owner, build())?;
+    let event_loop = record_failure(owner, build())?;
     *owner = Owner::Caller(thread::current().id());
-    Ok(EventLoopAccess::ThisThread(Box::new(event_loop)))
+    Ok((EventLoopAccess::ThisThread(Box::new(event_loop)), lock))
 }
 
 /// Runs the event loop on the calling thread until the window, which was requested through the loop's proxy, is closed.
@@ -95,9 +99,11 @@ fn run(mut event_loop: Box<EventLoop<Wake>>, mut app: App) -> Result<Box<EventLo
         Err(panic) => format!("the event loop has panicked: {panic}"),
     };
     app.fail_all(&problem);
+    *owner().0 = Owner::Failed(format!("{problem}; a program can connect only once"));
+    // No window can be requested any more. This drops the requests that are in the queue.
+    let _ = catch_panic(|| event_loop.run_app_on_demand(&mut App::ended()));
     // Its destructor would use the connection.
     std::mem::forget(event_loop);
-    *owner() = Owner::Failed(format!("{problem}; a program can connect only once"));
     Err(ViewerError::Window(problem))
 }
 
@@ -119,12 +125,14 @@ pub(super) fn store(event_loop: Box<EventLoop<Wake>>) {
     IDLE.with(|idle| idle.replace(Some(event_loop)));
 }
 
-/// Returns a proxy of the background thread's event loop. The first call starts the thread.
+/// Returns a proxy of the background thread's event loop. The first call starts the thread. The lock must be held until the window is
+/// requested.
 #[cfg(not(target_os = "macos"))]
-pub(super) fn window_thread() -> Result<EventLoopProxy<Wake>, ViewerError> {
-    let mut owner = owner();
-    match &*owner {
-        Owner::WindowThread(proxy) => return Ok(proxy.clone()),
+pub(super) fn window_thread() -> Result<(EventLoopProxy<Wake>, OwnerLock), ViewerError> {
+    let mut lock = owner();
+    let owner = &mut *lock.0;
+    match owner {
+        Owner::WindowThread(proxy) => return Ok((proxy.clone(), lock)),
         Owner::Caller(_) => return Err(ViewerError::OtherThread),
         Owner::Failed(reason) => return Err(ViewerError::NoDisplay(reason.clone())),
         Owner::None => {}
@@ -143,9 +151,9 @@ pub(super) fn window_thread() -> Result<EventLoopProxy<Wake>, ViewerError> {
         })
         .map_err(ViewerError::Thread)?;
     let answer = receiver.recv().map_err(|_| ViewerError::Window("the window thread has panicked".into()))?;
-    let proxy = record_failure(&mut owner, answer)?;
+    let proxy = record_failure(owner, answer)?;
     *owner = Owner::WindowThread(proxy.clone());
-    Ok(proxy)
+    Ok((proxy, lock))
 }
 
 /// Records that the creation of the event loop has failed for good.

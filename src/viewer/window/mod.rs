@@ -55,7 +55,8 @@ impl WindowRequest {
     pub fn on_this_thread(options: ViewerOptions) -> Result<(Self, PhysicsEnd), ViewerError> {
         options.check()?;
         let token = WindowToken::next();
-        Ok(match event_loop::acquire()? {
+        let (access, _lock) = event_loop::acquire()?;
+        Ok(match access {
             EventLoopAccess::WindowThread(proxy) => Self::new(&proxy, token, options, None),
             EventLoopAccess::ThisThread(event_loop) => {
                 let proxy = event_loop.create_proxy();
@@ -68,7 +69,8 @@ impl WindowRequest {
     #[cfg(not(target_os = "macos"))]
     pub fn on_window_thread(options: ViewerOptions) -> Result<(Self, PhysicsEnd), ViewerError> {
         options.check()?;
-        Ok(Self::new(&event_loop::window_thread()?, WindowToken::next(), options, None))
+        let (proxy, _lock) = event_loop::window_thread()?;
+        Ok(Self::new(&proxy, WindowToken::next(), options, None))
     }
 
     fn new(
