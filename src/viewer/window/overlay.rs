@@ -63,6 +63,8 @@ impl Overlay {
     pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, options: &ViewerOptions) -> Self {
         let context = Context::default();
         apply_style(&context, options.theme, options.scale);
+        // egui measures the time between two passes. With a limit, a click during a slow frame would be lost.
+        context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         let side = device.limits().max_texture_dimension_2d as usize;
         let scale = Some(window.scale_factor() as f32);
         let input = State::new(context.clone(), ViewportId::ROOT, window, scale, None, Some(side));
