@@ -61,13 +61,6 @@ pub(super) fn sensor_in_closed_form(model: &Model) -> Option<Fallback> {
     sensor(model)
 }
 
-/// Types of tendons, of which engines without the array have the same two.
-#[cfg(engine_since = "3.17.0")]
-pub(super) fn tendon(model: &Model) -> Option<Fallback> {
-    let types = [mujoco_sys::mjTENDON_FIXED as i32, mujoco_sys::mjTENDON_SPATIAL as i32];
-    find("tendon_type", model.tendon_type(), |raw| types.contains(&raw))
-}
-
 #[cfg_attr(not(engine_since = "3.2.0"), allow(dead_code, reason = "older engines have no array"))]
 pub(super) fn sites(model: &Model) -> Option<Fallback> {
     let element = (0..model.neq()).find(|&equality| model.couples_sites(equality))?;

@@ -182,6 +182,8 @@ const ELEMENTS: [&str; 18] = [
     r#"<sensor><gyro site="u" cutoff="0.3"/><accelerometer site="u" cutoff="2"/><actuatorfrc actuator="m" cutoff="0.1"/></sensor>"#,
 ];
 
+const LIMITED: &str = r#"limited="true" range="-0.1 0.1""#;
+
 /// Returns the models, of which the engine may not know all attributes.
 pub(super) fn features() -> Vec<(String, String)> {
     let mut models = Vec::new();
@@ -226,11 +228,21 @@ pub(super) fn features() -> Vec<(String, String)> {
             let actuators = format!(
                 r#"{MOTOR}<motor joint="k" ctrllimited="true" ctrlrange="-.2 .2"/><general joint="j" dyntype="filter" dynprm="0.1"/>"#
             );
-            add(flag, mechanism(&flagged, [joint, "", ""], &FIXED.replace("TE", ""), &actuators, &sensors()));
+            add(flag, mechanism(&flagged, [joint, "", ""], &FIXED.replace("TE", LIMITED), &actuators, &sensors()));
         }
         for rest in ELEMENTS {
             let actuators = r#"<motor name="m" joint="j"/><motor tendon="x"/>"#;
             add(rest, mechanism(&option(""), plain, &SPATIAL.replace("TE", ""), actuators, rest));
+            if rest.starts_with("<equality>") {
+                // Forces of constraints between bodies in sensors.
+                let rest = format!("{rest}{}", sensors());
+                let [joint, geom] = [r#"limited="true" range="-5 5""#, r#"margin="0.02""#];
+                let tendon = FIXED.replace("TE", r#"limited="true" range="-0.1 0.1""#);
+                add(
+                    &format!("sensors and {rest}"),
+                    mechanism(&option(""), [joint, geom, ""], &tendon, actuators, &rest),
+                );
+            }
             let elliptic = option(r#"cone="elliptic" impratio="2" jacobian="sparse""#);
             add(&format!("elliptic {rest}"), mechanism(&elliptic, plain, &FIXED.replace("TE", ""), actuators, rest));
         }
@@ -245,6 +257,13 @@ fn sensors() -> String {
     }
     for kind in ["framepos", "framequat", "framexaxis", "framelinvel", "frameangvel", "framelinacc", "frameangacc"] {
         write!(text, r#"<{kind} objtype="body" objname="b"/>"#).unwrap();
+    }
+    for kind in ["framepos", "framequat", "framexaxis", "framelinvel", "frameangvel"] {
+        write!(text, r#"<{kind} objtype="site" objname="u" reftype="body" refname="a"/>"#).unwrap();
+        write!(text, r#"<{kind} objtype="xbody" objname="ball" reftype="geom" refname="g"/>"#).unwrap();
+    }
+    for kind in ["tendonlimitpos", "tendonlimitvel", "tendonlimitfrc"] {
+        write!(text, r#"<{kind} tendon="x"/>"#).unwrap();
     }
     for kind in ["jointpos", "jointvel", "jointlimitpos", "jointlimitvel", "jointlimitfrc"] {
         write!(text, r#"<{kind} joint="j"/>"#).unwrap();
@@ -270,7 +289,8 @@ pub(super) fn bases() -> Vec<String> {
            <equality><joint joint1="j" joint2="k" polycoef="0.1 0.5 0.2 0.1 0"/></equality>{}"#,
         sensors()
     );
-    let euler = mechanism("/>", [joint, "", ""], &SPATIAL.replace("TE", ""), actuators, &rest);
+    let euler =
+        mechanism("/>", [joint, "", ""], &SPATIAL.replace("TE", r#"limited="true" range="0.1 0.9""#), actuators, &rest);
     let motors = r#"<motor name="m" joint="j" gear="2"/><position joint="k" kp="5"/><general tendon="x" gaintype="affine"
         gainprm="2 0.5 0.3" biastype="affine" biasprm="0.1 -3 -0.4"/>"#;
     let tendon = FIXED.replace("TE", r#"limited="true" range="-0.01 0.01" frictionloss="0.1""#);

@@ -87,8 +87,8 @@ pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
     for method in [TransitionMethod::Analytic, TransitionMethod::Implicit] {
         let options = TransitionOptions::default().with_method(method);
         let (ours, report) = match Lineariser::new(data.model(), options).unwrap().linear_system(data) {
-            // A model with delays.
-            Err(Error::Unsupported(_)) => return,
+            // A model with delays, or a state that is unstable.
+            Err(Error::Unsupported(_) | Error::Unstable(_)) => return,
             result => result.unwrap(),
         };
         tally.reports.push(report);
