@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(invented(&model("", "")), not_understood("opt.timestep", 0));
         assert_eq!(array_of_joints(&model("", "")), None);
         assert_eq!(array_of_joints(&model(r#"stiffness="3""#, "")), not_understood("jnt_stiffness", 0));
-        assert_eq!(array_of_joints(&model("", r#"range="0 1""#)), not_understood("jnt_range", 1));
+        assert_eq!(array_of_joints(&model("", r#"range="0 1" limited="true""#)), not_understood("jnt_range", 1));
         assert_eq!(find_other("f", &[-1, -1, 2], 1, -1), not_understood("f", 2));
         assert_eq!(find_other("f", &[0.0, f64::NAN], 1, 0.0), not_understood("f", 1));
     }
@@ -163,8 +163,7 @@ mod tests {
         assert_eq!(predicates::stages(&model), Some(Fallback::RungeKutta));
         for bit in 0..31 {
             let mut model = Model::from_xml_str("<mujoco/>").unwrap();
-            // SAFETY: the model is not shared, and is only read below.
-            unsafe { model.edit().raw_mut().opt.enableflags = 1 << bit };
+            model.edit().raw_mut().opt.enableflags = 1 << bit;
             let is_understood = predicates::enabled(&model).is_none();
             assert!(!is_understood || bit < 5, "bit {bit}");
         }
