@@ -139,14 +139,14 @@ impl Search<'_> {
                 .any(|value| self.compare(path, specimen, &complete, value, &before, &without)),
             // The attribute is required: the model with it is compared with another value, or with the model without the element.
             Err(_) => {
-                let (with, rig) = (complete.text(), self.rig.text());
-                let acts = Fingerprint::of(&with).is_ok_and(|before| {
-                    values.into_iter().any(|value| self.compare(path, specimen, &complete, value, &before, &with))
-                });
-                acts || own.is_some_and(|own| {
-                    let before = Fingerprint::of(&rig).expect("the engine compiles the rig");
-                    self.compare(path, specimen, &complete, own, &before, &rig)
-                })
+                let rig = self.rig.text();
+                let absent = Fingerprint::of(&rig).expect("the engine compiles the rig");
+                let (with, before) = match Fingerprint::of(&complete.text()) {
+                    Ok(before) => (complete.text(), before),
+                    Err(_) => (rig.clone(), absent),
+                };
+                values.into_iter().any(|value| self.compare(path, specimen, &complete, value, &before, &with))
+                    || own.is_some_and(|own| self.compare(path, specimen, &complete, own, &absent, &rig))
             }
         }
     }
@@ -187,12 +187,15 @@ impl Search<'_> {
             node.set(name, value);
             return document.text();
         };
-        node.remove(name);
+        // A layer inherits nothing.
+        if default != "material/layer" {
+            node.remove(name);
+        }
         let required: Vec<_> = REQUIRED.iter().filter_map(|name| Some((*name, node.get(name)?.to_owned()))).collect();
         specimen.root(&mut document).set("class", "plain");
         let class = document.find_mut(&|node| node.name == "default" && node.get("class") == Some("plain"));
         let node = class.expect("the rig has this class").descend(default.split('/'));
-        if matches!(default, "damper" | "adhesion") {
+        if matches!(default, "damper" | "adhesion" | "dcmotor" | "material/layer") {
             required.iter().for_each(|(name, value)| node.set(name, value));
         }
         node.set(name, value);
@@ -201,7 +204,7 @@ impl Search<'_> {
 }
 
 /// Attributes without which the compiler rejects some elements of a class.
-const REQUIRED: [&str; 1] = ["ctrlrange"];
+const REQUIRED: [&str; 5] = ["ctrlrange", "resistance", "motorconst", "role", "texture"];
 
 /// Hashes of a compiled model and of its motion.
 #[derive(Clone, Copy, PartialEq, Eq)]
