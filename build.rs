@@ -16,6 +16,8 @@ mod facts;
 mod notes;
 #[path = "build/support.rs"]
 mod support;
+#[path = "build/writable.rs"]
+mod writable;
 
 use std::path::{Path, PathBuf};
 
@@ -48,7 +50,7 @@ fn main() {
     }
     let fields = PathBuf::from(variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys passes its field table"));
     if version > 222 {
-        generate(&fields);
+        generate(&fields, version);
     }
     let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
     let knowledge = read(Path::new("build/knowledge/derivative.tsv"));
@@ -83,9 +85,9 @@ fn number(version: &str) -> u32 {
 }
 
 /// Writes the accessors of a field table and the tests' lists into `OUT_DIR`, for `include!`.
-fn generate(table: &Path) {
+fn generate(table: &Path, version: u32) {
     let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"));
-    for (path, text) in accessors::generate(&read(table), &read(&default)) {
+    for (path, text) in accessors::generate(&read(table), &read(&default), version) {
         // An included file has no inner attributes and documentation.
         let lines = text.lines().filter(|line| !line.starts_with("//!") && !line.starts_with("#!["));
         let text: String = lines.flat_map(|line| [line, "\n"]).collect();

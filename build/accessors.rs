@@ -4,8 +4,9 @@
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, READ_ONLY, WITHOUT_ACCESSOR};
+use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, WITHOUT_ACCESSOR};
 use crate::notes::NOTES;
+use crate::writable::{Access, access};
 use crate::{arena, computed_by};
 
 /// Line of the field table.
@@ -27,8 +28,12 @@ impl Field<'_> {
         matches!(self.kind, "array" | "arena")
     }
 
-    /// Returns `true` if 2.2.2 has this array with the same type. Only these arrays are writable, because the use that the engine makes of
-    /// the values was examined for these.
+    /// Returns the access of safe code to the values.
+    fn access(self) -> Access {
+        if self.is_array() { access(self.owner, self.name, self.ctype, self.table.version) } else { Access::ReadOnly }
+    }
+
+    /// Returns `true` if 2.2.2 has this array with the same type.
     fn is_in_default(self) -> bool {
         self.table.default.contains(&[self.owner, self.ctype, self.name])
     }
@@ -40,15 +45,19 @@ struct Table<'t> {
     default: HashSet<[&'t str; 3]>,
     /// `true` for the table of 2.2.2.
     is_default: bool,
+    /// The engine's `mjVERSION_HEADER`.
+    version: u32,
     /// Counts in `mjData`, which change with each state.
     counts: HashSet<&'t str>,
 }
 
-/// Returns the paths of the generated files in the repository, and their contents. `default` is the table of 2.2.2.
-pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 7] {
+/// Returns the paths of the generated files in the repository, and their contents. `default` is the table of 2.2.2, and
+/// `version` the `mjVERSION_HEADER` of the engine of `table`.
+pub(crate) fn generate(table: &str, default: &str, version: u32) -> [(&'static str, String); 7] {
     let facts = Table {
         default: cells(default).map(|[owner, _, ctype, name, ..]| [owner, ctype, name]).collect(),
         is_default: table == default,
+        version,
         counts: cells(table).filter(|line| line[..2] == ["Data", "scalar"]).map(|line| line[3]).collect(),
     };
     let fields: Vec<Field<'_>> = cells(table).map(|line| field(line, &facts)).collect();
@@ -60,14 +69,7 @@ pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 7
             field.owner == owner && !is_vector && !is_by_hand && !is_workspace
         })
     };
-    let is_written = |field: &Field<'_>| {
-        field.is_array()
-            && field.is_in_default()
-            && match field.owner {
-                "Model" => matches!(field.ctype, "mjtNum" | "float") && !READ_ONLY.contains(&field.name),
-                _ => field.ctype == "mjtNum",
-            }
-    };
+    let is_written = |field: &Field<'_>| field.access() != Access::ReadOnly;
 
     let mut model = head(
         "use crate::ffi;\nuse crate::matrix::MatrixView;\nuse crate::model::Model;\n",
@@ -416,11 +418,17 @@ fn writer(text: &mut String, field: Field<'_>) {
     } else {
         String::new()
     };
+    let check = match field.access() {
+        Access::Checked => {
+            "\n    ///\n    /// Some of the values are addresses. An edit that would lead outside of the model's arrays is an error when it ends, or when\n    /// [`Data::new`](crate::Data::new) creates a simulation."
+        }
+        Access::Free | Access::ReadOnly => "",
+    };
     let flagged = FLAGGED.iter().find(|(array, _)| field.owner == "Model" && *array == name);
     let clear_flags = flagged.map(|(_, method)| format!("        self.{method}();\n")).unwrap_or_default();
     let _ = writeln!(
         text,
-        "    /// Returns [`{name}`](crate::{}::{name}) for writing.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        "    /// Returns [`{name}`](crate::{}::{name}) for writing.{check}\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
 }

@@ -8,11 +8,6 @@ pub(crate) const BY_HAND: [&str; 8] =
 /// C types without an accessor: addresses for the engine's own use, and text.
 pub(crate) const WITHOUT_ACCESSOR: [&str; 2] = ["uintptr_t", "char"];
 
-/// Floating-point arrays that determine the engine's memory accesses or termination. `wrap_prm` contains the id of a site as a
-/// double. `hfield_size` divides positions to give rows and columns. The convex hull of a mesh was computed from its vertices, and
-/// collision detection with other vertices may not terminate.
-pub(crate) const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
-
 /// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
 /// the flags before mutable access.
 pub(crate) const FLAGGED: [(&str, &str); 11] = [

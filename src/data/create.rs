@@ -8,7 +8,7 @@ use mujoco_sys::{guard, mjData};
 use super::{ActiveCallbacks, Data, PipelineFlags, warning};
 use crate::error::{Error, Outcome, Result};
 use crate::ffi;
-use crate::model::{IntoModel, Model, ModelMut};
+use crate::model::{CheckedEdit, IntoModel, Model, ModelMut};
 
 /// # Creation, copies and the model
 impl Data {
@@ -16,11 +16,13 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it. [`Error::Invalid`] for a model that was edited so that
+    /// the engine would access memory outside of the model's arrays; see [`ModelMut`].
     #[doc(alias = "mj_makeData")]
     #[doc(alias = "init_data")]
     pub fn new(model: impl IntoModel) -> Result<Self> {
         let model = model.into_model();
+        model.check_addresses()?;
         let mut made = ptr::null_mut();
         // SAFETY: a valid model, and a valid pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
@@ -45,6 +47,8 @@ impl Data {
     ///
     /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
     /// the data is not poisoned. The error of the closure, if it returns one. Its changes before the error remain.
+    /// [`Error::Invalid`] for values with which the engine would access memory outside of the model's arrays; see [`ModelMut`]. All changes of
+    /// the arrays with such values are then undone.
     ///
     /// ```
     /// use mujoco_safe::enums::Cone;
@@ -100,11 +104,13 @@ impl Data {
         self.computed = PipelineFlags::empty();
         #[cfg(engine_since = "3.0.0")]
         let active = self.model.equality_active().to_vec();
-        let result = edit(&mut self.own_model()?.edit()).into_result();
+        let mut checked = CheckedEdit::new(self.own_model()?);
+        let result = edit(checked.model()).into_result();
+        let check = checked.finish();
         #[cfg(engine_since = "3.0.0")]
         self.switch_equalities(&active);
         self.wake_for_new_model();
-        result
+        result.and_then(|value| check.map(|()| value))
     }
 
     /// Returns the model for changes that no result depends on. A shared model is copied first.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::options::fields::Mirror;
-use super::{Model, ModelMut, Options, Statistics, Visual};
+use super::{CheckedEdit, Model, ModelMut, Options, Statistics, Visual};
 use crate::error::Result;
 use crate::ffi;
 
@@ -164,7 +164,7 @@ impl EditedModel {
             *edited = Some(Self::new(model)?);
         }
         let edited = edited.as_mut().expect("Bug: the copy has been created");
-        let mut copy = Self::unshared(&mut edited.copy);
+        let mut copy = Self::unshared(&mut edited.copy).edit();
         if edited.places != difference.places {
             let (to, from) = (arrays_mut(&mut copy), arrays(model));
             for place in &edited.places {
@@ -183,7 +183,9 @@ impl EditedModel {
         edit: impl FnOnce(&mut ModelMut<'_>) -> Result<()>,
         difference: &mut ModelDifference,
     ) -> Result<()> {
-        let result = edit(&mut Self::unshared(&mut self.copy));
+        let mut checked = CheckedEdit::new(Self::unshared(&mut self.copy));
+        let result = edit(checked.model());
+        let result = result.and(checked.finish());
         difference.update(model, &self.copy);
         self.places.clone_from(&difference.places);
         result
@@ -207,7 +209,7 @@ impl EditedModel {
         edited.places.extend(difference.into_iter().flat_map(|difference| &difference.places).cloned());
     }
 
-    fn unshared(copy: &mut Arc<Model>) -> ModelMut<'_> {
-        Arc::get_mut(copy).expect("Bug: the copy of a model is shared").edit()
+    fn unshared(copy: &mut Arc<Model>) -> &mut Model {
+        Arc::get_mut(copy).expect("Bug: the copy of a model is shared")
     }
 }

@@ -14,10 +14,14 @@ use crate::kind::Kind;
 /// Mutable access to a model: from [`Model::edit`] before it is shared, from [`Data::edit_model`](crate::Data::edit_model)
 /// afterwards. It dereferences to [`Model`].
 ///
-/// All floating-point arrays are writable (`body_mass_mut`, `dof_damping_mut`, …), because no value in them makes the engine
+/// The floating-point arrays of 2.2.2 are writable (`body_mass_mut`, `dof_damping_mut`, …), because no value in them makes the engine
 /// access memory out of bounds. The exceptions are `wrap_prm`, `hfield_size` and `mesh_vert`, which determine the addresses that
-/// the engine reads. Sizes, addresses, ids and types are read-only too. Switches and masks are set through
-/// [named access](crate::element): `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
+/// the engine reads. Arrays that only newer engines have are read-only. Sizes, addresses, ids and types are read-only too. Switches and
+/// masks are set through [named access](crate::element): `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
+///
+/// Newer engines compute addresses from some values in writable arrays. These are `eq_data` of strain constraints, and for PID controllers and
+/// DC motors those parameters in `actuator_dynprm` and `actuator_gainprm` that add an activation if they are positive. They are checked when the
+/// edit of a simulation ends, by [`update_constants`](Self::update_constants), and by [`Data::new`](crate::Data::new).
 ///
 /// The compiler derived other quantities from these values. They are not updated automatically: call
 /// [`update_constants`](Self::update_constants) after changes of masses, inertias, positions or sizes.
@@ -140,7 +144,8 @@ impl<'m> ModelMut<'m> {
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
     /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both. This is the rule of the XML compiler; the engine itself accepts
-    /// such a body and does not accelerate it. The model is then unchanged.
+    /// such a body and does not accelerate it. The model is then unchanged. Also for values from which the engine would compute addresses
+    /// outside of the model's arrays; see [`ModelMut`].
     ///
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the memory for a scratch
     /// simulation is exhausted, or its stack is too small. The derived quantities may then be partly updated.
@@ -158,6 +163,7 @@ impl<'m> ModelMut<'m> {
     #[doc(alias = "mj_setConst")]
     pub fn update_constants(&mut self) -> Result<()> {
         self.check_moving_bodies()?;
+        self.check_addresses()?;
         let mut scratch = ptr::null_mut();
         // SAFETY: a valid model, and a pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;

@@ -1,6 +1,6 @@
 //! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
 
-use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
+use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjTRN_SLIDERCRANK, mjWRAP_JOINT};
 
 use super::{Model, Options};
 use crate::enums::{
@@ -38,6 +38,18 @@ impl Model {
             return unsupported(format!("actuator {actuator} has no control or no force"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
+        // The engine reads the length of a crank at the index of the force instead of that of the actuator.
+        let is_misread = |&actuator: &usize| {
+            let is_crank = self.actuator_trntype()[actuator] as u32 == mjTRN_SLIDERCRANK;
+            is_crank && self.outputs_of(actuator).start != actuator
+        };
+        let misread = (0..self.nactuator()).find(is_misread).filter(|_| cfg!(not(engine_since = "4.0.0")));
+        if let Some(actuator) = misread {
+            return unsupported(format!(
+                "actuator {actuator} is a slider-crank behind an actuator with several forces"
+            ));
+        }
+        self.check_addresses().map_err(|error| error.to_string())?;
         self.check_limits()
     }
 

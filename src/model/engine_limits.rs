@@ -6,6 +6,9 @@ use mujoco_sys::{
     mjGEOM_HFIELD, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjTRN_BODY,
 };
 
+#[cfg(engine_since = "3.6.0")]
+use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT};
+
 use super::Model;
 use crate::ffi;
 
@@ -56,6 +59,21 @@ impl Model {
 
     pub(super) fn find_adhesion(&self) -> bool {
         self.actuator_trntype().contains(&(mjTRN_BODY as i32))
+    }
+
+    /// Reserves space for the moments of an actuator on all degrees of freedom, except with a joint, as older engines do. Newer ones reserve
+    /// the elements that are not zero in the compiled model, and write those that are not zero in the present one. With a NaN in a pose these
+    /// are all elements, and the last row would end outside of its array.
+    #[cfg(engine_since = "3.6.0")]
+    pub(super) fn reserve_moments(&mut self) {
+        let is_sparse = |kind: i32| [mjTRN_JOINT, mjTRN_JOINTINPARENT].contains(&(kind as u32));
+        let row = |actuator: usize| {
+            let elements = if is_sparse(self.actuator_trntype()[actuator]) { 6.min(self.nv()) } else { self.nv() };
+            self.outputs_of(actuator).len() * elements
+        };
+        let elements: usize = (0..self.nactuator()).map(row).sum();
+        let raw = self.raw_mut();
+        raw.nJmom = raw.nJmom.max(elements as _);
     }
 
     /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the

@@ -14,6 +14,7 @@ mod difference;
 mod edit;
 mod options;
 
+mod addressing;
 mod cached_flags;
 #[cfg(engine_since = "2.3.0")]
 mod engine_features;
@@ -31,6 +32,7 @@ use std::ptr::{self, NonNull};
 
 use mujoco_sys::{self as sys, guard, mjModel};
 
+pub(crate) use self::addressing::CheckedEdit;
 pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
@@ -100,6 +102,8 @@ pub struct Model {
     has_rangefinder_and_height_field: bool,
     /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8 vertices (`find_unsafe_polygons`).
     has_unsafe_polygons: bool,
+    /// `true` if the engine computes addresses from writable values ([`check_addresses`](Model::check_addresses)).
+    has_addresses: bool,
 }
 
 // SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -123,9 +127,13 @@ impl Model {
             has_adhesion: false,
             has_rangefinder_and_height_field: false,
             has_unsafe_polygons: false,
+            has_addresses: false,
         };
         model.has_adhesion = model.find_adhesion();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
+        model.has_addresses = model.find_addresses();
+        #[cfg(engine_since = "3.6.0")]
+        model.reserve_moments();
         model.edit().clear_wrong_simple_bodies();
         model.disable_unsafe_islands();
         model

@@ -36,6 +36,8 @@ macro_rules! c {
     };
 }
 
+#[cfg(engine_since = "3.17.0")]
+mod addresses;
 mod collision_table;
 #[cfg(engine_since = "3.17.0")]
 mod controls;

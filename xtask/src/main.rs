@@ -23,6 +23,8 @@ mod facts;
 mod headers;
 #[path = "../../build/notes.rs"]
 mod notes;
+#[path = "../../build/writable.rs"]
+mod writable;
 
 use std::io::Write as _;
 use std::path::Path;
@@ -77,7 +79,7 @@ fn accessors() -> Result<Vec<Generated>, String> {
     let path = root().join(FIELD_TABLE);
     let table = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let format = |(path, source): (&str, String)| Ok(Generated { path: path.to_owned(), text: formatted(&source)? });
-    accessors::generate(&table, &table).into_iter().map(format).collect()
+    accessors::generate(&table, &table, 222).into_iter().map(format).collect()
 }
 
 /// Writes the files, or returns an error that names those that differ from the committed ones.

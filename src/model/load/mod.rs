@@ -107,6 +107,8 @@ impl Model {
     /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more than 400 joints,
     /// * oversized textures, height fields, keyframes, user data, custom data and skins of composites, more than 32 766 bodies,
     ///   and more than 13 377 degrees of freedom,
+    /// * rangefinders of cameras with more than 4 million rays, sensors and delays with more than 20 million values and samples, and large integers
+    ///   in an attribute that this crate does not know,
     /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with nonexistent vertices, vertices
     ///   that are not finite,
     /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer

@@ -17,6 +17,10 @@ pub(super) struct Size {
 }
 
 impl Size {
+    pub(super) fn elements(self) -> u64 {
+        self.elements
+    }
+
     fn times(self, count: u64) -> Self {
         Self {
             elements: self.elements.saturating_mul(count),
@@ -91,10 +95,15 @@ impl Default for Expansion {
 }
 
 impl Expansion {
+    /// Returns the number of copies of an element at the present place.
+    pub(super) fn copies(&self) -> u64 {
+        self.replicates.iter().fold(1, |product: u64, (_, count)| product.saturating_mul(*count))
+    }
+
     /// Records a start tag in `outer` elements. Returns the reason to reject it, if any.
     pub(super) fn start(&mut self, tag: &Tag<'_>, outer: usize) -> Result<(), String> {
         let before = self.size;
-        let count = self.replicates.iter().fold(1, |product: u64, (_, count)| product.saturating_mul(*count));
+        let count = self.copies();
         let copies = if tag.name == b"attach" { self.copied(tag) } else { Size::default() };
         self.size = self.size + (copies + Size { elements: 1, ..Size::default() }).times(count);
         self.reaches(outer + 1 + copies.depth)?;

@@ -1,8 +1,11 @@
 //! Limits on the values in a text that determine how much memory the compiler allocates and how far it writes.
 
+use std::collections::HashSet;
+use std::sync::OnceLock;
+
 use super::assets::{MOST_NUMBERS, NEEDS_TEXTURE_INDICES};
 use super::files::abbreviated;
-use super::tags::{Tag, numbers};
+use super::tags::{Tag, decoded, numbers};
 
 /// Largest number of keyframes, and of user values of an element. Above the needs of any model, and low enough to bound the
 /// time and the memory of the compiler.
@@ -21,11 +24,15 @@ const MOST_PARAMETER: f64 = 1000.0;
 /// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
 const MOST_VERTICES: u64 = 100_000;
 const MOST_NODES: u64 = 32_766;
+/// Largest product of the integers in an attribute that this crate does not know.
+const MOST_UNKNOWN: u64 = 1_000_000;
+/// Attributes of the engines whose compilers have been examined. Those that determine a size have a limit.
+const ATTRIBUTES: &str = include_str!("attributes.txt");
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
 
 /// Returns the number in an attribute, `default` if the attribute is missing, and a very large number if it cannot be parsed.
-fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
+pub(super) fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
     tag.attribute(name).map_or(default, |value| {
         std::str::from_utf8(value.trim_ascii())
             .ok()
@@ -42,7 +49,7 @@ pub(super) fn is_interpolated(tag: &Tag<'_>) -> bool {
 }
 
 /// Returns the product of the numbers in an attribute, each increased by `more` and at least 1.
-fn product(tag: &Tag<'_>, name: &[u8], more: u64) -> u64 {
+pub(super) fn product(tag: &Tag<'_>, name: &[u8], more: u64) -> u64 {
     numbers(&tag.attribute(name).unwrap_or_default())
         .map(|number| number.map_or(1 << 40, |number| u64::try_from(number).unwrap_or(0).saturating_add(more).max(1)))
         .fold(1, u64::saturating_mul)
@@ -62,6 +69,7 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     match tag.name {
         b"contact" | b"rangefinder" if size(tag, b"num", 0) > MOST_VALUES => too_many("num", MOST_VALUES),
         _ if size(tag, b"nsample", 0) > MOST_VALUES => too_many("nsample", MOST_VALUES),
+        _ if size(tag, b"actdim", 0) > MOST_VALUES => too_many("actdim", MOST_VALUES),
         b"texture" => {
             let width = size(tag, b"width", 0);
             // A cube map is six squares.
@@ -116,6 +124,27 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Returns the reason to reject integers in an attribute that no examined compiler has. A new one may be a size, whose limit is not known.
+pub(super) fn reject_unknown(tag: &Tag<'_>) -> Option<String> {
+    static KNOWN: OnceLock<HashSet<&[u8]>> = OnceLock::new();
+    let known = KNOWN.get_or_init(|| ATTRIBUTES.lines().map(str::as_bytes).collect());
+    // Numbers with a point or an exponent are not sizes.
+    let integer = |word: &[u8]| {
+        let append = |number: u64, digit: &u8| number.saturating_mul(10).saturating_add(u64::from(digit - b'0'));
+        word.iter().all(u8::is_ascii_digit).then(|| word.iter().fold(0, append))
+    };
+    let product = |value: &[u8]| {
+        let words = value.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.filter_map(integer).fold(1, |product: u64, size| product.saturating_mul(size.max(1)))
+    };
+    let unknown =
+        tag.attributes().find(|(name, value)| !known.contains(name) && product(&decoded(value)) > MOST_UNKNOWN);
+    unknown.map(|(name, _)| {
+        let name = String::from_utf8_lossy(name);
+        format!("the attribute '{name}' is unknown to this crate, and has integers with a product of more than {MOST_UNKNOWN}")
+    })
 }
 
 /// Returns the reason to reject a model that is an asset, inside `depth` models. Without a file the compiler crashes. Plugins can read other
@@ -183,4 +212,23 @@ fn mesh(tag: &Tag<'_>) -> Option<String> {
     let outside = numbers(&tag.attribute(b"face")?)
         .find(|vertex| !vertex.is_some_and(|vertex| usize::try_from(vertex).is_ok_and(|it| it < vertices)));
     outside.map(|_| format!("a face of a mesh has an index that is not a vertex from 0 to {}", vertices.max(1) - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ATTRIBUTES;
+
+    /// The list has the attributes of the engines of the full tier. A new attribute may be a size: give it a limit, or add it to the list.
+    #[test]
+    #[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
+    fn all_attributes_of_the_engine_are_known() {
+        let known: Vec<&str> = ATTRIBUTES.lines().collect();
+        let schema = crate::model::schema().unwrap();
+        let unknown: Vec<&str> = schema
+            .lines()
+            .flat_map(|line| line.rsplit(')').next().unwrap_or_default().split_whitespace())
+            .filter(|attribute| !known.contains(attribute))
+            .collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+    }
 }

@@ -8,6 +8,7 @@ mod files;
 mod fusion;
 mod limits;
 mod place;
+mod readings;
 mod simulation;
 mod tags;
 mod urdf;
@@ -25,6 +26,7 @@ use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
 use self::fusion::Fusion;
 use self::place::{Candidate, Place};
+use self::readings::Readings;
 use self::simulation::{Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
@@ -135,6 +137,7 @@ struct Check<'f> {
 #[derive(Default)]
 struct ModelState {
     expansion: Expansion,
+    readings: Readings,
     urdf: Urdf,
 }
 
@@ -151,15 +154,17 @@ struct Asset {
 }
 
 impl<'f> Check<'f> {
-    /// Checks a model, and returns its size.
-    fn model(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>) -> Result<Size> {
+    /// Checks a model, and returns its size and its numbers of values.
+    fn model(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>) -> Result<(Size, Readings)> {
         let outer = std::mem::take(&mut self.model);
         self.text(source_name, text, place, [0, 0])?;
         let inner = std::mem::replace(&mut self.model, outer);
         let reject = |message| Error::Load { source_name: source_name.to_owned(), message };
         let chain =
             inner.urdf.check_chains(MOST_NESTED).map_err(|(position, why)| reject(at_line(&why, text, position)))?;
-        inner.expansion.finish(chain).map_err(reject)
+        let size = inner.expansion.finish(chain).map_err(reject)?;
+        inner.readings.check(size.elements()).map_err(reject)?;
+        Ok((size, inner.readings))
     }
 
     /// Checks a text in a number of includes and of elements.
@@ -187,9 +192,11 @@ impl<'f> Check<'f> {
                 return reject(tag.position, &why);
             }
             let file = tag.attribute(b"file");
+            self.model.readings.record(&tag, self.model.expansion.copies());
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
-            let why =
-                names.find_map(|name| reject_name(tag.name, &name)).or_else(|| limits::reject(&tag, &self.composite));
+            let why = (names.find_map(|name| reject_name(tag.name, &name)))
+                .or_else(|| limits::reject(&tag, &self.composite))
+                .or_else(|| if self.model.urdf.is_urdf() { None } else { limits::reject_unknown(&tag) });
             if let Some(why) = why {
                 return reject(tag.position, &why);
             }
@@ -242,8 +249,9 @@ impl<'f> Check<'f> {
                 self.depth += 1;
                 for (found, content) in found {
                     let place = Rc::new(place.of_model(&found));
-                    let child = self.model(&String::from_utf8_lossy(&name), &content, &place)?;
-                    self.model.expansion.record_model(child);
+                    let (size, readings) = self.model(&String::from_utf8_lossy(&name), &content, &place)?;
+                    self.model.expansion.record_model(size);
+                    self.model.readings.record_model(&readings);
                 }
                 self.depth -= 1;
             }
@@ -442,87 +450,4 @@ fn reject_name(element: &[u8], name: &[u8]) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Files, check};
-
-    fn message(text: &str) -> String {
-        check("the text", text.as_bytes(), &Files::default()).map_or_else(|error| error.to_string(), |_| String::new())
-    }
-
-    #[test]
-    fn the_check_does_not_panic_on_any_part_of_a_text() {
-        let text = b"<mujoco><mesh vertex='0 0 0' face = \"0 1 2\"/><!-- a --><include file='/x/'/><a/ b=/></mujoco>";
-        for end in 0..text.len() {
-            for start in 0..end {
-                let _ = check("", &text[start..end], &Files::default());
-            }
-        }
-    }
-
-    #[test]
-    fn unsafe_inputs_are_rejected_with_their_line() {
-        for (text, expected) in [
-            ("<mujoco>\n<include file=''/></mujoco>", "is empty after its last slash, line 2"),
-            ("<mujoco><include\x0bfile\x0b=\x0b''/></mujoco>", "is empty after its last slash"),
-            ("<mujoco><include file='a&#47;'/></mujoco>", "is empty after its last slash"),
-            ("<mujoco><include file='a/&#0;'/></mujoco>", "invalid character reference"),
-            ("<mujoco><include file='a/&#9999999;'/></mujoco>", "invalid character reference"),
-            ("<mujoco><mesh file='a/b'/></mujoco>", "too short for an extension"),
-            ("<mujoco><skin file='sk'/></mujoco>", "too short for an extension"),
-            ("<mujoco><texture fileup='abc'/></mujoco>", "too short for an extension"),
-            ("<mujoco><hfield file='a'/></mujoco>", "too short for an extension"),
-            ("<mujoco>\0</mujoco>", "NUL byte"),
-            ("<mujoco><include file='/dev/null'/></mujoco>", "regular file"),
-            ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/>", "0 to 2"),
-            ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 -1'/>", "0 to 2"),
-            ("<texture width='50000' height='50000'/>", "a texture is too large"),
-            ("<texture type='2d' builtin='flat' nchannel='1'/>", "3 or 4 channels"),
-            ("<texture file='grey.png' nchannel='1'/>", "3 or 4 channels"),
-            ("<hfield nrow='50000' ncol='50000'/>", "a height field is too large"),
-            ("<composite count='1000 1000 1'/>", "32766 bodies"),
-            ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),
-            ("<flexcomp count='1000 1000 1'/>", "32766 bodies"),
-            ("<flexcomp count='3 3 46341' dof='trilinear'/>", "a flex is too large"),
-            ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
-            ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
-            ("<mesh file='a.stl'><plugin/></mesh>", "either a file or a plugin"),
-            (
-                "<mesh file='a.stl'>\n<plugin plugin='p'><config key='a'/></plugin></mesh>",
-                "either a file or a plugin, line 2",
-            ),
-            ("<flexcomp><plugin/></flexcomp>", "needs the attribute plugin or instance"),
-            ("<flexcomp><edge/><plugin plugin=''></plugin></flexcomp>", "needs the attribute plugin or instance"),
-            ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
-            ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs an njmax"),
-            ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs an njmax"),
-            ("<hfield nrow='3' ncol='2'/><geom hfield='h'/><rangefinder/>", "3 rows and 2 columns"),
-            ("<hfield nrow='1' ncol='2'/><geom hfield='h'/><rangefinder/>", "1 rows and 2 columns"),
-            ("<hfield nrow='1e1' ncol='5'/><geom hfield='h'/><rangefinder/>", "1 rows and 5 columns"),
-        ] {
-            let message = message(text);
-            assert!(message.contains(expected), "{text}: {message}");
-        }
-    }
-
-    #[test]
-    fn valid_texts_are_accepted() {
-        for text in [
-            crate::sample::CARTPOLE_XML,
-            crate::sample::HUMANOID_XML,
-            "<mujoco><!-- <include file=''/> --></mujoco>",
-            "<mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 2\n1 2 3'/>",
-            "<size njmax='100'/><adhesion body='b'/>",
-            "<size njmax='-1'/><adhesion body='b'/>",
-            "<hfield nrow='3' ncol='3'/><geom hfield='h'/><rangefinder/>",
-            "<hfield nrow='3' ncol='2'/><geom hfield='h'/>",
-            "<hfield nrow='3' ncol='2'/><rangefinder/>",
-            "<mesh file='a.stl'/><plugin/><mesh file='a.stl'></mesh><plugin/><mesh name='m'><plugin/></mesh>",
-            "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
-            "<compiler meshdir='parts'/><hfield file='a'/>",
-            "<texture file='&#97;.png'/>",
-            "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",
-        ] {
-            assert_eq!(message(text), "");
-        }
-    }
-}
+mod tests;

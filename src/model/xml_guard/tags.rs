@@ -21,6 +21,11 @@ impl<'t> Tag<'t> {
         self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| decoded(value))
     }
 
+    /// Returns the names and the values of all attributes, with references.
+    pub(super) fn attributes(&self) -> impl Iterator<Item = (&'t [u8], &'t [u8])> {
+        self.attributes.iter().copied()
+    }
+
     /// Returns the range of an attribute's value in the text, without the quotes.
     pub(in crate::model) fn attribute_range(&self, name: &[u8]) -> Option<Range<usize>> {
         let (_, value) = self.attributes.iter().find(|(found, _)| *found == name)?;
