@@ -75,6 +75,11 @@ fn bounded(words: &[&str]) -> ExitCode {
         println!("fuzz: nothing to run");
         return ExitCode::SUCCESS;
     }
+    let missing = fuzz::missing();
+    if !missing.is_empty() {
+        eprintln!("no model of the corpus has {}", missing.join(", "));
+        return ExitCode::FAILURE;
+    }
     if !Campaign::detects_misbehaviour() {
         return ExitCode::FAILURE;
     }

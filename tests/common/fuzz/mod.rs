@@ -14,6 +14,7 @@ mod archive;
 mod assets;
 mod binary;
 mod bytes;
+mod coverage;
 mod mjcf;
 mod models;
 mod newer_models;
@@ -33,6 +34,7 @@ mod mutate;
 mod print_all;
 
 pub use self::bytes::Bytes;
+pub use self::coverage::missing;
 
 /// The result of a case without a finding. A finding is a crash, an exit, a hang, a panic, or a read of standard input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,6 +7,7 @@ use mujoco_safe::{Model, sample};
 
 use super::Bytes;
 use super::newer_models::{NEWER, Newer};
+use super::schema_models::{self, Attribute, Effect};
 
 /// A model of the corpus.
 pub(super) struct Source {
@@ -21,6 +22,8 @@ pub(super) struct Source {
 enum Text {
     Here(String),
     File(PathBuf),
+    /// A model with this attribute of the engine's schema.
+    Attribute(Attribute),
 }
 
 pub(super) const ZOO: &str = include_str!("../../models/zoo.xml");
@@ -117,6 +120,12 @@ pub(super) fn all() -> &'static [Source] {
                 Source { must_load, ..here(name, share, text) }
             }));
         }
+        all.extend(schema_models::attributes().into_iter().map(|attribute| Source {
+            name: attribute.to_string(),
+            share: 1,
+            text: Text::Attribute(attribute),
+            must_load: false,
+        }));
         all
     })
 }
@@ -150,14 +159,26 @@ pub(super) fn model(which: usize) -> &'static Arc<Model> {
     loaded(which).expect("the model does not load")
 }
 
+/// Returns the attribute of the engine's schema that a model is for.
+pub(super) fn attribute(which: usize) -> Option<&'static Attribute> {
+    match &all()[which].text {
+        Text::Attribute(attribute) => Some(attribute),
+        Text::Here(_) | Text::File(_) => None,
+    }
+}
+
 /// Returns a model, or `None` if the engine rejects it.
-fn loaded(which: usize) -> Option<&'static Arc<Model>> {
+pub(super) fn loaded(which: usize) -> Option<&'static Arc<Model>> {
     static LOADED: OnceLock<Vec<OnceLock<Option<Arc<Model>>>>> = OnceLock::new();
     let loaded = LOADED.get_or_init(|| all().iter().map(|_| OnceLock::new()).collect())[which].get_or_init(|| {
         let source = &all()[which];
         let model = match &source.text {
             Text::Here(text) => Model::from_xml_str(text),
             Text::File(path) => Model::from_xml_path(path),
+            Text::Attribute(attribute) => {
+                let case = schema_models::case(attribute, Effect::None);
+                return case.and_then(|case| schema_models::load(&case.text)).ok().map(Arc::new);
+            }
         };
         if let (Err(error), true) = (&model, source.must_load) {
             panic!("{} does not load: {error}", source.name);

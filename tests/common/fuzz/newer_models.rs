@@ -15,7 +15,7 @@ const fn version(major: u32, minor: u32, patch: u32) -> Version {
     Version { major, minor, patch }
 }
 
-pub(super) const NEWER: [Newer; 13] = [
+pub(super) const NEWER: [Newer; 15] = [
     Newer { name: "rope", share: 240, since: Some(version(3, 5, 0)), text: ROPE },
     Newer { name: "cloth", share: 160, since: Some(version(3, 5, 0)), text: CLOTH },
     Newer { name: "soft block", share: 120, since: Some(version(3, 5, 0)), text: BLOCK },
@@ -28,6 +28,8 @@ pub(super) const NEWER: [Newer; 13] = [
     Newer { name: "sleep", share: 240, since: Some(version(3, 5, 0)), text: SLEEP },
     Newer { name: "delays", share: 240, since: Some(version(3, 5, 0)), text: DELAYS },
     Newer { name: "several controls", share: 240, since: Some(version(3, 17, 0)), text: CONTROLS },
+    Newer { name: "strain", share: 120, since: Some(version(3, 17, 0)), text: STRAIN },
+    Newer { name: "all actuators", share: 400, since: Some(version(3, 17, 0)), text: ALL_ACTUATORS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
 ];
 
@@ -259,6 +261,55 @@ const CONTROLS: &str = r#"<mujoco>
     <dcmotor joint="a" motorconst=".1 .1" resistance="1" inductance=".1" thermal="1 1"/><motor joint="a" ctrlrange="-1 1"/>
   </actuator>
   <sensor><actuatorpos actuator="turn"/><actuatorvel actuator="servo"/><actuatorfrc actuator="turn"/><jointactuatorfrc joint="a"/></sensor>
+</mujoco>"#;
+
+/// Flexes whose cells keep their strain, and equality constraints of all other types.
+const STRAIN: &str = r#"<mujoco>
+  <size memory="4M"/>
+  <option iterations="5"/>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/>
+    <body name="a" pos="0 1 .5"><joint name="a" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/></body>
+    <body name="b" pos="0 2 .5"><joint name="b" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/></body>
+    <flexcomp name="block" type="grid" count="5 3 3" spacing=".05 .05 .05" pos="0 0 .2" dim="3" radius=".005" mass=".5" dof="trilinear" cellcount="2 1 1">
+      <edge equality="strain"/><contact selfcollide="none"/>
+    </flexcomp>
+    <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".05 .05 .05" pos="2 0 .2" dim="2" radius=".005" mass=".5">
+      <edge equality="true"/><contact selfcollide="none"/>
+    </flexcomp>
+  </worldbody>
+  <tendon><fixed name="a"><joint joint="a" coef="1"/></fixed><fixed name="b"><joint joint="b" coef="1"/></fixed></tendon>
+  <equality><connect body1="a" body2="b" anchor="0 0 0"/><weld body1="a" body2="b"/><joint joint1="a" joint2="b"/><tendon tendon1="a" tendon2="b"/></equality>
+</mujoco>"#;
+
+/// Actuators of all types, PID controllers and DC motors with each of their states. The crank is before those with several forces.
+const ALL_ACTUATORS: &str = r#"<mujoco>
+  <size memory="400K" nuserdata="4"/>
+  <worldbody>
+    <site name="world"/>
+    <body name="arm"><joint name="hinge" axis="0 1 0" damping=".1"/><geom type="capsule" size=".05" fromto="0 0 0 .5 0 -.5"/><site name="tip" pos=".5 0 -.5"/>
+      <body pos=".5 0 -.5"><joint name="slide" type="slide" range="-1 1"/><geom size=".1"/><site name="slider"/>
+        <body pos=".2 0 0"><joint name="ball" type="ball"/><geom size=".1" pos=".1 0 0"/></body></body></body>
+  </worldbody>
+  <tendon><spatial name="rope" range="0 2"><site site="world"/><site site="slider"/></spatial></tendon>
+  <actuator>
+    <general cranksite="tip" slidersite="world" cranklength=".1"/><general site="tip" refsite="world" gear="0 0 1 0 1 0"/><motor jointinparent="ball"/>
+    <general name="affine" joint="hinge" biastype="affine" gaintype="affine" gainprm="1 1 1" biasprm="0 1 1"/>
+    <general joint="slide" dyntype="integrator" actrange="-1 1" actlimited="true"/><general joint="slide" dyntype="filter" dynprm=".1"/>
+    <general joint="slide" dyntype="filterexact" dynprm=".1" actearly="true"/>
+    <general joint="slide" dyntype="user" actdim="3" gaintype="user" biastype="user" lengthrange="-1 1"/><muscle tendon="rope" lengthrange="0 1"/>
+    <position joint="slide" kp="1" kv="1" timeconst=".1"/><intvelocity joint="slide" kp="1" actrange="-1 1"/><velocity joint="slide" kv="1"/>
+    <damper joint="slide" kv="1" ctrlrange="0 1"/><cylinder joint="slide" timeconst="1"/><motor joint="slide" nsample="4" delay=".005"/>
+    <pid joint="hinge" kp="5" kv=".5"/><pid name="integral" joint="hinge" kp="5" ki="2" imax="1" input="pos"/>
+    <pid name="slew" joint="hinge" kp="5" slewmax="1" input="pos"/><pid name="both" joint="hinge" kp="5" ki="2" slewmax="1" input="pos vel ff"/>
+    <orientation joint="ball" kp="3" kv=".2"/><orientation site="slider" refsite="world" kp="2"/>
+    <dcmotor joint="hinge" resistance="2" motorconst=".5 .5"/><dcmotor name="current" joint="hinge" resistance="2" motorconst=".5 .5" inductance=".1"/>
+    <dcmotor joint="hinge" resistance="2" motorconst=".5 .5" thermal="1 1 .01 25 25 100"/><dcmotor joint="hinge" resistance="2" motorconst=".5 .5" lugre="1 1 1 1 1"/>
+    <dcmotor name="all" joint="hinge" resistance="2" motorconst=".5 .5" inductance=".1" thermal="1 1 .01 25 25 100" lugre="1 1 1 1 1" cogging=".1 4 0"
+             input="pos vel" controller="1 1 1 1 1 1" saturation="10 10 10"/>
+  </actuator>
+  <sensor><actuatorpos actuator="both"/><actuatorvel actuator="all"/><actuatorfrc actuator="current"/></sensor>
+  <keyframe><key name="key" time="1"/></keyframe>
 </mujoco>"#;
 
 const IPC: &str = r#"<mujoco>
