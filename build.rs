@@ -10,6 +10,8 @@ mod arena;
 mod binary_table;
 #[path = "build/computed_by.rs"]
 mod computed_by;
+#[path = "build/derived.rs"]
+mod derived;
 #[path = "build/facts.rs"]
 mod facts;
 #[path = "build/notes.rs"]

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, WITHOUT_ACCESSOR};
 use crate::notes::NOTES;
 use crate::writable::{Access, access};
-use crate::{arena, computed_by};
+use crate::{arena, computed_by, derived};
 
 /// Line of the field table.
 #[derive(Clone, Copy)]
@@ -69,7 +69,9 @@ pub(crate) fn generate(table: &str, default: &str, version: u32) -> [(&'static s
             field.owner == owner && !is_vector && !is_by_hand && !is_workspace
         })
     };
-    let is_written = |field: &Field<'_>| field.access() != Access::ReadOnly;
+    let is_written = |field: &Field<'_>| {
+        field.access() != Access::ReadOnly && (field.owner != "Model" || derived::is_known(field.name))
+    };
 
     let mut model = head(
         "use crate::ffi;\nuse crate::matrix::MatrixView;\nuse crate::model::Model;\n",
@@ -426,9 +428,10 @@ fn writer(text: &mut String, field: Field<'_>) {
     };
     let flagged = FLAGGED.iter().find(|(array, _)| field.owner == "Model" && *array == name);
     let clear_flags = flagged.map(|(_, method)| format!("        self.{method}();\n")).unwrap_or_default();
+    let update = if field.owner == "Model" { derived::documentation(name) } else { String::new() };
     let _ = writeln!(
         text,
-        "    /// Returns [`{name}`](crate::{}::{name}) for writing.{check}\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        "    /// Returns [`{name}`](crate::{}::{name}) for writing.{check}\n{update}    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
 }

@@ -10,7 +10,10 @@ pub(crate) const WITHOUT_ACCESSOR: [&str; 2] = ["uintptr_t", "char"];
 
 /// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
 /// the flags before mutable access.
-pub(crate) const FLAGGED: [(&str, &str); 11] = [
+pub(crate) const FLAGGED: [(&str, &str); 14] = [
+    ("geom_size", "loosen_bounds"),
+    ("geom_margin", "loosen_boxes"),
+    ("geom_gap", "loosen_boxes"),
     ("geom_pos", "clear_geom_frame_flags"),
     ("geom_quat", "clear_geom_frame_flags"),
     ("site_pos", "clear_site_frame_flags"),

@@ -31,10 +31,12 @@ fields!(Geom on Model {
     sameframe: {SameFrame} = |geom| SameFrame::of_field(geom.owner.geom_sameframe()[geom.index()]);
     /// Contact type bit mask. Two geoms can collide if the mask of one shares a bit with the
     /// [`conaffinity`](Self::conaffinity) of the other. A mesh whose geoms could not collide when the model was compiled has no
-    /// convex hull, so its collisions are slow: see [`Mesh`](super::Mesh).
-    contype: i32 = geom_contype, set_contype;
+    /// convex hull, so its collisions are slow: see [`Mesh`](super::Mesh). With engines since 2.3.3, a geom that could not collide when the
+    /// model was compiled, on a body with others that could, disables the [middle phase](crate::model::DisableFlags::MIDPHASE) of
+    /// collision detection once it can.
+    contype: i32 = geom_contype, set_contype then update_masks;
     /// Contact affinity bit mask: see [`contype`](Self::contype).
-    conaffinity: i32 = geom_conaffinity, set_conaffinity;
+    conaffinity: i32 = geom_conaffinity, set_conaffinity then update_masks;
     /// Dimension of its contacts: 1, 3, 4 or 6.
     condim: i32 = geom_condim, set_condim if [1, 3, 4, 6];
     /// Visualisation group.
@@ -47,8 +49,7 @@ fields!(Geom on Model {
     solref: [f64; 2] = geom_solref, solref_mut in geom_solref_mut;
     /// Solver impedance parameters of its contacts.
     solimp: [f64; 5] = geom_solimp, solimp_mut in geom_solimp_mut;
-    /// Size, m; its meaning depends on the shape. Collision detection is limited to the bounding sphere of radius
-    /// [`rbound`](Self::rbound), which [`update_constants`](crate::ModelMut::update_constants) enlarges as needed.
+    /// Size, m; its meaning depends on the shape. The mass of the body does not depend on later changes.
     size: [f64; 3] = geom_size, size_mut in geom_size_mut;
     /// Radius of the bounding sphere, m. Derived from the shape; 0 for a plane.
     rbound: f64 = geom_rbound;

@@ -6,7 +6,8 @@
 /// Declares the fields of a kind in a model or a simulation.
 ///
 /// - `name: bool = array;` a byte that is 0 or 1; `, set_name` adds a setter;
-/// - `name: i32 = array, set_name;` an integer with a setter that accepts every value;
+/// - `name: i32 = array, set_name;` an integer with a setter that accepts every value; `then method` calls a method of the owner
+///   afterwards, which updates what is derived from the value;
 /// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values;
 /// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
@@ -55,7 +56,7 @@ macro_rules! fields {
 
     // An integer with an unchecked setter.
     (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
-        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident $(then $update:ident)?; $($rest:tt)*
     ) => {
         fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*]
             {$($read)*}
@@ -65,6 +66,7 @@ macro_rules! fields {
                 #[doc = concat!("Sets `", stringify!($name), "`.")]
                 pub fn $set(&mut self, value: i32) {
                     fields!(@write self, $array, self.id.index(), value);
+                    $(self.owner.$update();)?
                 }
             }
             $(#[$doc])* $name: i32 = $array; $($rest)*

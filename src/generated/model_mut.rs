@@ -7,6 +7,8 @@ use crate::model::ModelMut;
 /// # Writing to the engine's arrays
 impl ModelMut<'_> {
     /// Returns [`qpos0`](crate::Model::qpos0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: key_qpos.
     #[inline]
     pub fn qpos0_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -16,6 +18,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`qpos_spring`](crate::Model::qpos_spring) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `tendon_lengthspring`.
     #[inline]
     pub fn qpos_spring_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -25,6 +29,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_pos`](crate::Model::body_pos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_pos of a simulation.
     #[inline]
     pub fn body_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -34,6 +40,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_quat`](crate::Model::body_quat) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_quat of a simulation.
     #[inline]
     pub fn body_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nbody();
@@ -43,6 +51,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_ipos`](crate::Model::body_ipos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `cam_poscom0`, `light_poscom0`, `body_sameframe`, `body_simple`, `bvh_aabb`.
     #[inline]
     pub fn body_ipos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_inertial_frame_flags();
@@ -53,6 +63,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_iquat`](crate::Model::body_iquat) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `body_sameframe`, `body_simple`, `bvh_aabb`.
     #[inline]
     pub fn body_iquat_mut(&mut self) -> &mut [[f64; 4]] {
         self.clear_inertial_frame_flags();
@@ -63,6 +75,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_mass`](crate::Model::body_mass) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `cam_poscom0`, `light_poscom0`. Not updated: parameters that the compiler computed for springdamper and dampratio.
     #[inline]
     pub fn body_mass_mut(&mut self) -> &mut [f64] {
         self.clear_simple_body_flags();
@@ -73,6 +87,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_subtreemass`](crate::Model::body_subtreemass) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn body_subtreemass_mut(&mut self) -> &mut [f64] {
         let rows = self.nbody();
@@ -82,6 +98,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_inertia`](crate::Model::body_inertia) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`. Not updated: parameters that the compiler computed for springdamper and dampratio.
     #[inline]
     pub fn body_inertia_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_simple_body_flags();
@@ -92,6 +110,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`body_invweight0`](crate::Model::body_invweight0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn body_invweight0_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nbody();
@@ -129,6 +149,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`jnt_pos`](crate::Model::jnt_pos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`.
     #[inline]
     pub fn jnt_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_simple_body_flags();
@@ -139,6 +161,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`jnt_axis`](crate::Model::jnt_axis) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`.
     #[inline]
     pub fn jnt_axis_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_simple_body_flags();
@@ -213,6 +237,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`dof_armature`](crate::Model::dof_armature) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meaninertia`. Not updated: parameters that the compiler computed for springdamper and dampratio.
     #[inline]
     pub fn dof_armature_mut(&mut self) -> &mut [f64] {
         self.clear_simple_body_flags();
@@ -232,6 +258,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`dof_invweight0`](crate::Model::dof_invweight0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn dof_invweight0_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -241,6 +269,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`dof_M0`](crate::Model::dof_M0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn dof_M0_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -277,8 +307,11 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_size`](crate::Model::geom_size) for writing.
+    ///
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `geom_rbound`, `geom_aabb`, `bvh_aabb`, `dof_length`. Not updated: mass and inertia of the body, geom_fluid.
     #[inline]
     pub fn geom_size_mut(&mut self) -> &mut [[f64; 3]] {
+        self.loosen_bounds();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_size;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -286,6 +319,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_rbound`](crate::Model::geom_rbound) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn geom_rbound_mut(&mut self) -> &mut [f64] {
         let rows = self.ngeom();
@@ -295,6 +330,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_pos`](crate::Model::geom_pos) for writing.
+    ///
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. Not updated: mass and inertia of the body.
     #[inline]
     pub fn geom_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_geom_frame_flags();
@@ -305,6 +342,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_quat`](crate::Model::geom_quat) for writing.
+    ///
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. Not updated: mass and inertia of the body.
     #[inline]
     pub fn geom_quat_mut(&mut self) -> &mut [[f64; 4]] {
         self.clear_geom_frame_flags();
@@ -324,8 +363,11 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_margin`](crate::Model::geom_margin) for writing.
+    ///
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `body_margin`.
     #[inline]
     pub fn geom_margin_mut(&mut self) -> &mut [f64] {
+        self.loosen_boxes();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_margin;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -333,8 +375,11 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`geom_gap`](crate::Model::geom_gap) for writing.
+    ///
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `body_margin`.
     #[inline]
     pub fn geom_gap_mut(&mut self) -> &mut [f64] {
+        self.loosen_boxes();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_gap;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -379,6 +424,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`site_pos`](crate::Model::site_pos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `site_sameframe`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`.
     #[inline]
     pub fn site_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_site_frame_flags();
@@ -389,6 +436,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`site_quat`](crate::Model::site_quat) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `site_sameframe`, `actuator_length0`, `actuator_acc0`.
     #[inline]
     pub fn site_quat_mut(&mut self) -> &mut [[f64; 4]] {
         self.clear_site_frame_flags();
@@ -418,6 +467,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_pos`](crate::Model::cam_pos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `cam_pos0`, `cam_poscom0`.
     #[inline]
     pub fn cam_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -427,6 +478,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_quat`](crate::Model::cam_quat) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `cam_mat0`.
     #[inline]
     pub fn cam_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.ncam();
@@ -436,6 +489,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_poscom0`](crate::Model::cam_poscom0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn cam_poscom0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -445,6 +500,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_pos0`](crate::Model::cam_pos0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn cam_pos0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -454,6 +511,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_mat0`](crate::Model::cam_mat0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn cam_mat0_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.ncam();
@@ -491,6 +550,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`light_pos`](crate::Model::light_pos) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `light_pos0`, `light_poscom0`.
     #[inline]
     pub fn light_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -500,6 +561,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`light_dir`](crate::Model::light_dir) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `light_dir0`.
     #[inline]
     pub fn light_dir_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -509,6 +572,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`light_poscom0`](crate::Model::light_poscom0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn light_poscom0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -518,6 +583,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`light_pos0`](crate::Model::light_pos0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn light_pos0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -527,6 +594,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`light_dir0`](crate::Model::light_dir0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn light_dir0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -671,6 +740,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`hfield_data`](crate::Model::hfield_data) for writing.
+    ///
+    /// Not updated: the bounding boxes of values above 1.
     #[inline]
     pub fn hfield_data_mut(&mut self) -> &mut [f32] {
         let rows = self.nhfielddata();
@@ -797,6 +868,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`eq_data`](crate::Model::eq_data) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: the anchor of a connection in its second body.
     #[inline]
     pub fn eq_data_mut(&mut self) -> &mut [[f64; 11]] {
         let rows = self.neq();
@@ -896,6 +969,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`tendon_lengthspring`](crate::Model::tendon_lengthspring) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `the`, `length`, `in`, `qpos_spring`, `for`, `-1`.
     #[inline]
     pub fn tendon_lengthspring_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -905,6 +980,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`tendon_length0`](crate::Model::tendon_length0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn tendon_length0_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -914,6 +991,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`tendon_invweight0`](crate::Model::tendon_invweight0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn tendon_invweight0_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -996,6 +1075,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`actuator_gear`](crate::Model::actuator_gear) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `actuator_length0`, `actuator_acc0`. Not updated: actuator_lengthrange.
     #[inline]
     pub fn actuator_gear_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.nu();
@@ -1005,6 +1086,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`actuator_cranklength`](crate::Model::actuator_cranklength) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `actuator_length0`, `actuator_acc0`. Not updated: actuator_lengthrange.
     #[inline]
     pub fn actuator_cranklength_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();
@@ -1014,6 +1097,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`actuator_acc0`](crate::Model::actuator_acc0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn actuator_acc0_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();
@@ -1023,6 +1108,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`actuator_length0`](crate::Model::actuator_length0) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) overwrites it.
     #[inline]
     pub fn actuator_length0_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();

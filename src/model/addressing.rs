@@ -139,12 +139,13 @@ impl<'m> CheckedEdit<'m> {
         &mut self.edit
     }
 
-    /// Ends the edit.
+    /// Ends the edit: computes the bounds for collision detection that it has loosened.
     ///
     /// # Errors
     ///
     /// As [`check_addresses`](Model::check_addresses).
-    pub(crate) fn finish(self) -> Result<()> {
+    pub(crate) fn finish(mut self) -> Result<()> {
+        self.edit.tighten_bounds();
         self.edit.check_addresses()
     }
 }

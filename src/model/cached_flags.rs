@@ -9,8 +9,9 @@
 use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
 
 use super::{Model, ModelMut};
-use crate::enums::GeomType;
 use crate::ffi;
+#[cfg(engine_since = "2.3.0")]
+use crate::{error::Error, kind::Kind, version::built_against};
 
 /// Values of the `*_sameframe` flags.
 const NEITHER: u8 = 0;
@@ -28,8 +29,9 @@ macro_rules! flags {
 }
 
 impl ModelMut<'_> {
-    /// Clears the flags that depend on the frames of geoms.
+    /// Clears the flags that depend on the frames of geoms, and loosens the bounds that do.
     pub(crate) fn clear_geom_frame_flags(&mut self) {
+        self.loosen_boxes();
         flags!(self.geom_sameframe).fill(NEITHER);
     }
 
@@ -40,6 +42,8 @@ impl ModelMut<'_> {
 
     /// Clears the flags that depend on the inertial frames of bodies.
     pub(crate) fn clear_inertial_frame_flags(&mut self) {
+        // The bounding boxes of a body are in its inertial frame.
+        self.loosen_boxes();
         flags!(self.body_sameframe).fill(NEITHER);
         for frames in [flags!(self.geom_sameframe), flags!(self.site_sameframe)] {
             for frame in frames.iter_mut().filter(|frame| **frame == INERTIA) {
@@ -107,32 +111,31 @@ impl ModelMut<'_> {
         }
     }
 
+    /// Rejects a body whose part of the inertia matrix was diagonal and constant when the model was compiled, but is not any more. In newer
+    /// engines the matrix has no space for the other elements.
+    #[cfg(engine_since = "2.3.0")]
+    pub(super) fn check_simple_bodies(&self) -> crate::Result<()> {
+        // One degree of freedom has one element, which is constant if the body is independent.
+        let was_simple = |&body: &usize| self.body_simple()[body] != 0 && self.body_dofnum()[body] > 1;
+        match (0..self.nbody()).filter(was_simple).find(|&body| !self.is_simple(body)) {
+            None => Ok(()),
+            Some(body) => {
+                let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
+                Err(Error::Unsupported(format!(
+                    "body {name} was compiled with a diagonal inertia matrix (body_simple), which its joints and its inertial frame do not \
+                     have any more; with MuJoCo {} the matrix has no other elements: compile the model with these values",
+                    built_against()
+                )))
+            }
+        }
+    }
+
     /// Computes `dof_simplenum`: numbers the degrees of freedom of simple bodies in runs, backwards.
     fn count_simple_dofs(&mut self) {
         let mut run = 0;
         for dof in (0..self.nv()).rev() {
             run = if self.body_simple()[ffi::size(self.dof_bodyid()[dof])] == 0 { 0 } else { run + 1 };
             flags!(self.dof_simplenum)[dof] = run;
-        }
-    }
-
-    /// Enlarges the bounding sphere of each geom to at least the size of the geom. Skips geoms without a bounding sphere, meshes
-    /// and height fields.
-    pub(super) fn enlarge_bounding_spheres(&mut self) {
-        for geom in 0..self.ngeom() {
-            let [a, b, c] = self.geom_size()[geom];
-            let radius = match GeomType::of_field(self.geom_type()[geom]) {
-                GeomType::Sphere => a,
-                GeomType::Capsule => a + b,
-                GeomType::Cylinder => (a * a + b * b).sqrt(),
-                GeomType::Ellipsoid => a.max(b).max(c),
-                GeomType::Box => (a * a + b * b + c * c).sqrt(),
-                _ => continue,
-            };
-            let bound = &mut self.geom_rbound_mut()[geom];
-            if *bound > 0.0 && *bound < radius {
-                *bound = radius;
-            }
         }
     }
 }
@@ -154,7 +157,7 @@ impl Model {
         let is_fixed = |body: usize| self.body_dofnum()[body] == 0;
         let root = ffi::size(self.body_rootid()[body]) == body;
         let is_independent = root || (parent(parent(body)) == 0 && is_fixed(parent(body)));
-        if self.body_sameframe()[body] == NEITHER || !is_independent {
+        if !is_identity(&self.body_ipos()[body], &self.body_iquat()[body]) || !is_independent {
             return false;
         }
         let (mut rotates, mut slides) = (false, [false; 3]);

@@ -66,6 +66,7 @@ impl ModelDifference {
             to[place.clone()].copy_from_slice(values);
             from = rest;
         }
+        copy.forget_loose_bounds();
         let (raw, original) = (copy.raw_mut(), model.raw());
         (raw.opt, raw.stat, raw.vis) = (original.opt, original.stat, original.vis);
         if let Some(settings) = self.settings.as_deref() {

@@ -23,8 +23,9 @@ use crate::kind::Kind;
 /// DC motors those parameters in `actuator_dynprm` and `actuator_gainprm` that add an activation if they are positive. They are checked when the
 /// edit of a simulation ends, by [`update_constants`](Self::update_constants), and by [`Data::new`](crate::Data::new).
 ///
-/// The compiler derived other quantities from these values. They are not updated automatically: call
-/// [`update_constants`](Self::update_constants) after changes of masses, inertias, positions or sizes.
+/// The compiler derived other quantities from these values: each accessor lists them. Bounds for collision detection are updated
+/// automatically, and masks of geoms take effect at once. All others need a call of [`update_constants`](Self::update_constants) after
+/// changes of masses, inertias, positions or gears.
 ///
 /// The access is exclusive:
 ///
@@ -91,6 +92,8 @@ impl<'m> ModelMut<'m> {
         self.model.check_distances(options.mpr_iterations).map_err(Error::Unsupported)?;
         options.write(&mut self.model.raw_mut().opt);
         self.model.disable_unsafe_islands();
+        #[cfg(engine_since = "2.3.3")]
+        self.model.disable_unsafe_midphase();
         Ok(())
     }
 
@@ -137,8 +140,14 @@ impl<'m> ModelMut<'m> {
     /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`,
     /// and `meansize`, `extent` and `center` keep their values.
     ///
-    /// Enlarges the bounding sphere `geom_rbound` of each sphere, capsule, cylinder, ellipsoid or box that exceeds it, because the
-    /// engine detects no contacts outside of the bounding sphere.
+    /// Computes the bounds by which the engine skips pairs of geoms in collision detection, for spheres, capsules, cylinders, ellipsoids and
+    /// boxes: bounding spheres and boxes, and with newer engines the hierarchies of boxes, margins and masks of bodies. Until this call the
+    /// bounds of an edited model contain everything, which finds all contacts, but slowly. A simulation's own model gets its bounds at
+    /// the end of [`Data::edit_model`](crate::Data::edit_model).
+    ///
+    /// Quantities that only the compiler computes keep their values: masses of bodies from geoms, `qpos0` of free joints from the poses
+    /// of their bodies, the virtual masses in `geom_fluid`, `actuator_lengthrange` (see
+    /// [`set_length_range`](crate::ModelMut::set_length_range)), and relative poses of welds.
     ///
     /// # Errors
     ///
@@ -146,6 +155,10 @@ impl<'m> ModelMut<'m> {
     /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both. This is the rule of the XML compiler; the engine itself accepts
     /// such a body and does not accelerate it. The model is then unchanged. Also for values from which the engine would compute addresses
     /// outside of the model's arrays; see [`ModelMut`].
+    ///
+    /// [`Error::Unsupported`](crate::Error::Unsupported) with engines since 2.3 for a body with several degrees of freedom whose part of the
+    /// inertia matrix was diagonal when it was compiled (`body_simple`), but is not any more, because its centre of mass, its axes of inertia
+    /// or its joints have moved. The matrix has no space for the other elements. The model is then unchanged.
     ///
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the memory for a scratch
     /// simulation is exhausted, or its stack is too small. The derived quantities may then be partly updated.
@@ -164,6 +177,8 @@ impl<'m> ModelMut<'m> {
     pub fn update_constants(&mut self) -> Result<()> {
         self.check_moving_bodies()?;
         self.check_addresses()?;
+        #[cfg(engine_since = "2.3.0")]
+        self.check_simple_bodies()?;
         let mut scratch = ptr::null_mut();
         // SAFETY: a valid model, and a pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
@@ -175,11 +190,18 @@ impl<'m> ModelMut<'m> {
         // about a singular inertia matrix.
         silence_warnings(unsafe { &mut *scratch });
         self.compute_flags();
-        self.enlarge_bounding_spheres();
+        self.update_bounds();
         let modes = (self.cam_mode().to_vec(), self.light_mode().to_vec());
+        #[cfg(engine_since = "3.0.0")]
+        let masks = self.model.hide_geoms_without_box();
         // SAFETY: a model that is borrowed exclusively, and a data that was created for it.
         let result =
             ffi::check_without_data("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
+        #[cfg(engine_since = "3.0.0")]
+        if !masks.is_empty() {
+            self.model.set_masks(&masks);
+            self.update_bounds();
+        }
         if result.is_err() {
             // The inertias of simple bodies may not have been computed.
             self.clear_simple_body_flags();
@@ -239,6 +261,10 @@ impl<'m> ModelMut<'m> {
     #[inline]
     pub(crate) fn raw_mut(&mut self) -> &mut mjModel {
         self.model.raw_mut()
+    }
+
+    pub(super) fn inner(&mut self) -> &mut Model {
+        self.model
     }
 }
 

@@ -15,6 +15,7 @@ mod edit;
 mod options;
 
 mod addressing;
+mod bounds;
 mod cached_flags;
 #[cfg(engine_since = "2.3.0")]
 mod engine_features;
@@ -104,6 +105,8 @@ pub struct Model {
     has_unsafe_polygons: bool,
     /// `true` if the engine computes addresses from writable values ([`check_addresses`](Model::check_addresses)).
     has_addresses: bool,
+    /// `true` if bounds for collision detection are larger than necessary because an edit could have changed them (`loosen_bounds`).
+    has_loose_bounds: bool,
 }
 
 // SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -128,6 +131,7 @@ impl Model {
             has_rangefinder_and_height_field: false,
             has_unsafe_polygons: false,
             has_addresses: false,
+            has_loose_bounds: false,
         };
         model.has_adhesion = model.find_adhesion();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
@@ -136,6 +140,8 @@ impl Model {
         model.reserve_moments();
         model.edit().clear_wrong_simple_bodies();
         model.disable_unsafe_islands();
+        #[cfg(engine_since = "2.3.3")]
+        model.disable_unsafe_midphase();
         model
     }
 
@@ -155,6 +161,7 @@ impl Model {
         // SAFETY: a copy of a valid model, which nothing else owns.
         let mut copy = unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) };
         copy.has_unsafe_polygons = self.has_unsafe_polygons;
+        copy.has_loose_bounds = self.has_loose_bounds;
         Ok(copy)
     }
 

@@ -40,7 +40,8 @@ pub trait IntoModel: Sealed {
 }
 
 impl IntoModel for Model {
-    fn into_model(self) -> Arc<Model> {
+    fn into_model(mut self) -> Arc<Model> {
+        self.edit().tighten_bounds();
         Arc::new(self)
     }
 }

@@ -20,6 +20,8 @@ mod scene_options;
 mod schema_models;
 
 mod asset_models;
+mod bounds;
+mod compiled;
 mod damaged_assets;
 mod edits;
 mod engine_limits;

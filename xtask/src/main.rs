@@ -17,6 +17,8 @@ mod accessors;
 mod arena;
 #[path = "../../build/computed_by.rs"]
 mod computed_by;
+#[path = "../../build/derived.rs"]
+mod derived;
 #[path = "../../build/facts.rs"]
 mod facts;
 #[cfg(feature = "bindgen")]
@@ -129,6 +131,14 @@ fn root() -> &'static Path {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn an_array_is_read_only_until_its_derived_quantities_are_known() {
+        let table = "owner\tkind\ttype\tname\trows\tcolumns\tcomment\nModel\tarray\tmjtNum\tinvented\tnbody\t1\tinvention\n\
+                     Model\tarray\tmjtNum\tbody_mass\tnbody\t1\tmass\n";
+        let [(_, _), (_, writers), ..] = super::accessors::generate(table, table);
+        assert!(writers.contains("body_mass_mut") && !writers.contains("invented_mut"), "{writers}");
+    }
+
     #[test]
     fn committed_accessors_are_those_of_the_field_table() {
         super::generate(true, true).unwrap();

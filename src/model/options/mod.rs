@@ -159,7 +159,8 @@ bitflags! {
         const REFSAFE = sys::mjDSBL_REFSAFE;
         /// Sensors.
         const SENSOR = sys::mjDSBL_SENSOR;
-        /// The middle phase of collision detection, with engines from 2.3.3.
+        /// The middle phase of collision detection, with engines from 2.3.3. A model always has this flag if a geom can collide that is not in
+        /// the hierarchy of bounding boxes of its body, because its masks were zero when the model was compiled.
         const MIDPHASE = sys::mjDSBL_MIDPHASE;
         /// Implicit joint damping in the integrator [`Euler`](Integrator::Euler), with engines from 3.0.0.
         const EULERDAMP = sys::mjDSBL_EULERDAMP;

@@ -109,6 +109,11 @@ impl Model {
     #[doc(alias = "mj_sizeModel")]
     #[doc(alias = "mj_saveModel")]
     pub fn to_binary(&self) -> Result<Vec<u8>> {
+        if self.has_loose_bounds {
+            let mut copy = self.try_clone()?;
+            copy.edit().update_bounds();
+            return copy.to_binary();
+        }
         // SAFETY: a valid model; the function only adds up sizes.
         let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };
         let size =

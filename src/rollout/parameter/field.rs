@@ -20,7 +20,7 @@ pub enum Parameter {
     #[doc(alias = "body_mass")]
     MassFactor(BodyId),
     /// Component of the position of a body's centre of mass in its frame (`body_ipos`), m. Finite. Updates the derived constants.
-    /// Engines since 3.17 return an error for a body that moves independently (`body_simple`).
+    /// Engines since 2.3 return an error for a body that moves independently (`body_simple`).
     #[doc(alias = "body_ipos")]
     CentreOfMass(BodyId, usize),
     /// Stiffness of a joint's spring (`jnt_stiffness`), N/m or N·m/rad. Not negative.
@@ -39,8 +39,8 @@ pub enum Parameter {
     /// Friction coefficient of a geom (`geom_friction`): sliding, torsional (m), rolling (m). Not negative.
     #[doc(alias = "geom_friction")]
     GeomFriction(GeomId, usize),
-    /// Size of a sphere, capsule, cylinder, ellipsoid or box (`geom_size`), m. Positive. Enlarges the bounding sphere if necessary, by
-    /// updating the derived constants. The mass of the body does not change.
+    /// Size of a sphere, capsule, cylinder, ellipsoid or box (`geom_size`), m. Positive. Updates the bounds for
+    /// collision detection with the derived constants. The mass of the body does not change.
     #[doc(alias = "geom_size")]
     GeomSize(GeomId, usize),
     /// Gain parameter of an actuator (`actuator_gainprm`): for motors, position and velocity actuators the gain is component 0. Finite.

@@ -1,0 +1,300 @@
+//! Differential test of edits: a model whose writable fields are set to those of a second model, with `update_constants`, equals the
+//! second model as the engine compiled it: all arrays, contacts, energy and trajectories.
+//!
+//! The second model is compiled from the text of the first one with another value in one attribute.
+
+mod generator;
+mod outcome;
+mod texts;
+
+use std::collections::BTreeMap;
+
+use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use self::outcome::Outcome;
+
+#[macro_use]
+#[path = "../../common/fields.rs"]
+mod fields;
+
+/// Numbers of an array, for comparisons.
+trait Numbers {
+    fn numbers(self) -> Vec<f64>;
+}
+
+/// Writes the numbers of an array.
+trait SetNumbers {
+    fn set_numbers(self, numbers: &[f64]);
+}
+
+macro_rules! element {
+    ($($type:ty)*) => {$(
+        impl Numbers for &[$type] {
+            fn numbers(self) -> Vec<f64> {
+                self.iter().map(|&value| value as f64).collect()
+            }
+        }
+        impl<const N: usize> Numbers for &[[$type; N]] {
+            fn numbers(self) -> Vec<f64> {
+                self.as_flattened().numbers()
+            }
+        }
+        impl SetNumbers for &mut [$type] {
+            fn set_numbers(self, numbers: &[f64]) {
+                self.iter_mut().zip(numbers).for_each(|(to, &from)| *to = from as $type);
+            }
+        }
+        impl<const N: usize> SetNumbers for &mut [[$type; N]] {
+            fn set_numbers(self, numbers: &[f64]) {
+                self.as_flattened_mut().set_numbers(numbers);
+            }
+        }
+    )*};
+}
+element!(f64 f32 i32 i64 u8);
+
+macro_rules! scalar {
+    ($($type:ty => $value:expr;)*) => {$(
+        impl Numbers for $type {
+            fn numbers(self) -> Vec<f64> {
+                vec![($value)(self)]
+            }
+        }
+    )*};
+}
+scalar! {
+    usize => |value| value as f64;
+    bool => |value| f64::from(u8::from(value));
+    f64 => |value| value;
+}
+
+impl Numbers for MatrixView<'_> {
+    fn numbers(self) -> Vec<f64> {
+        self.as_slice().to_vec()
+    }
+}
+
+impl SetNumbers for MatrixViewMut<'_> {
+    fn set_numbers(mut self, numbers: &[f64]) {
+        self.as_mut_slice().copy_from_slice(numbers);
+    }
+}
+
+/// All fields of a model.
+fn all_fields(model: &Model) -> BTreeMap<&'static str, Vec<f64>> {
+    let mut all = BTreeMap::new();
+    macro_rules! read {
+        ($($field:ident)*) => { $(all.insert(stringify!($field), model.$field().numbers());)* };
+    }
+    model_readers! { read }
+    let statistics = model.statistics();
+    all.insert("stat.meanmass", vec![statistics.meanmass]);
+    all.insert("stat.meaninertia", vec![statistics.meaninertia]);
+    all
+}
+
+/// Writable arrays that `update_constants` computes.
+const DERIVED: [&str; 16] = [
+    "geom_rbound",
+    "body_subtreemass",
+    "body_invweight0",
+    "dof_invweight0",
+    "dof_M0",
+    "cam_pos0",
+    "cam_poscom0",
+    "cam_mat0",
+    "light_pos0",
+    "light_poscom0",
+    "light_dir0",
+    "tendon_length0",
+    "tendon_invweight0",
+    "actuator_acc0",
+    "actuator_length0",
+    "nnames",
+];
+
+/// Sets the values that differ, in writable arrays. Returns their names.
+fn write_arrays(edit: &mut ModelMut<'_>, target: &Model) -> Vec<&'static str> {
+    let mut written = Vec::new();
+    macro_rules! copy {
+        ($($writer:ident($field:ident))*) => { $(
+            let values = target.$field().numbers();
+            if !DERIVED.contains(&stringify!($field)) && values != edit.$field().numbers() {
+                edit.$writer().set_numbers(&values);
+                written.push(stringify!($field));
+            }
+        )* };
+    }
+    model_writers! { copy }
+    written
+}
+
+/// Sets the integers and flags that differ and have a setter. Returns the names of their arrays.
+fn write_switches(edit: &mut ModelMut<'_>, target: &Model) -> Vec<&'static str> {
+    let mut written = Vec::new();
+    macro_rules! set {
+        ($($array:literal: $many:ident $one_mut:ident $get:ident $set:ident;)*) => { $(
+            for index in 0..target.$many().len() {
+                let value = target.$many().nth(index).unwrap().$get();
+                if edit.$many().nth(index).unwrap().$get() != value {
+                    #[allow(clippy::let_unit_value, reason = "some setters return a result")]
+                    let _ = edit.$one_mut(index).unwrap().$set(value);
+                    written.push($array);
+                }
+            }
+        )* };
+    }
+    set! {
+        "geom_contype": geoms geom_mut contype set_contype;
+        "geom_conaffinity": geoms geom_mut conaffinity set_conaffinity;
+        "geom_condim": geoms geom_mut condim set_condim;
+        "geom_priority": geoms geom_mut priority set_priority;
+        "geom_group": geoms geom_mut group set_group;
+        "jnt_limited": joints joint_mut limited set_limited;
+        "jnt_group": joints joint_mut group set_group;
+        "tendon_limited": tendons tendon_mut limited set_limited;
+        "actuator_ctrllimited": actuators actuator_mut ctrllimited set_ctrllimited;
+        "actuator_forcelimited": actuators actuator_mut forcelimited set_forcelimited;
+        "actuator_actlimited": actuators actuator_mut actlimited set_actlimited;
+        "eq_active": equalities equality_mut active set_active;
+        "eq_active0": equalities equality_mut active set_active;
+    }
+    written
+}
+
+/// Compares an edit with the compilation of the same values.
+fn compare(first: &Model, second: &Model, seed: u64) -> Outcome {
+    let (before, target) = (all_fields(first), all_fields(second));
+    let mut edited = first.clone();
+    let mut edit = edited.edit();
+    let mut written = write_arrays(&mut edit, second);
+    written.extend(write_switches(&mut edit, second));
+    let settings = edit
+        .edit_options(|options| *options = second.options())
+        .and_then(|()| edit.edit_visual(|visual| *visual = second.visual()));
+    if let Err(error) = settings {
+        return Outcome::Rejected(written, error.to_string());
+    }
+    if let Some(field) = texts::structural(&before, &target, &written) {
+        return Outcome::Structure(field);
+    }
+    if written.iter().all(|field| WITHOUT_UPDATE.contains(field)) && !written.is_empty() {
+        if let Some(what) = differing_contacts(first, second, Model::clone(&edit)) {
+            return Outcome::Differs(written, format!("without update_constants {what}"));
+        }
+    }
+    if let Err(error) = edit.update_constants() {
+        return Outcome::Rejected(written, error.to_string());
+    }
+    let arrays = outcome::differing_arrays(&all_fields(&edited), &target);
+    let runs = [edited, second.clone()].map(|model| outcome::run(model, seed));
+    match outcome::differing_runs(&runs[0], &runs[1]) {
+        _ if !arrays.is_empty() => Outcome::Differs(written, format!("arrays {arrays:?}")),
+        Some(what) => Outcome::Differs(written, what),
+        None => Outcome::Equal(written),
+    }
+}
+
+/// Fields that determine contacts, and whose edits need no `update_constants` for this.
+const WITHOUT_UPDATE: [&str; 7] =
+    ["geom_size", "geom_pos", "geom_quat", "geom_margin", "geom_gap", "geom_contype", "geom_conaffinity"];
+
+/// Returns a difference in the contacts of a model that was edited without `update_constants`: in a simulation of its own, in one that
+/// shares it, from its binary form, and after the same edit in a simulation.
+fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<String> {
+    let found = |data: mujoco_safe::Result<Data>| {
+        let mut data = data.unwrap();
+        data.forward().unwrap();
+        outcome::contacts(&data)
+    };
+    let mut simulation = Data::new(first.clone()).unwrap();
+    simulation
+        .edit_model(|edit| {
+            write_arrays(edit, second);
+            write_switches(edit, second);
+        })
+        .unwrap();
+    let expected = found(Data::new(second.clone()));
+    let saved = Model::from_binary(&edited.to_binary().unwrap());
+    let ways = [
+        ("shared", found(Data::new(std::sync::Arc::new(edited.clone())))),
+        ("saved", saved.map_or(expected.clone(), |model| found(Data::new(model)))),
+        ("its own", found(Data::new(edited))),
+        ("edited simulation", found(Ok(simulation))),
+    ];
+    let wrong = ways.into_iter().find(|(_, contacts)| *contacts != expected)?;
+    Some(format!("{wrong:?} instead of {expected:?}"))
+}
+
+/// Figures of a campaign.
+#[derive(Default)]
+struct Report {
+    equal: usize,
+    fields: BTreeMap<&'static str, usize>,
+    structures: BTreeMap<&'static str, usize>,
+    rejected: BTreeMap<String, usize>,
+    failures: Vec<String>,
+}
+
+impl Report {
+    fn add(&mut self, outcome: Outcome, what: &str) {
+        match outcome {
+            Outcome::Equal(fields) => {
+                self.equal += 1;
+                fields.into_iter().for_each(|field| *self.fields.entry(field).or_default() += 1);
+            }
+            Outcome::Structure(field) => *self.structures.entry(field).or_default() += 1,
+            Outcome::Rejected(fields, error) => {
+                *self.rejected.entry(format!("{fields:?}: {error}")).or_default() += 1;
+            }
+            Outcome::Differs(fields, difference) => {
+                self.failures.push(format!("{what}, edited {fields:?}: {difference:?}"))
+            }
+        }
+    }
+
+    fn print(&self) {
+        println!("{} edits equal the compiled model; edited fields: {:?}", self.equal, self.fields);
+        println!("not possible as an edit: {:?}", self.structures);
+        println!("rejected: {:#?}", self.rejected);
+        let cut = |text: &String| text.chars().take(600).collect::<String>();
+        self.failures.iter().take(40).for_each(|failure| println!("FAILURE {}", cut(failure)));
+    }
+}
+
+/// Edits models until this number of edits has been compared.
+fn campaign(first_seed: u64, edits: usize) -> Report {
+    let mut report = Report::default();
+    for seed in first_seed.. {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let text = generator::xml(seed);
+        let Ok(first) = Model::from_xml_str(&text) else { continue };
+        for _ in 0..12 {
+            let (change, text) = texts::perturb(&text, &mut random);
+            let Ok(second) = Model::from_xml_str(&text) else { continue };
+            report.add(compare(&first, &second, random.random()), &format!("seed {seed}, {change}"));
+        }
+        if report.equal + report.failures.len() >= edits {
+            return report;
+        }
+    }
+    report
+}
+
+#[test]
+fn edits_equal_the_model_compiled_with_the_values() {
+    let report = campaign(0, 300);
+    report.print();
+    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
+    assert!(report.rejected.values().sum::<usize>() < 30);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_edits_equal_the_model_compiled_with_the_values() {
+    let report = campaign(1000, 20_000);
+    report.print();
+    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
+}
