@@ -4,7 +4,9 @@ use std::ffi::c_int;
 
 use mujoco_sys::{guard, mjData, mjModel};
 
-use super::{Data, PipelineFlags, StateSpec};
+#[cfg(not(engine_since = "3.2.0"))]
+use super::StateSpec;
+use super::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::id::{Id, Key};
 use crate::kind;
@@ -62,8 +64,8 @@ impl Data {
         self.call_mut(function, reset)
     }
 
-    /// Writes the present time, positions, velocities, activations, mocap poses and controls to a keyframe of this simulation's
-    /// model, which is selected by name, index or id. [`reset_to_key`](Self::reset_to_key) restores them. A shared model is copied
+    /// Writes the present time, positions, velocities, activations, mocap poses and controls, and since 4.0 plastic deformations, to a
+    /// keyframe of this simulation's model, which is selected by name, index or id. [`reset_to_key`](Self::reset_to_key) restores them. A shared model is copied
     /// first, so that other simulations keep theirs unchanged.
     ///
     /// # Errors
@@ -86,12 +88,27 @@ impl Data {
     #[doc(alias = "mj_setKeyframe")]
     pub fn set_keyframe(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
         let key: Id<kind::Keyframe> = key.id(self.model().as_ref())?;
-        let key = key.index();
+        // No results depend on keyframes, so they stay valid.
+        self.write_keyframe(key.index())
+    }
+
+    #[cfg(engine_since = "3.2.0")]
+    fn write_keyframe(&mut self, key: usize) -> Result<()> {
+        let data = self.as_ptr();
+        let model: *mut mjModel = self.own_model()?.raw_mut();
+        // SAFETY: a model that nothing shares, a data of a model of this structure, and a keyframe of it. The function only copies the
+        // state.
+        unsafe { mujoco_sys::mj_setKeyframe(model, data, key as c_int) };
+        Ok(())
+    }
+
+    // Older engines have no function for this.
+    #[cfg(not(engine_since = "3.2.0"))]
+    fn write_keyframe(&mut self, key: usize) -> Result<()> {
         let part = |spec| self.state(spec);
         let (time, qpos, qvel, act) = (self.time(), part(StateSpec::QPOS), part(StateSpec::QVEL), part(StateSpec::ACT));
         let (pos, quat) = (part(StateSpec::MOCAP_POS), part(StateSpec::MOCAP_QUAT));
         let ctrl = part(StateSpec::CTRL);
-        // No results depend on keyframes, so they stay valid.
         let mut model = self.own_model()?.edit();
         model.key_time_mut()[key] = time;
         model.key_qpos_mut().into_row(key).copy_from_slice(&qpos);

@@ -42,6 +42,8 @@ mod collision_table;
 #[cfg(engine_since = "3.17.0")]
 mod controls;
 #[cfg(engine_since = "3.5.0")]
+mod copies;
+#[cfg(engine_since = "3.5.0")]
 mod engine_functions;
 #[cfg(engine_since = "3.0.0")]
 mod flex;

@@ -55,6 +55,7 @@ pub(crate) fn key_xml(data: &Data, name: Option<&str>) -> String {
         ("ctrl", data.ctrl()),
         ("mpos", data.mocap_pos().as_flattened()),
         ("mquat", data.mocap_quat().as_flattened()),
+        ("plastic", &data.state(StateSpec::PLASTIC)),
     ] {
         if !values.is_empty() {
             let values: Vec<String> = values.iter().map(f64::to_string).collect();

@@ -3,6 +3,7 @@
 //!
 //! The second model is compiled from the text of the first one with another value in one attribute.
 
+mod batch;
 mod generator;
 mod outcome;
 mod texts;
