@@ -5,36 +5,57 @@ use nalgebra::{Complex, DMatrix, SVD, Schur};
 use super::error::{RiccatiError, modulus};
 use super::problem::{MAX_EIGENVALUE_ITERATIONS, Problem};
 
-/// Distance from the unit circle below which an eigenvalue counts as on it. Rounding moves an eigenvalue of multiplicity `j` by
-/// the `j`-th root of the precision, and free bodies have double eigenvalues at one.
-const UNIT_CIRCLE_TOLERANCE: f64 = 1e-6;
+/// Tolerances of the tests.
+#[derive(Clone, Copy)]
+struct Tolerances {
+    /// Distance from the unit circle below which an eigenvalue counts as on it. An error of the matrices moves an eigenvalue of
+    /// multiplicity `j` by its `j`-th root, and free bodies have double eigenvalues at one.
+    unit_circle: f64,
+    /// Relative distance from an uncontrollable system below which a system counts as uncontrollable.
+    uncontrollable: f64,
+}
 
-/// Relative distance from an uncontrollable system below which a system counts as uncontrollable.
-const UNCONTROLLABLE_DISTANCE: f64 = 1e-8;
+/// Tolerances for matrices in closed form, which have rounding errors.
+const ROUNDING: Tolerances = Tolerances { unit_circle: 1e-6, uncontrollable: 1e-8 };
+
+/// Tolerances for matrices by differences, whose errors give a control a minute effect on a mode that it does not reach.
+const DIFFERENCES: Tolerances = Tolerances { unit_circle: 1e-3, uncontrollable: 1e-5 };
 
 /// Returns the mode that prevents a stabilising solution, if there is one.
 pub(super) fn diagnose(problem: &mut Problem) -> Option<RiccatiError> {
+    diagnose_within(problem, ROUNDING)
+}
+
+/// Returns the mode that explains best why no solution was found, for matrices that may be differences. The equation has a solution in
+/// theory, with gains as large as the reciprocal of the error.
+pub(super) fn diagnose_failure(problem: &mut Problem) -> Option<RiccatiError> {
+    diagnose_within(problem, ROUNDING).or_else(|| diagnose_within(problem, DIFFERENCES))
+}
+
+fn diagnose_within(problem: &mut Problem, tolerances: Tolerances) -> Option<RiccatiError> {
     let [a, b, a_without_s, q_without_s] = problem.matrices()?;
-    let outside = |modulus: f64| modulus >= 1.0 - UNIT_CIRCLE_TOLERANCE;
-    if let Some((eigenvalue, distance)) = uncontrollable_mode(&a, &b, outside) {
+    let Tolerances { unit_circle, uncontrollable } = tolerances;
+    let outside = |modulus: f64| modulus >= 1.0 - unit_circle;
+    if let Some((eigenvalue, distance)) = uncontrollable_mode(&a, &b, outside, uncontrollable) {
         return Some(RiccatiError::UncontrollableMode { eigenvalue, distance });
     }
     // A mode is unobservable if it is uncontrollable in the transposed system.
-    let on_circle = |modulus: f64| (modulus - 1.0).abs() <= UNIT_CIRCLE_TOLERANCE;
+    let on_circle = |modulus: f64| (modulus - 1.0).abs() <= unit_circle;
     let transpose = a_without_s.transpose();
-    uncontrollable_mode(&transpose, &q_without_s, on_circle)
+    uncontrollable_mode(&transpose, &q_without_s, on_circle, uncontrollable)
         .map(|(eigenvalue, distance)| RiccatiError::UnobservableMode { eigenvalue, distance })
 }
 
 /// Returns the least controllable eigenvalue of `a` among those with a `relevant` modulus, and its distance. Returns `None` if
-/// that eigenvalue is controllable.
+/// that eigenvalue is farther than `tolerance` from an uncontrollable one.
 fn uncontrollable_mode(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
     relevant: impl Fn(f64) -> bool,
+    tolerance: f64,
 ) -> Option<(Complex<f64>, f64)> {
     let finite = a.iter().chain(b).all(|entry| entry.is_finite());
-    if !finite {
+    if !finite || a.is_empty() {
         return None;
     }
     Schur::try_new(a.clone(), f64::EPSILON, MAX_EIGENVALUE_ITERATIONS)?
@@ -43,7 +64,7 @@ fn uncontrollable_mode(
         .filter(|eigenvalue| relevant(modulus(**eigenvalue)) && eigenvalue.im >= 0.0)
         .filter_map(|&eigenvalue| Some((eigenvalue, distance(a, b, eigenvalue)?)))
         .min_by(|(_, left), (_, right)| left.total_cmp(right))
-        .filter(|&(_, distance)| distance <= UNCONTROLLABLE_DISTANCE)
+        .filter(|&(_, distance)| distance <= tolerance)
 }
 
 /// Returns the smallest singular value of `[A − λI, B]`, with `A` and `B` scaled to unit norm, unless it overflows.

@@ -79,8 +79,8 @@ pub enum RiccatiError {
     UncontrollableMode {
         /// Eigenvalue of the mode, of `A`.
         eigenvalue: Complex<f64>,
-        /// Smallest singular value of `[A − λI, B]`, each block scaled to unit norm. It is zero up to rounding for an
-        /// uncontrollable mode.
+        /// Smallest singular value of `[A − λI, B]`, each block scaled to unit norm. It is zero for an uncontrollable mode, up to rounding, or
+        /// up to the error of differences, with which a control seems to have a minute effect on the mode.
         distance: f64,
     },
     /// A mode on the unit circle has no cost, so the optimal control leaves it there and no solution is stabilising.
@@ -90,8 +90,8 @@ pub enum RiccatiError {
     UnobservableMode {
         /// Eigenvalue of the mode, of `A − BR⁻¹Sᵀ`.
         eigenvalue: Complex<f64>,
-        /// Smallest singular value of `A − BR⁻¹Sᵀ − λI` stacked on `Q − SR⁻¹Sᵀ`, each block scaled to unit norm. It is zero up
-        /// to rounding for a mode without cost.
+        /// Smallest singular value of `A − BR⁻¹Sᵀ − λI` stacked on `Q − SR⁻¹Sᵀ`, each block scaled to unit norm. It is zero for a mode
+        /// without cost, up to rounding or up to the error of differences.
         distance: f64,
     },
     /// The doubling did not converge, and no single mode explains it: the problem may be badly scaled, or `Q − SR⁻¹Sᵀ` not

@@ -216,7 +216,9 @@ impl<'a> Riccati<'a> {
         let relative_residual = problem.candidate.relative_residual;
         let good = relative_residual <= self.residual_tolerance;
         if !good {
-            return Err(RiccatiError::Inaccurate { relative_residual, tolerance: self.residual_tolerance });
+            let failure = RiccatiError::Inaccurate { relative_residual, tolerance: self.residual_tolerance };
+            // A caller may ask for more than rounding permits.
+            return Err(if relative_residual > RESIDUAL_TOLERANCE { problem.explain(failure) } else { failure });
         }
         problem.write_to(&mut solution.p, &mut solution.k);
         solution.relative_residual = relative_residual;

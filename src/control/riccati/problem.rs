@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::balancing;
 use super::dense::{InstructionSet, LuFactors, PackedMatrix};
-use super::diagnosis::diagnose;
+use super::diagnosis::{diagnose, diagnose_failure};
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
 
@@ -207,7 +207,15 @@ impl Problem {
             }
             this.double_from_candidate().ok()
         };
-        from_above(self).ok_or(RiccatiError::NoConvergence { iterations: failure.count })
+        if let Some(doubled) = from_above(self) {
+            return Ok(doubled);
+        }
+        Err(self.explain(RiccatiError::NoConvergence { iterations: failure.count }))
+    }
+
+    /// Returns the mode that explains a failure, or else the failure.
+    pub(super) fn explain(&mut self, failure: RiccatiError) -> RiccatiError {
+        diagnose_failure(self).unwrap_or(failure)
     }
 
     /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where `Δ = FᵀΔF + residual` and `F = A − BK`.

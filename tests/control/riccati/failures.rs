@@ -124,6 +124,30 @@ fn a_body_without_forces_is_uncontrollable() {
 }
 
 #[test]
+fn an_uncontrollable_mode_is_found_in_matrices_by_differences() {
+    // Two masses, of which the second is out of reach. Differences give it a minute dependence on all states and on the control.
+    for error in [0.0, 1e-14, 1e-10, 1e-8, 1e-7, 1e-6] {
+        for seed in 11..31 {
+            let mut generator = Generator(seed);
+            let mut a = DMatrix::identity(4, 4);
+            (a[(0, 2)], a[(1, 3)], a[(2, 0)]) = (0.005, 0.005, -0.015);
+            let b = dmatrix![2.5e-5; 0.0; 0.005; 0.0];
+            let (a, b) = (a + generator.matrix(4, 4) * error, b + generator.matrix(4, 1) * error);
+            let got = solve(&a, &b, &DMatrix::identity(4, 4), &dmatrix![1.0]);
+            match got {
+                Err(RiccatiError::UncontrollableMode { eigenvalue, distance }) => {
+                    assert!((eigenvalue - 1.0).norm() < 0.01, "{eigenvalue}");
+                    assert!(distance <= 1e-7 + 10.0 * error, "{distance:e}");
+                }
+                // The error gives the control an effect.
+                Ok(solution) => assert!(error > 0.0 && solution.k.amax() > 10.0, "{error:e}: {:?}", solution.k),
+                Err(failure) => panic!("{error:e}, {seed}: {failure}"),
+            }
+        }
+    }
+}
+
+#[test]
 fn an_unweighted_mode_on_the_unit_circle_has_no_stabilising_solution() {
     let turn = 0.7_f64;
     let oscillator = dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];
