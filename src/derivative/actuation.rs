@@ -2,21 +2,24 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{mjDSBL_CLAMPCTRL, mjDYN_FILTEREXACT, mjMINVAL, mjSENS_ACTUATORFRC};
+use mujoco_sys::{mjDYN_FILTEREXACT, mjMINVAL, mjSENS_ACTUATORFRC};
 
+use super::kinks::{self, sides};
 use super::linear_algebra::add;
-use super::method::Step;
-use super::perturbation::{Input, PerturbedData, Settings, sides};
+use super::method::{Kinks, Step};
+use super::perturbation::{Input, PerturbedData, Settings};
 use super::{Differences, sizes};
 use crate::data::Data;
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{DisableFlags, Model};
 
 /// Derivatives with respect to the controls and activations at the base point.
 #[derive(Clone, Debug)]
 pub(super) struct Actuation {
     by_control: ActuatorDerivatives,
     by_activation: ActuatorDerivatives,
+    /// `(na)`: activations after a step from the base point, before clamping.
+    next_activations: Vec<f64>,
 }
 
 /// Derivatives of each actuator with respect to its own control, or its own activation.
@@ -46,33 +49,43 @@ impl ActuatorDerivatives {
 impl Actuation {
     pub(super) fn zeros(model: &Model) -> Self {
         let zeros = ActuatorDerivatives::zeros(model);
-        Self { by_control: zeros.clone(), by_activation: zeros }
+        Self { by_control: zeros.clone(), by_activation: zeros, next_activations: vec![0.0; model.na()] }
     }
 
-    /// Computes the derivatives by central differences.
+    /// Computes the derivatives by central differences, one-sided at kinks, and returns these.
     ///
     /// An actuator depends only on its own control and activation, so one difference perturbs all actuators at once.
-    pub(super) fn differentiate(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<()> {
-        let Settings { model, wanted, step } = settings;
-        let clamped = model.raw().opt.disableflags & mjDSBL_CLAMPCTRL as c_int == 0;
+    pub(super) fn differentiate(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
+        let Settings { model, wanted, step, .. } = settings;
         let central = Step { differences: Differences::Central, ..step };
+        let Self { by_control, by_activation, next_activations: next } = self;
+        next_activations(model, &point.data, next);
+        let kinks = kinks::of_inputs(&point.data, Some(next));
         for controls in [true, false] {
-            let derivatives = if controls { &mut self.by_control } else { &mut self.by_activation };
+            let derivatives = if controls { &mut *by_control } else { &mut *by_activation };
             derivatives.clear();
             if model.nu() == 0 || (!controls && model.na() == 0) {
                 continue;
             }
             for sign in [1.0, -1.0] {
                 let eps = sign * step.eps;
+                let is_perturbed = |data: &Data, input: Input| {
+                    let (right, left) = sides(data, input, central, next);
+                    if sign > 0.0 { right } else { left }
+                };
                 if controls {
                     for control in 0..model.nu() {
-                        let (right, left) = sides(&point.data, Input::Control(control), central);
-                        if !clamped || (if sign > 0.0 { right } else { left }) {
+                        if is_perturbed(&point.data, Input::Control(control)) {
                             point.data.ctrl_mut()[control] += eps;
                         }
                     }
                 } else {
-                    point.data.act_mut().iter_mut().for_each(|act| *act += eps);
+                    // The side depends on the difference of an activation from its control, and on nothing else that is perturbed here.
+                    for activation in 0..model.na() {
+                        if is_perturbed(&point.data, Input::Activation(activation)) {
+                            point.data.act_mut()[activation] += eps;
+                        }
+                    }
                 }
                 point.data.fwd_actuation()?;
                 if wanted.sensors {
@@ -88,14 +101,17 @@ impl Actuation {
                 }
                 point.restore()?;
             }
-            // Divides by the width of the perturbation, which is one-sided at the end of a control range.
+            // Divides by the width of the perturbation, which is one-sided at kinks.
             for actuator in 0..model.nu() {
-                let sides = if controls && clamped {
-                    let (right, left) = sides(&point.data, Input::Control(actuator), central);
-                    u8::from(right) + u8::from(left)
+                let input = if controls {
+                    Some(Input::Control(actuator))
                 } else {
-                    2
+                    model.activation_of(actuator).map(Input::Activation)
                 };
+                let sides = input.map_or(0, |input| {
+                    let (right, left) = sides(&point.data, input, central, next);
+                    u8::from(right) + u8::from(left)
+                });
                 let factor = if sides == 0 { 0.0 } else { 1.0 / (f64::from(sides) * step.eps) };
                 derivatives.force[actuator] *= factor;
                 derivatives.activation[actuator] *= factor;
@@ -105,7 +121,8 @@ impl Actuation {
             }
         }
         point.data.fwd_actuation()?;
-        point.data.inv_constraint()
+        point.data.inv_constraint()?;
+        Ok(kinks)
     }
 
     /// Writes the derivative of the residual, and of the activations and force sensors in a row of the linear system, with
@@ -136,16 +153,48 @@ impl Actuation {
     }
 }
 
+/// Computes the activations after a step, before clamping, from their present rates.
+pub(super) fn next_activations(model: &Model, data: &Data, next: &mut [f64]) {
+    if next.is_empty() {
+        return;
+    }
+    for actuator in 0..model.nactuator() {
+        for activation in model.activations_of(actuator) {
+            next[activation] = unclamped_activation(model, data, actuator, activation);
+        }
+    }
+}
+
 /// Returns an activation after the step.
 fn next_activation(model: &Model, data: &Data, actuator: usize, activation: usize) -> f64 {
+    let next = unclamped_activation(model, data, actuator, activation);
+    let [low, high] = model.actuator_actrange()[actuator];
+    let is_clamped = model.actuator_actlimited()[actuator] != 0 && !freezes_activations(model);
+    if is_clamped { next.max(low).min(high) } else { next }
+}
+
+/// Returns `true` if a step leaves the activations unchanged, because actuation is disabled. Before 3.0 they continue at their last rates.
+fn freezes_activations(model: &Model) -> bool {
+    cfg!(engine_since = "3.0.0") && model.options().disable.contains(DisableFlags::ACTUATION)
+}
+
+/// Returns `true` if the group of an actuator is disabled. A step then leaves its activation unchanged, except that it clamps it.
+fn is_in_disabled_group(model: &Model, actuator: usize) -> bool {
+    let disabled = model.options().disableactuator;
+    disabled != 0
+        && u32::try_from(model.actuator_group()[actuator]).is_ok_and(|group| group < 31 && disabled & (1 << group) != 0)
+}
+
+fn unclamped_activation(model: &Model, data: &Data, actuator: usize, activation: usize) -> f64 {
+    if freezes_activations(model) || is_in_disabled_group(model, actuator) {
+        return data.act()[activation];
+    }
     let mut duration = model.raw().opt.timestep;
     if model.actuator_dyntype()[actuator] == mjDYN_FILTEREXACT as c_int {
         let constant = model.actuator_dynprm()[actuator][0].max(mjMINVAL);
         duration = constant * (1.0 - (-duration / constant).exp());
     }
-    let next = data.act()[activation] + duration * data.act_dot()[activation];
-    let [low, high] = model.actuator_actrange()[actuator];
-    if model.actuator_actlimited()[actuator] == 0 { next } else { next.max(low).min(high) }
+    data.act()[activation] + duration * data.act_dot()[activation]
 }
 
 /// Returns the addresses in `sensordata` of the sensors of an actuator's force.

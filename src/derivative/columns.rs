@@ -5,8 +5,14 @@
 //! it does not export; here `mj_step2`, the second half of a step, replaces them. It always computes the acceleration sensors
 //! and repeats the factorisation of the integrator, with the same result.
 
+use std::ops::Range;
+
+use super::actuation::next_activations;
 use super::implicit::has_kinetic_energy;
-use super::perturbation::{Input, PerturbedData, Settings, sides};
+use super::kinks::{self, Trials, disagreement, sides};
+use super::method::Kinks;
+use super::perturbation::{Input, PerturbedData, Settings};
+use super::sizes;
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::Integrator;
 use crate::error::Result;
@@ -22,22 +28,32 @@ const LEFT: usize = 2;
 pub(super) struct StepDifferences {
     /// `[qpos; qvel; act; sensordata]` after a step from `BASE`, `RIGHT` and `LEFT`.
     samples: [Vec<f64>; 3],
+    /// `(na)`: activations after a step from the base point, before clamping.
+    next_activations: Vec<f64>,
+    trials: Trials,
 }
 
 impl StepDifferences {
     pub(super) fn new(model: &Model) -> Self {
         let sample = vec![0.0; model.nq() + model.nv() + model.na() + model.nsensordata()];
-        Self { samples: [sample.clone(), sample.clone(), sample] }
+        let (nx, _, ny) = sizes(model);
+        Self {
+            samples: [sample.clone(), sample.clone(), sample],
+            next_activations: vec![0.0; model.na()],
+            trials: Trials::new(nx + ny),
+        }
     }
 
-    /// Samples the step from the base point, which all columns need.
-    pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<()> {
+    /// Samples the step from the base point, which all columns need. Returns the kinks in controls and activations.
+    pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
         sample(&point.data, &mut self.samples[BASE]);
-        point.restore()
+        point.restore()?;
+        next_activations(settings.model, &point.data, &mut self.next_activations);
+        Ok(kinks::of_inputs(&point.data, Some(&self.next_activations)))
     }
 
-    /// Computes a column of the linear system. Columns must be computed in the order of
+    /// Computes a column of the linear system, and returns its kinks. Columns must be computed in the order of
     /// [`inputs`](super::perturbation::inputs).
     pub(super) fn column(
         &mut self,
@@ -45,9 +61,23 @@ impl StepDifferences {
         settings: Settings<'_>,
         input: Input,
         row: &mut [f64],
-    ) -> Result<()> {
-        let Settings { model, step, .. } = settings;
-        let (right, left) = sides(&point.data, input, step);
+    ) -> Result<Kinks> {
+        let mut trials = std::mem::take(&mut self.trials);
+        let kinks = trials.run(settings, row, |settings, row| self.difference(point, settings, input, row));
+        self.trials = trials;
+        kinks
+    }
+
+    /// Computes a column with one step. Returns the disagreement of the differences to the right and to the left.
+    fn difference(
+        &mut self,
+        point: &mut PerturbedData,
+        settings: Settings<'_>,
+        input: Input,
+        row: &mut [f64],
+    ) -> Result<f64> {
+        let Settings { model, step, wanted, keep } = settings;
+        let (right, left) = sides(&point.data, input, step, &self.next_activations);
         if right {
             self.step_perturbed(point, settings, input, step.eps, RIGHT)?;
         }
@@ -60,12 +90,26 @@ impl StepDifferences {
             (true, true) => (LEFT, RIGHT),
             (false, false) => {
                 row.fill(0.0);
-                return Ok(());
+                return Ok(0.0);
             }
         };
         let width = if left && right { 2.0 * step.eps } else { step.eps };
         let [from, to] = [from, to].map(|sample| &self.samples[sample][..]);
-        difference(model, row, from, to, width)
+        difference(model, row, from, to, width)?;
+        if !(left && right) {
+            return Ok(0.0);
+        }
+        // The next positions follow from the next velocities.
+        let (start, sensors) = (model.nq(), model.nq() + model.nv() + model.na());
+        let part = |range: Range<usize>| [BASE, RIGHT, LEFT].map(|side| &self.samples[side][range.clone()]);
+        let mut worst = 0.0;
+        if wanted.system {
+            worst = disagreement(part(start..sensors), &[], step.eps);
+        }
+        if wanted.sensors {
+            worst = disagreement(part(sensors..self.samples[BASE].len()), keep, step.eps).max(worst);
+        }
+        Ok(worst)
     }
 
     /// Samples the step from a perturbed state, and restores the base point.

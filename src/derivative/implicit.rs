@@ -31,12 +31,14 @@
 use mujoco_sys::mjSTAGE_ACC;
 
 use super::actuation::Actuation;
+use super::kinks::{Scale, Trials, disagreement, sides};
 use super::linear_algebra::{add, add_product, invert, quotient};
+use super::method::Kinks;
 use super::newton::Newton;
-use super::perturbation::{Input, PerturbedData, Settings, sides};
+use super::perturbation::{Input, PerturbedData, Settings};
 use super::residual::{Residual, multiply_inertia};
 use super::rotation::{self, Rotation};
-use super::sizes;
+use super::{Differences, sizes};
 use crate::data::{Data, SensorUpdate};
 use crate::enums::SensorType;
 use crate::error::Result;
@@ -46,6 +48,9 @@ use crate::model::{DisableFlags, Model};
 
 /// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
+
+/// Largest difference of `∂g/∂x` to the right and to the left, relative to an entry and to the largest, that needs no closer look.
+const SMOOTH: [f64; 2] = [0.01, 1e-6];
 
 /// Indices of evaluations at the base point, to its right and to its left.
 const BASE: usize = 0;
@@ -79,6 +84,11 @@ pub(super) struct Linearisation {
     column: Vec<f64>,
     /// `dM (a − s)`, and then `da`
     acceleration: Vec<f64>,
+    /// `(nv)`: difference of `∂g/∂x` to the right and to the left, and of the next velocities.
+    disagreements: [Vec<f64>; 2],
+    trials: Trials,
+    /// Kinks in controls and activations.
+    pub(super) kinks: Kinks,
 }
 
 /// Returns `true` if a step of the Euler integrator contains the implicit damping of the joints. In 2.2.2 the flag for passive forces does not
@@ -116,7 +126,10 @@ impl Linearisation {
             inertial: three(&dofs),
             sensors: three(&sensors),
             column: dofs.clone(),
-            acceleration: dofs,
+            acceleration: dofs.clone(),
+            disagreements: [dofs.clone(), dofs],
+            trials: Trials::new(sizes(model).0 + ns),
+            kinks: Kinks::empty(),
         }
     }
 
@@ -132,7 +145,7 @@ impl Linearisation {
             data.sensor_acc()?;
         }
         self.sensors[BASE].copy_from_slice(data.sensordata());
-        self.actuation.differentiate(point, settings)?;
+        self.kinks = self.actuation.differentiate(point, settings)?;
         self.invert(&point.data, model)?;
 
         let h = model.raw().opt.timestep;
@@ -207,7 +220,7 @@ impl Linearisation {
         Ok(())
     }
 
-    /// Computes a column of the linear system. `acceleration_sensors` holds the rows of
+    /// Computes a column of the linear system, and returns its kinks. `acceleration_sensors` holds the rows of
     /// [`acceleration_row`](Self::acceleration_row). Columns must be computed in the order of
     /// [`inputs`](super::perturbation::inputs).
     pub(super) fn column(
@@ -217,22 +230,62 @@ impl Linearisation {
         input: Input,
         acceleration_sensors: &Matrix,
         row: &mut [f64],
-    ) -> Result<()> {
+    ) -> Result<Kinks> {
         let model = settings.model;
-        let inertial = match input {
+        match input {
             Input::Control(actuator) => {
                 self.actuation.column(&point.data, model, input, actuator, &mut self.column, row);
-                None
             }
             Input::Activation(activation) => {
                 let actuator = model.actuator_of_activation(activation);
                 self.actuation.column(&point.data, model, input, actuator, &mut self.column, row);
-                None
             }
-            Input::Velocity(_) | Input::Position(_) => self.difference(point, settings, input, row)?,
-        };
-        self.finish(model, row, input, inertial, acceleration_sensors);
-        Ok(())
+            Input::Velocity(_) | Input::Position(_) => {
+                let mut trials = std::mem::take(&mut self.trials);
+                let kinks = trials.run(settings, row, |settings, row| {
+                    let inertial = self.difference(point, settings, input, row)?;
+                    self.finish(model, row, input, inertial, acceleration_sensors);
+                    Ok(self.disagreement(settings, row))
+                });
+                self.trials = trials;
+                return kinks;
+            }
+        }
+        self.finish(model, row, input, None, acceleration_sensors);
+        Ok(Kinks::empty())
+    }
+
+    /// Returns the disagreement of the last differences to the right and to the left, in a column of the linear system.
+    fn disagreement(&mut self, Settings { model, wanted, step, keep }: Settings<'_>, row: &[f64]) -> f64 {
+        if step.differences == Differences::Forward {
+            return 0.0;
+        }
+        let mut worst = 0.0;
+        if wanted.sensors {
+            let [base, right, left] = &self.sensors;
+            worst = disagreement([base, right, left], keep, step.eps);
+        }
+        let nv = model.nv();
+        if !wanted.system {
+            return worst;
+        }
+        let [of_residual, of_velocity] = &mut self.disagreements;
+        let [base, right, left] = &self.residuals;
+        let mut is_smooth = true;
+        let scale = self.column.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        for (dof, value) in of_residual.iter_mut().enumerate() {
+            *value = (right[dof] - 2.0 * base[dof] + left[dof]) / step.eps;
+            is_smooth &= value.abs() <= SMOOTH[0] * self.column[dof].abs() + SMOOTH[1] * scale;
+        }
+        if is_smooth {
+            return worst;
+        }
+        of_velocity.fill(0.0);
+        add_product(of_velocity, &self.p_transposed, of_residual, -model.raw().opt.timestep);
+        let velocity = &row[nv..2 * nv];
+        let scale = Scale::of(velocity.iter().copied());
+        let of_entry = |(difference, entry): (&f64, &f64)| scale.disagreement(*difference, *entry);
+        of_velocity.iter().zip(velocity).map(of_entry).fold(worst, f64::max)
     }
 
     /// Differences the residual and the sensors with respect to a velocity or a position. Returns the side and the width of the
@@ -244,9 +297,9 @@ impl Linearisation {
         input: Input,
         row: &mut [f64],
     ) -> Result<Option<(usize, f64)>> {
-        let Settings { model, wanted, step } = settings;
+        let Settings { model, wanted, step, .. } = settings;
         let is_position = matches!(input, Input::Position(_));
-        let (_, left) = sides(&point.data, input, step);
+        let (_, left) = sides(&point.data, input, step, &[]);
         for (side, by) in [(RIGHT, step.eps), (LEFT, -step.eps)] {
             if side == LEFT && !left {
                 continue;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::analytic;
+use super::kinks;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::support::Obstacles;
@@ -142,7 +143,8 @@ impl Lineariser {
             let result = data.transition_fd_into(step.eps, step.differences, outputs);
             // The engine does not restore inputs that a closure sets.
             data.set_state(StateSpec::INTEGRATION, &self.base)?;
-            return result.map(|()| LinearisationReport::new(method, fallback));
+            let kinks = kinks::of_inputs(data, None);
+            return result.map(|()| LinearisationReport { kinks, ..LinearisationReport::new(method, fallback) });
         }
         let columns = inputs(data.model(), Wanted::by(&outputs)).count();
         let workers = if columns < MIN_COLUMNS_TO_SHARE { &mut self.workers[..1] } else { &mut self.workers[..] };

@@ -66,7 +66,7 @@ impl TransitionOptions {
             TransitionMethod::Implicit | TransitionMethod::Analytic => 1e-7,
             TransitionMethod::Engine | TransitionMethod::Columns => 1e-6,
         };
-        Step { differences: self.differences, eps: self.eps.unwrap_or(suitable) }
+        Step { differences: self.differences, eps: self.eps.unwrap_or(suitable), may_grow: self.eps.is_none() }
     }
 }
 
@@ -75,6 +75,16 @@ impl TransitionOptions {
 pub(super) struct Step {
     pub(super) differences: Differences,
     pub(super) eps: f64,
+    /// True if differences that do not converge may be repeated with a larger step.
+    pub(super) may_grow: bool,
+}
+
+impl Step {
+    /// Returns the step, and those with which differences are repeated if those to the right and to the left disagree.
+    pub(super) fn trials(self) -> impl Iterator<Item = Self> {
+        let count = if self.may_grow && self.differences == Differences::Central { 3 } else { 1 };
+        [1.0, 10.0, 100.0].into_iter().take(count).map(move |factor| Self { eps: factor * self.eps, ..self })
+    }
 }
 
 /// Reason why another method than the requested one was used.
@@ -175,6 +185,42 @@ bitflags! {
     }
 }
 
+bitflags! {
+    /// Kinks of a step at the state of a linearisation, where derivatives have two sides, and differences that do not converge.
+    ///
+    /// The side is that of an input that moves into its range. Where both directions are possible, a muscle contracts: its control grows, and
+    /// its activation decreases. The methods [`Columns`](TransitionMethod::Columns), [`Implicit`](TransitionMethod::Implicit) and
+    /// [`Analytic`](TransitionMethod::Analytic) differentiate controls and activations on that side. [`Engine`](TransitionMethod::Engine), which is
+    /// the engine's own function, does so only for controls at the ends of their ranges; its central differences are means of both sides at
+    /// the other kinks.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+    pub struct Kinks: u32 {
+        /// The control of a muscle equals its activation, as in every steady state, so that it is between contraction (the time constant of
+        /// activation) and relaxation (that of deactivation, with which it may be several times slower). The derivatives are those of
+        /// contraction, except that by a control at the upper end of its range, or by an activation at the lower end of its range. Or the
+        /// activation is 0 or 1, beyond which it does not affect the time constants: the derivative is that inside.
+        const MUSCLES = 1;
+        /// A control is at an end of its range, beyond which it has no effect. The derivative is that inside the range.
+        const CONTROLS = 1 << 1;
+        /// An activation after the step is at an end of its range. The derivative is that inside the range. The method `Engine` does not
+        /// report this kink.
+        const ACTIVATIONS = 1 << 2;
+        /// The force of an actuator is at an end of its range. The method `Analytic` gives the derivative inside the range. The others report
+        /// [`DIFFERENCES`](Self::DIFFERENCES).
+        const FORCES = 1 << 3;
+        /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the distance equals the margin, or the force
+        /// is zero. The method `Analytic` gives the derivative for the constraints that act at present. The others report
+        /// [`DIFFERENCES`](Self::DIFFERENCES).
+        const CONSTRAINTS = 1 << 4;
+        /// Differences to the right and to the left disagree by more than 2 %, with each step that was tried, so that some entries are not derivatives. Either
+        /// there is a kink, of which central differences give the mean slope of the sides, or they do not converge because the result
+        /// jumps: for example contacts of meshes, whose collision function stops at a tolerance, or bodies that penetrate each other deeply.
+        /// Without a step in the [options](super::TransitionOptions::eps), differences that disagree are repeated with steps that are 10 and 100
+        /// times larger. Only [central](super::Differences::Central) differences can be checked, and not those of the method `Engine`.
+        const DIFFERENCES = 1 << 5;
+    }
+}
+
 /// Report of the method by which a step was linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -185,11 +231,13 @@ pub struct LinearisationReport {
     pub fallback: Option<Fallback>,
     /// Terms that the analytic method computed by differences. Empty for the other methods, which are differences throughout.
     pub differenced: DifferencedTerms,
+    /// Kinks at the state: the derivative exists on each side only, or does not exist.
+    pub kinks: Kinks,
 }
 
 impl LinearisationReport {
-    /// Creates the report of a method without differenced terms.
+    /// Creates the report of a method without differenced terms or kinks.
     pub(crate) fn new(method: TransitionMethod, fallback: Option<Fallback>) -> Self {
-        Self { method, fallback, differenced: DifferencedTerms::empty() }
+        Self { method, fallback, differenced: DifferencedTerms::empty(), kinks: Kinks::empty() }
     }
 }

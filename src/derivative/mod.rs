@@ -19,6 +19,7 @@ mod analytic;
 mod columns;
 mod implicit;
 mod inverse;
+mod kinks;
 pub(crate) mod linear_algebra;
 mod lineariser;
 mod method;
@@ -35,7 +36,7 @@ mod worker;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
 pub use self::lineariser::Lineariser;
-pub use self::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+pub use self::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
 pub(crate) use self::work_queue::for_each_item;

@@ -37,7 +37,7 @@ pub(super) struct Newton {
     /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix after [`solve`](Self::solve).
     pub(super) factor: Matrix,
     /// `J a − aref`.
-    jar: Vec<f64>,
+    pub(super) jar: Vec<f64>,
     /// `efc_state` before the step.
     states: Vec<i32>,
     step: Vec<f64>,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::TransitionOutputs;
 use super::method::Step;
-use super::{Differences, TransitionOutputs};
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
 use crate::model::Model;
@@ -39,6 +39,8 @@ pub(super) struct Wanted {
     pub(super) states: bool,
     /// Columns of the controls: B or D.
     pub(super) controls: bool,
+    /// Rows of the state: A or B.
+    pub(super) system: bool,
     /// Rows of the sensors: C or D.
     pub(super) sensors: bool,
 }
@@ -48,6 +50,7 @@ impl Wanted {
         Self {
             states: outputs.a.is_some() || outputs.c.is_some(),
             controls: outputs.b.is_some() || outputs.d.is_some(),
+            system: outputs.a.is_some() || outputs.b.is_some(),
             sensors: outputs.c.is_some() || outputs.d.is_some(),
         }
     }
@@ -59,6 +62,8 @@ pub(super) struct Settings<'m> {
     pub(super) model: &'m Model,
     pub(super) wanted: Wanted,
     pub(super) step: Step,
+    /// Marks rows of C and D that the caller has already; the rest is differenced. Empty for none.
+    pub(super) keep: &'m [bool],
 }
 
 /// Returns the inputs in the order in which columns are computed.
@@ -73,23 +78,6 @@ pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Inpu
     let velocities = range(nv, wanted.states).map(Input::Velocity);
     let positions = range(nv, wanted.states).map(Input::Position);
     controls.chain(activations).chain(velocities).chain(positions)
-}
-
-/// Returns whether an input is perturbed to the right and to the left. A limited control is perturbed only within its range,
-/// as in the engine.
-pub(super) fn sides(data: &Data, input: Input, step: Step) -> (bool, bool) {
-    let central = step.differences == Differences::Central;
-    let Input::Control(control) = input else { return (true, central) };
-    let model = data.model();
-    if model.actuator_ctrllimited()[control] == 0 {
-        return (true, central);
-    }
-    let [low, high] = model.actuator_ctrlrange()[control];
-    let ctrl = data.ctrl()[control];
-    let inside = |value: f64| low <= value && value <= high;
-    let right = inside(ctrl) && inside(ctrl + step.eps);
-    let left = (central || !right) && inside(ctrl) && inside(ctrl - step.eps);
-    (right, left)
 }
 
 /// Point to linearise about.

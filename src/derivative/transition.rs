@@ -4,8 +4,6 @@ use std::ptr;
 
 use mujoco_sys::{guard, mjSENS_CLOCK};
 
-use super::method::Step;
-use super::perturbation::{Input, sides};
 use super::{Differences, check_eps};
 use crate::data::{Data, PipelineFlags};
 use crate::enums::Integrator;
@@ -176,7 +174,7 @@ impl Data {
             && let Some(d) = &mut outputs.d
         {
             for control in 0..model.nu() {
-                if sides(self, Input::Control(control), Step { differences, eps }) == (true, true) {
+                if differences == Differences::Central && self.can_perturb_to_both_sides(control, eps) {
                     (0..model.nsensordata()).for_each(|sensor| d[(sensor, control)] = 0.0 - d[(sensor, control)]);
                 }
             }
@@ -188,6 +186,14 @@ impl Data {
                 }
             }
         }
+    }
+
+    /// Returns `true` if the engine perturbs a control to both sides: one that is limited only if both are in its range.
+    fn can_perturb_to_both_sides(&self, control: usize, eps: f64) -> bool {
+        let [low, high] = self.model().actuator_ctrlrange()[control];
+        let ctrl = self.ctrl()[control];
+        self.model().actuator_ctrllimited()[control] == 0
+            || [ctrl - eps, ctrl, ctrl + eps].iter().all(|ctrl| (low..=high).contains(ctrl))
     }
 
     /// Returns `true` if the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::analytic::Analytic;
 use super::columns::StepDifferences;
 use super::implicit::Linearisation;
-use super::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use super::kinks;
+use super::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
 use super::support::Obstacles;
 use super::work_queue::{WorkQueue, for_each_worker};
@@ -23,8 +24,8 @@ pub(super) struct Worker {
     pub(super) analytic: Analytic,
     /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
     prepared: Option<bool>,
-    /// Result of this worker's share of the columns.
-    outcome: Result<()>,
+    /// Result of this worker's share of the columns: their kinks.
+    outcome: Result<Kinks>,
     /// Buffer for the flags of the rows of C and D in closed form.
     keep: Vec<bool>,
     /// Columns of the systems for which this worker is the first.
@@ -79,7 +80,7 @@ impl Worker {
             implicit: Linearisation::new(model),
             analytic: Analytic::new(model),
             prepared: None,
-            outcome: Ok(()),
+            outcome: Ok(Kinks::empty()),
             keep: Vec::with_capacity(model.nsensordata()),
             columns: Columns::new(model),
         })
@@ -111,7 +112,8 @@ pub(super) fn linearise(
         let (point, step) = (&mut workers[0].point, options.step(method));
         point.set_base(base)?;
         point.data.transition_fd_into(step.eps, step.differences, outputs)?;
-        return Ok(LinearisationReport::new(method, fallback));
+        let kinks = kinks::of_inputs(&point.data, None);
+        return Ok(LinearisationReport { kinks, ..LinearisationReport::new(method, fallback) });
     }
     if method != TransitionMethod::Analytic {
         return difference(workers, base, options, (method, fallback), &[], outputs);
@@ -142,21 +144,24 @@ fn difference(
     let report = LinearisationReport::new(method, fallback);
     let model = workers[0].point.data.model().clone();
     let wanted = Wanted::by(&outputs);
-    let settings = Settings { model: &model, wanted, step: options.step(method) };
+    let settings = Settings { model: &model, wanted, step: options.step(method), keep };
     // The workers are borrowed while they write to the columns.
     let mut columns = std::mem::take(&mut workers[0].columns);
     let result = match method {
         TransitionMethod::Implicit => match differentiate_implicitly(workers, &mut columns, base, settings) {
-            Ok(true) => Ok(report),
-            Ok(false) => {
+            Ok(Some(kinks)) => Ok(LinearisationReport { kinks, ..report }),
+            Ok(None) => {
                 let method = TransitionMethod::Columns;
                 let settings = Settings { step: options.step(method), ..settings };
+                let report = LinearisationReport::new(method, Some(Fallback::NotConverged));
                 difference_steps(workers, &mut columns, base, settings)
-                    .map(|()| LinearisationReport::new(method, Some(Fallback::NotConverged)))
+                    .map(|kinks| LinearisationReport { kinks, ..report })
             }
             Err(error) => Err(error),
         },
-        _ => difference_steps(workers, &mut columns, base, settings).map(|()| report),
+        _ => {
+            difference_steps(workers, &mut columns, base, settings).map(|kinks| LinearisationReport { kinks, ..report })
+        }
     };
     if result.is_ok() {
         columns.write_to(&model, wanted, keep, &mut outputs);
@@ -174,21 +179,23 @@ fn difference_sensors(
     mut differenced: DifferencedTerms,
 ) -> Result<LinearisationReport> {
     let outputs = TransitionOutputs { a: None, b: None, ..outputs };
+    let mut kinks = workers[0].analytic.kinks;
     if Wanted::by(&outputs).sensors {
         // The workers are borrowed while they difference the others.
         let mut keep = std::mem::take(&mut workers[0].keep);
         keep.clear();
         keep.extend_from_slice(workers[0].analytic.sensors_in_closed_form());
         let result = if keep.iter().all(|&keep| keep) {
-            Ok(())
+            Ok(Kinks::empty())
         } else {
             differenced |= DifferencedTerms::SENSORS;
-            difference(workers, base, options, (TransitionMethod::Implicit, None), &keep, outputs).map(drop)
+            let report = difference(workers, base, options, (TransitionMethod::Implicit, None), &keep, outputs);
+            report.map(|report| report.kinks)
         };
         workers[0].keep = keep;
-        result?;
+        kinks |= result?;
     }
-    Ok(LinearisationReport { differenced, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
+    Ok(LinearisationReport { differenced, kinks, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
 }
 
 /// Computes all columns by differences of a step.
@@ -197,29 +204,30 @@ fn difference_steps(
     columns: &mut Columns,
     base: BasePoint<'_>,
     settings: Settings<'_>,
-) -> Result<()> {
+) -> Result<Kinks> {
     let Columns { order, rows, .. } = columns;
     let queue = column_queue(settings, order, rows);
     share(workers, |worker, first| {
+        let mut kinks = Kinks::empty();
         if first || queue.is_worth_joining() {
             let Worker { point, differences, .. } = worker;
             point.set_base(base)?;
-            differences.prepare(point, settings)?;
+            kinks |= differences.prepare(point, settings)?;
             while let Some((&input, row)) = queue.take() {
-                differences.column(point, settings, input, row)?;
+                kinks |= differences.column(point, settings, input, row)?;
             }
         }
-        Ok(())
+        Ok(kinks)
     })
 }
 
-/// Computes all columns by differences of inverse dynamics. Returns `false` if the solver has not converged.
+/// Computes all columns by differences of inverse dynamics, and returns the kinks; `None` if the solver has not converged.
 fn differentiate_implicitly(
     workers: &mut [Worker],
     columns: &mut Columns,
     base: BasePoint<'_>,
     settings: Settings<'_>,
-) -> Result<bool> {
+) -> Result<Option<Kinks>> {
     let Columns { order, rows, acceleration_sensors } = columns;
     for worker in &mut *workers {
         worker.prepared = None;
@@ -234,21 +242,23 @@ fn differentiate_implicitly(
                     worker.implicit.acceleration_row(&mut worker.point, settings, dof, row)?;
                 }
             }
-            Ok(())
+            Ok(Kinks::empty())
         })?;
     }
     let acceleration_sensors = &*acceleration_sensors;
     let queue = column_queue(settings, order, rows);
-    share(workers, |worker, first| {
+    let kinks = share(workers, |worker, first| {
+        let mut kinks = Kinks::empty();
         if (first || queue.is_worth_joining()) && worker.prepare_implicit(base, settings)? {
+            kinks |= worker.implicit.kinks;
             while let Some((&input, row)) = queue.take() {
                 let Worker { point, implicit, .. } = worker;
-                implicit.column(point, settings, input, acceleration_sensors, row)?;
+                kinks |= implicit.column(point, settings, input, acceleration_sensors, row)?;
             }
         }
-        Ok(())
+        Ok(kinks)
     })?;
-    Ok(workers[0].prepared == Some(true))
+    Ok((workers[0].prepared == Some(true)).then_some(kinks))
 }
 
 /// Creates the queue of inputs, each with the row that its column is written to.
@@ -263,9 +273,9 @@ fn column_queue<'a>(
     WorkQueue::new(order.iter().zip(rows.as_mut_slice().chunks_exact_mut(width)))
 }
 
-/// Runs `work` on all workers, and returns the error of the first worker that failed.
-fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<()> + Sync) -> Result<()> {
+/// Runs `work` on all workers, and returns their kinks, or the error of the first worker that failed.
+fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<Kinks> + Sync) -> Result<Kinks> {
     for_each_worker(workers, |worker, first| worker.outcome = work(worker, first));
-    let outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(())));
-    outcomes.fold(Ok(()), Result::and)
+    let outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(Kinks::empty())));
+    outcomes.fold(Ok(Kinks::empty()), |all, outcome| Ok(all? | outcome?))
 }

@@ -58,7 +58,7 @@ use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
 use self::tree::Tree;
 use super::linear_algebra::solve_cholesky;
-use super::method::{DifferencedTerms, Fallback};
+use super::method::{DifferencedTerms, Fallback, Kinks};
 use super::newton::Newton;
 use super::{InverseForce, TransitionOutputs, sizes, spatial};
 use crate::data::Data;
@@ -89,6 +89,8 @@ pub(super) struct Analytic {
     derivative: Matrix,
     /// `(na)`
     next_activation: Vec<NextActivation>,
+    /// Kinks at the state of the last linearisation.
+    pub(super) kinks: Kinks,
 }
 
 /// Returns the acceleration of gravity, zero if it is disabled.
@@ -119,6 +121,7 @@ impl Analytic {
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],
+            kinks: Kinks::empty(),
         }
     }
 
@@ -173,7 +176,7 @@ impl Analytic {
         wants_sensors: bool,
     ) -> Result<Outcome> {
         let has_actuators = inverse != Some(InverseForce::Total);
-        let Self { tree, bodies, tendons, constraints, row, derivative, next_activation, .. } = self;
+        let Self { tree, bodies, tendons, constraints, newton, row, derivative, next_activation, kinks, .. } = self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
         bodies.differentiate(data, tree, gravity(data.model()), (data.qvel(), data.qacc()), derivative);
@@ -185,10 +188,12 @@ impl Analytic {
             return Ok(Err(Fallback::SpatialTendon));
         }
         passive::differentiate(data, tendons, row, derivative);
+        *kinks = Kinks::empty();
         if has_actuators {
-            actuators::differentiate(data, tree, tendons, derivative, next_activation);
+            *kinks |= actuators::differentiate(data, tree, tendons, derivative, next_activation);
         }
-        let differenced = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)?;
+        let differenced =
+            constraints.differentiate(data, tree, tendons, wants_sensors, derivative, (&newton.jar, kinks))?;
         Ok(differenced.ok_or(Fallback::Constraint))
     }
 

@@ -134,5 +134,6 @@ fn differentiate(
         data.inverse_fd_into(eps, force, InverseOutputs { ds_dq, ds_dv, ds_da, ..Default::default() })?;
     }
     analytic.write_inverse(data, outputs);
-    Ok(LinearisationReport { differenced, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
+    let kinks = analytic.kinks;
+    Ok(LinearisationReport { differenced, kinks, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
 }

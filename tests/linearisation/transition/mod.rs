@@ -3,8 +3,11 @@
 
 pub(crate) mod analytic;
 mod contract;
+mod disabled;
 pub(crate) mod features;
+mod kinks;
 pub(crate) mod oracle;
+mod special_states;
 
 use mujoco_safe::{Data, Matrix, StateSpace, sample};
 

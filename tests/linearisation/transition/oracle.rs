@@ -36,15 +36,58 @@ impl Oracle {
     }
 
     fn central(&mut self, perturb: &dyn Fn(&mut Data, f64), width: f64) -> Vec<f64> {
-        let model = self.data.model().clone();
+        let right = self.step(perturb, width);
+        let left = self.step(perturb, -width);
+        self.quotient(&left, &right, 2.0 * width)
+    }
+
+    fn quotient(
+        &self,
+        (left, left_sensors): &(Vec<f64>, Vec<f64>),
+        (right, right_sensors): &(Vec<f64>, Vec<f64>),
+        width: f64,
+    ) -> Vec<f64> {
+        let model = self.data.model();
         let (nq, nv) = (model.nq(), model.nv());
-        let (right, right_sensors) = self.step(perturb, width);
-        let (left, left_sensors) = self.step(perturb, -width);
         let mut column = vec![0.0; nv];
-        model.differentiate_pos_into(2.0 * width, &left[..nq], &right[..nq], &mut column).unwrap();
-        let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(&left_sensors));
-        column.extend(rest.map(|(right, left)| (right - left) / (2.0 * width)));
+        model.differentiate_pos_into(width, &left[..nq], &right[..nq], &mut column).unwrap();
+        let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(left_sensors));
+        column.extend(rest.map(|(right, left)| (right - left) / width));
         column
+    }
+
+    /// Returns a column by differences to the right (`side` 1) or to the left (-1), with the estimated errors: of several steps, the one with
+    /// the least error for each entry. `base` is [`step`](Self::step) without a perturbation.
+    pub(crate) fn one_sided(&mut self, index: usize, side: f64, base: &(Vec<f64>, Vec<f64>)) -> Vec<(f64, f64)> {
+        let perturb = self.perturbation(index);
+        let quotients = |oracle: &mut Self, width: f64| {
+            let sample = oracle.step(&perturb, side * width);
+            oracle.quotient(base, &sample, side * width)
+        };
+        let mut best = Vec::new();
+        for width in [1e-3, 1e-4, 1e-5, 1e-6] {
+            let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| quotients(self, part * width));
+            let estimates = (0..coarse.len()).map(|i| {
+                let (first, second) = (2.0 * middle[i] - coarse[i], 2.0 * fine[i] - middle[i]);
+                (second, (second - first).abs())
+            });
+            if best.is_empty() {
+                best = estimates.collect();
+            } else {
+                let better = |(best, new): (&mut (f64, f64), (f64, f64))| {
+                    if new.1 < best.1 {
+                        *best = new
+                    }
+                };
+                best.iter_mut().zip(estimates).for_each(better);
+            }
+        }
+        best
+    }
+
+    /// Returns the state and the sensors after a step.
+    pub(crate) fn base(&mut self) -> (Vec<f64>, Vec<f64>) {
+        self.step(&|_, _| (), 0.0)
     }
 
     fn extrapolate(&mut self, perturb: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
@@ -60,9 +103,16 @@ impl Oracle {
     /// Returns a column of the linear system, `[next state; sensors]`, by differences whose largest step is `width`. The columns
     /// are those of A and C, and then those of B and D.
     pub(crate) fn column(&mut self, index: usize, width: f64) -> Vec<f64> {
+        let perturb = self.perturbation(index);
+        self.width = width;
+        self.extrapolate(&perturb)
+    }
+
+    /// Returns the function that adds a number to the input of a column.
+    fn perturbation(&self, index: usize) -> impl Fn(&mut Data, f64) + use<> {
         let model = self.data.model().clone();
         let (nv, na, nx) = (model.nv(), model.na(), 2 * model.nv() + model.na());
-        let perturb = |data: &mut Data, by: f64| {
+        move |data: &mut Data, by: f64| {
             if index < nv {
                 let mut direction = vec![0.0; nv];
                 direction[index] = 1.0;
@@ -74,9 +124,7 @@ impl Oracle {
             } else {
                 data.ctrl_mut()[index - nx] += by;
             }
-        };
-        self.width = width;
-        self.extrapolate(&perturb)
+        }
     }
 }
 

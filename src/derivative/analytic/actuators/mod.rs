@@ -9,8 +9,9 @@ mod site;
 
 use self::site::for_each_change;
 pub(super) use self::site::site_of;
+use super::super::kinks::{self, is_at, is_inside};
 use super::super::linear_algebra::add;
-use super::super::method::Fallback;
+use super::super::method::{Fallback, Kinks};
 use super::tendon::{Tendons, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;
@@ -47,6 +48,11 @@ pub(in crate::derivative) fn obstacle(model: &Model) -> Option<Fallback> {
 
 fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
+}
+
+/// Returns `true` if the velocities of actuators follow those of the joints. Since 3.2 they are constant without actuation.
+pub(super) fn has_velocities(model: &Model) -> bool {
+    cfg!(not(engine_since = "3.2.0")) || !actuation_is_disabled(model)
 }
 
 /// Returns `true` if the moment arms of an actuator are constant or those of a tendon, and if its length depends on the position
@@ -121,6 +127,8 @@ struct ForceSlopes {
     by_input: f64,
     /// Column of the control or the activation among positions, velocities, activations and controls.
     input_column: usize,
+    /// True for a force at an end of its range.
+    is_at_limit: bool,
 }
 
 impl ForceSlopes {
@@ -147,7 +155,8 @@ impl ForceSlopes {
         };
         let force = gain.value * input + bias.value;
         let [low, high] = model.actuator_forcerange()[actuator];
-        if model.actuator_forcelimited()[actuator] != 0 && !(low..=high).contains(&force) {
+        let is_limited = model.actuator_forcelimited()[actuator] != 0;
+        if is_limited && !is_inside(force, [low, high]) {
             return None;
         }
         // The length of an actuator on a site is constant.
@@ -157,6 +166,7 @@ impl ForceSlopes {
             by_velocity: gain.by_velocity * input + bias.by_velocity,
             by_input: gain.value * input_slope,
             input_column,
+            is_at_limit: is_limited && (is_at(force, low) || is_at(force, high)),
         })
     }
 }
@@ -234,26 +244,28 @@ pub(super) struct NextActivation {
 }
 
 /// Subtracts the derivatives of the actuator forces, at constant moment arms of tendons, from those of the residual, by positions,
-/// velocities, activations and controls, and writes those of the next activations, `(na)`.
+/// velocities, activations and controls, and writes those of the next activations, `(na)`. Returns the kinks of actuators.
 pub(super) fn differentiate(
     data: &Data,
     tree: &Tree,
     tendons: &Tendons,
     residual: &mut Matrix,
     next: &mut [NextActivation],
-) {
+) -> Kinks {
     let model = data.model();
     let nv = model.nv();
+    let mut kinks = kinks::of_inputs(data, None);
     if actuation_is_disabled(model) {
-        return;
+        return Kinks::empty();
     }
     for actuator in 0..model.nu() {
         if let Some(activation) = model.activation_of(actuator) {
-            next[activation] = next_activation(data, actuator, activation);
+            next[activation] = next_activation(data, actuator, activation, &mut kinks);
         }
         let force = data.actuator_force()[actuator];
         for_each_change(data, tree, actuator, |k, j, change| residual[(k, j)] -= force * change);
         let Some(slopes) = ForceSlopes::new(data, actuator) else { continue };
+        kinks.set(Kinks::FORCES, kinks.contains(Kinks::FORCES) || slopes.is_at_limit);
         let moment = data.moment_row(actuator);
         for (dof, arm) in moment.iter() {
             if arm != 0.0 {
@@ -269,6 +281,7 @@ pub(super) fn differentiate(
             }
         }
     }
+    kinks
 }
 
 /// Returns the control after clamping to its range, and its derivative: 1 within the range including its ends, 0 beyond it.
@@ -279,26 +292,32 @@ fn clamped_control(data: &Data, actuator: usize) -> (f64, f64) {
         return (control, 1.0);
     }
     let [low, high] = model.actuator_ctrlrange()[actuator];
-    let is_free = low < high && (low..=high).contains(&control);
+    let is_free = low < high && is_inside(control, [low, high]);
     (control.max(low).min(high), f64::from(u8::from(is_free)))
 }
 
 /// Differentiates `act + h ȧ`, clamped to the range of the activation.
-fn next_activation(data: &Data, actuator: usize, activation: usize) -> NextActivation {
+fn next_activation(data: &Data, actuator: usize, activation: usize, kinks: &mut Kinks) -> NextActivation {
     let model = data.model();
     let (control, control_slope) = clamped_control(data, actuator);
     let h = model.raw().opt.timestep;
     let next = data.act()[activation] + h * data.act_dot()[activation];
-    let [low, high] = model.actuator_actrange()[actuator];
-    if model.actuator_actlimited()[actuator] != 0 && !(low..=high).contains(&next) {
-        return NextActivation { actuator, ..NextActivation::default() };
+    let range @ [low, high] = model.actuator_actrange()[actuator];
+    if model.actuator_actlimited()[actuator] != 0 {
+        if !is_inside(next, range) {
+            return NextActivation { actuator, ..NextActivation::default() };
+        }
+        kinks.set(Kinks::ACTIVATIONS, kinks.contains(Kinks::ACTIVATIONS) || is_at(next, low) || is_at(next, high));
     }
     let (rate_by_activation, rate_by_control) = match ActuatorDynamics::from_raw(model.actuator_dyntype()[actuator]) {
         Some(ActuatorDynamics::Filter) => {
             let rate = 1.0 / model.actuator_dynprm()[actuator][0].max(MIN_TIME_CONSTANT);
             (-rate, rate)
         }
-        Some(ActuatorDynamics::Muscle) => muscle::activation_rate(model, actuator, control, data.act()[activation]),
+        Some(ActuatorDynamics::Muscle) => {
+            let sides = kinks::muscle_sides(data, actuator, activation);
+            muscle::activation_rate(model, actuator, (control, data.act()[activation]), sides)
+        }
         _ => (0.0, 1.0),
     };
     NextActivation {

@@ -2,11 +2,13 @@
 //!
 //! For the normalised length L and velocity V, the gain is `−F FL(L) FV(V)` and the bias `−F FP(L)`, where F is the peak active
 //! force and all curves are piecewise quadratic. The activation follows the control with a time constant that depends on the
-//! activation: `ȧ = (u − a)/τ(a)`, `τ = τ₀ s` for u above a and `τ₁/s` below it, `s = 0.5 + 1.5 a`. (M. Millard, T. Uchida, A. Seth
+//! activation: `ȧ = (u − a)/τ(a)`, `τ = τ₀ s` for u above a and `τ₁/s` below it, `s = 0.5 + 1.5 a`; since 2.3.6 a smooth step of any width
+//! can replace that at u = a. (M. Millard, T. Uchida, A. Seth
 //! and S. Delp, "Flexing computational muscle", Journal of Biomechanical Engineering 2013; "Muscle actuators" in the engine's
 //! documentation.)
 
 use super::{Curve, MIN_TIME_CONSTANT};
+use crate::derivative::kinks::{MuscleSides, is_inside};
 use crate::model::Model;
 
 /// Smallest divisor, as in the engine.
@@ -64,10 +66,13 @@ fn length_curve(length: f64, shortest: f64, longest: f64) -> (f64, f64) {
     };
     let rising = |(x, slope): (f64, f64)| (0.5 * x * x, x * slope);
     let falling = |(x, slope): (f64, f64)| (1.0 - 0.5 * x * x, -x * slope);
+    if cfg!(engine_since = "3.1.2") && !(shortest..=longest).contains(&length) {
+        return (0.0, 0.0);
+    }
     if (shortest..=low).contains(&length) {
         rising(piece(shortest, low, 1.0))
     } else if length <= 1.0 {
-        // The engine continues this piece below the shortest length.
+        // Before 3.1.2 the engine continues this piece below the shortest length.
         falling(piece(1.0, low, -1.0))
     } else if length <= high {
         falling(piece(1.0, high, 1.0))
@@ -111,21 +116,50 @@ pub(super) fn bias(model: &Model, actuator: usize, length: f64) -> Curve {
     Curve { value: -passive * value, by_length: -passive * slope * muscle.scale, by_velocity: 0.0 }
 }
 
-/// Returns the derivatives of the rate of an activation by the activation and by the control.
-pub(super) fn activation_rate(model: &Model, actuator: usize, control: f64, activation: f64) -> (f64, f64) {
-    let [rise, fall, ..] = model.actuator_dynprm()[actuator];
+/// Returns the derivatives of the rate of an activation by the activation and by the control, each on its side of the kink.
+pub(super) fn activation_rate(
+    model: &Model,
+    actuator: usize,
+    (control, activation): (f64, f64),
+    sides: MuscleSides,
+) -> (f64, f64) {
+    let [rise, fall, width, ..] = model.actuator_dynprm()[actuator];
     let clamped = control.clamp(0.0, 1.0);
-    let control_slope = if (0.0..=1.0).contains(&control) { 1.0 } else { 0.0 };
+    let control_slope = if is_inside(control, [0.0, 1.0]) { 1.0 } else { 0.0 };
     let scale = 0.5 + 1.5 * activation.clamp(0.0, 1.0);
-    let scale_slope = if (0.0..=1.0).contains(&activation) { 1.5 } else { 0.0 };
-    let (constant, constant_slope) = if clamped > activation {
-        (rise * scale, rise * scale_slope)
-    } else {
-        (fall / scale, -fall * scale_slope / (scale * scale))
+    let scale_slope = if is_inside(activation, [0.0, 1.0]) { 1.5 } else { 0.0 };
+    let excess = clamped - activation;
+    let rising = (rise * scale, rise * scale_slope);
+    let falling = (fall / scale, -fall * scale_slope / (scale * scale));
+    // The time constant, and its derivatives by the activation at a constant excess, and by the excess.
+    let time_constant = |is_rising: bool| {
+        if cfg!(not(engine_since = "2.3.6")) || width < MIN {
+            let (constant, slope) = if is_rising { rising } else { falling };
+            return (constant, slope, 0.0);
+        }
+        let (step, step_slope) = smooth_step(excess / width + 0.5);
+        let mix = |rising: f64, falling: f64| falling + step * (rising - falling);
+        (mix(rising.0, falling.0), mix(rising.1, falling.1), (rising.0 - falling.0) * step_slope / width)
     };
-    if constant < MIN_TIME_CONSTANT {
-        return (-1.0 / MIN_TIME_CONSTANT, control_slope / MIN_TIME_CONSTANT);
+    let rate = |is_rising: bool| {
+        let (constant, by_activation, by_excess) = time_constant(is_rising);
+        if constant < MIN_TIME_CONSTANT {
+            return (-1.0 / MIN_TIME_CONSTANT, 1.0 / MIN_TIME_CONSTANT);
+        }
+        let of_constant = excess / (constant * constant);
+        let by_control = 1.0 / constant - of_constant * by_excess;
+        (-by_control - of_constant * by_activation, by_control)
+    };
+    (rate(sides.of_activation).0, control_slope * rate(sides.of_control).1)
+}
+
+/// Returns the value and the slope of the engine's sigmoid, a polynomial between 0 and 1.
+fn smooth_step(x: f64) -> (f64, f64) {
+    if x <= 0.0 {
+        (0.0, 0.0)
+    } else if x >= 1.0 {
+        (1.0, 0.0)
+    } else {
+        (x.powi(3) * (3.0 * x * (2.0 * x - 5.0) + 10.0), 30.0 * (x * (1.0 - x)).powi(2))
     }
-    let by_activation = -1.0 / constant - (clamped - activation) * constant_slope / (constant * constant);
-    (by_activation, control_slope / constant)
 }

@@ -9,6 +9,7 @@ use mujoco_sys::mjContact;
 use super::contact_geometry::{ContactGeometry, world_axis};
 use crate::data::{CollisionFunction, Data, FoundContact};
 use crate::derivative::analytic::spatial::{Vec3, add, dot, scale, sub};
+use crate::derivative::method::Kinks;
 use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
@@ -24,8 +25,8 @@ const MARGIN: f64 = 1e-3;
 /// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.
 const MAX_SHIFT: f64 = 1e-4;
 
-/// Returns the derivatives of a contact by a twist of its second geom, or `None` if they cannot be differenced.
-pub(super) fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<ContactGeometry>> {
+/// Returns the derivatives of a contact by a twist of its second geom, and the kinks, or `None` if they cannot be differenced.
+pub(super) fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<(ContactGeometry, Kinks)>> {
     let geoms = [contact.geom1, contact.geom2].map(ffi::size);
     let types = geoms.map(|geom| GeomType::of_field(data.model().geom_type()[geom]));
     let is_exact =
@@ -48,7 +49,13 @@ fn move_geom(data: &mut Data, geom: usize, (position, rotation): &Pose) {
 }
 
 /// Differences the contact, and leaves the second geom moved.
-fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Pose) -> Result<Option<ContactGeometry>> {
+fn difference(
+    data: &mut Data,
+    contact: &mjContact,
+    geoms: [usize; 2],
+    pose: &Pose,
+) -> Result<Option<(ContactGeometry, Kinks)>> {
+    let mut kinks = Kinks::empty();
     let frame_normal = [contact.frame[0], contact.frame[1], contact.frame[2]];
     let mut geometry = ContactGeometry {
         position: [[0.0; 6]; 3],
@@ -59,6 +66,7 @@ fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Po
     };
     for column in 0..6 {
         let mut derivative = [0.0; 7];
+        let mut converges = false;
         for step in STEPS {
             let mut quotient =
                 |step| quotient(data, contact, geoms, |by| perturbed(pose, &contact.pos, column, by), step);
@@ -69,8 +77,12 @@ fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Po
             let largest = |values: [f64; 7]| values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
             let deviation = largest(std::array::from_fn(|i| near[i] - far[i]));
             if deviation <= MAX_DEVIATION * (1.0 + largest(near)) {
+                converges = true;
                 break;
             }
+        }
+        if !converges {
+            kinks |= Kinks::DIFFERENCES;
         }
         for axis in 0..3 {
             geometry.position[axis][column] = derivative[axis];
@@ -78,7 +90,7 @@ fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Po
         }
         geometry.distance[column] = derivative[6];
     }
-    Ok(Some(geometry))
+    Ok(Some((geometry, kinks)))
 }
 
 /// Returns the central difference quotients of the position, the normal and the distance of a contact, or `None` if they are

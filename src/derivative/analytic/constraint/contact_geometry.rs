@@ -10,7 +10,7 @@ use mujoco_sys::mjContact;
 use super::contact_differences;
 use crate::data::Data;
 use crate::derivative::analytic::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub};
-use crate::derivative::method::DifferencedTerms;
+use crate::derivative::method::{DifferencedTerms, Kinks};
 use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
@@ -33,14 +33,15 @@ pub(super) struct ContactGeometry {
 }
 
 impl ContactGeometry {
-    /// Returns the derivatives, in closed form or else by differences of the collision function, and the terms that were differenced.
+    /// Returns the derivatives, in closed form or else by differences of the collision function, the terms that were differenced, and
+    /// the kinks that the differences have found.
     /// Returns `None` for pairs of geoms whose collision function iterates.
-    pub(super) fn new(data: &mut Data, contact: &mjContact) -> Result<Option<(Self, DifferencedTerms)>> {
+    pub(super) fn new(data: &mut Data, contact: &mjContact) -> Result<Option<(Self, DifferencedTerms, Kinks)>> {
         if let Some(geometry) = Self::in_closed_form(data, contact) {
-            return Ok(Some((geometry, DifferencedTerms::empty())));
+            return Ok(Some((geometry, DifferencedTerms::empty(), Kinks::empty())));
         }
         let geometry = contact_differences::differentiate(data, contact)?;
-        Ok(geometry.map(|geometry| (geometry, DifferencedTerms::CONTACTS)))
+        Ok(geometry.map(|(geometry, kinks)| (geometry, DifferencedTerms::CONTACTS, kinks)))
     }
 
     fn in_closed_form(data: &Data, contact: &mjContact) -> Option<Self> {

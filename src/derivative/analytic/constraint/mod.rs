@@ -11,6 +11,7 @@ mod contact_geometry;
 mod equality;
 mod force_sensors;
 mod interactions;
+mod kinks;
 mod limit;
 mod rows;
 mod tendon;
@@ -29,7 +30,7 @@ use self::rows::Rows;
 use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::method::DifferencedTerms;
+use crate::derivative::method::{DifferencedTerms, Kinks};
 use crate::derivative::newton::contacts;
 use crate::error::Result;
 use crate::ffi;
@@ -55,7 +56,7 @@ impl Constraints {
     }
 
     /// Subtracts the derivatives of the constraint forces from those of the residual, by positions and velocities. Returns the
-    /// terms that were differenced, or `None` if an active constraint has no formula. Also differentiates sensors of constraint
+    /// terms that were differenced, or `None` if an active constraint has no formula. Adds the kinks, for residuals `jar` of the rows. Also differentiates sensors of constraint
     /// forces, if they are wanted.
     pub(super) fn differentiate(
         &mut self,
@@ -64,7 +65,9 @@ impl Constraints {
         tendons: &mut Tendons,
         wants_sensors: bool,
         residual: &mut Matrix,
+        (jar, kinks): (&[f64], &mut Kinks),
     ) -> Result<Option<DifferencedTerms>> {
+        *kinks |= kinks::of_state(data, jar);
         let mut differenced = DifferencedTerms::empty();
         self.force_sensors.clear();
         self.interactions.clear(wants_sensors);
@@ -92,8 +95,11 @@ impl Constraints {
                     }
                     _ => {
                         let contact = contacts(data)[ffi::size(data.efc_id()[row])];
-                        let Some((geometry, terms)) = ContactGeometry::new(data, &contact)? else { return Ok(None) };
+                        let Some((geometry, terms, found)) = ContactGeometry::new(data, &contact)? else {
+                            return Ok(None);
+                        };
                         differenced |= terms;
+                        *kinks |= found;
                         contact::differentiate(self, data, tree, row, count, &geometry, residual)
                     }
                 };

@@ -37,7 +37,7 @@ pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>
             data.tendon_row(object).write_into(velocities);
         }
         Some(SensorType::ActuatorPosition) => data.moment_row(object).write_into(positions),
-        Some(SensorType::ActuatorVelocity) => {
+        Some(SensorType::ActuatorVelocity) if actuators::has_velocities(model) => {
             actuators::add_velocity_change(data, point.tree, tendons, object, 1.0, positions);
             data.moment_row(object).write_into(velocities);
         }

@@ -1,0 +1,379 @@
+//! States where a step has a kink: each method takes the documented side, or the report names the kink.
+
+use mujoco_safe::derivative::{Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Differences, Lineariser, StateSpace, math};
+
+use super::analytic::model;
+use super::{assert_near, deviation};
+
+const METHODS: [TransitionMethod; 4] =
+    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
+
+/// Methods that take the side of the documentation.
+const WITH_SIDES: [TransitionMethod; 3] =
+    [TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
+
+fn linearise(data: &mut Data, method: TransitionMethod) -> (StateSpace, LinearisationReport) {
+    linearise_with(data, TransitionOptions::default().with_method(method))
+}
+
+fn linearise_with(data: &mut Data, options: TransitionOptions) -> (StateSpace, LinearisationReport) {
+    Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()
+}
+
+/// Returns a simulation of a muscle at a joint or a tendon, with additions to the actuator.
+fn muscle(transmission: &str, actuator: &str) -> Data {
+    model(&format!(
+        r#"<mujoco>
+             <option timestep="0.005"/>
+             <worldbody><body><joint name="j" axis="0 1 0" damping="0.1"/><geom size="0.05" pos="0.2 0 0"/></body></worldbody>
+             <tendon><fixed name="t"><joint joint="j" coef="0.7"/></fixed></tendon>
+             <actuator><muscle {transmission} lengthrange="-1 1" {actuator}/></actuator>
+           </mujoco>"#
+    ))
+}
+
+#[test]
+fn a_steady_muscle_contracts() {
+    const H: f64 = 0.005;
+    const RISE: f64 = 0.01;
+    const FALL: f64 = 0.04;
+    for transmission in [r#"joint="j""#, r#"tendon="t""#] {
+        for limits in ["", r#"ctrllimited="true" ctrlrange="0 1""#] {
+            let mut data = muscle(transmission, limits);
+            for level in [0.0, 0.3, 0.5, 1.0] {
+                data.ctrl_mut()[0] = level;
+                data.act_mut()[0] = level;
+                let scale = 0.5 + 1.5 * level;
+                let rising = H / (RISE * scale);
+                // A control at the upper end of its range cannot grow.
+                let by_control = if level == 1.0 { H * scale / FALL } else { rising };
+                for method in WITH_SIDES {
+                    for differences in [Differences::Central, Differences::Forward] {
+                        let options = TransitionOptions::default().with_method(method).with_differences(differences);
+                        let (system, report) = linearise_with(&mut data, options);
+                        let what = format!("{transmission} {limits} {level} {method:?} {differences:?}: {system:?}");
+                        assert!((system.b[(2, 0)] - by_control).abs() < 1e-4 * by_control, "{what}");
+                        assert!((system.a[(2, 2)] - (1.0 - rising)).abs() < 1e-4, "{what}");
+                        assert!(report.kinks.contains(Kinks::MUSCLES), "{what}");
+                        assert!(!report.kinks.contains(Kinks::DIFFERENCES), "{what}");
+                    }
+                }
+                assert!(linearise(&mut data, TransitionMethod::Engine).1.kinks.contains(Kinks::MUSCLES));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_control_of_a_steady_muscle_has_the_effect_of_a_step() {
+    let mut data = muscle(r#"joint="j""#, r#"ctrllimited="true" ctrlrange="0 1""#);
+    for level in [0.0, 0.2, 0.8] {
+        let mut after = [0.0, 1e-3].map(|by| {
+            data.reset().unwrap();
+            data.act_mut()[0] = level;
+            data.ctrl_mut()[0] = level + by;
+            data.step().unwrap();
+            data.act()[0]
+        });
+        after[1] -= after[0];
+        data.reset().unwrap();
+        data.act_mut()[0] = level;
+        data.ctrl_mut()[0] = level;
+        for method in WITH_SIDES {
+            let system = linearise(&mut data, method).0;
+            assert!((system.b[(2, 0)] * 1e-3 - after[1]).abs() < 1e-8, "{level} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_muscle_that_settled_by_simulation_is_at_its_kink() {
+    let mut data = muscle(r#"joint="j""#, "");
+    for (level, start) in [(0.37, 0.9), (0.37, 0.0), (0.0, 1.0)] {
+        data.reset().unwrap();
+        data.act_mut()[0] = start;
+        data.ctrl_mut()[0] = level;
+        (0..4000).for_each(|_| data.step().unwrap());
+        let rising = 0.005 / (0.01 * (0.5 + 1.5 * level));
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            assert!((system.b[(2, 0)] - rising).abs() < 1e-4, "{level} {start} {method:?}: {system:?}");
+            assert!(report.kinks.contains(Kinks::MUSCLES), "{level} {start} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_muscle_in_motion_or_with_a_smooth_time_constant_has_no_kink() {
+    let mut data = muscle(r#"joint="j""#, "");
+    // Nearer to the kink than the step of the differences.
+    for (ctrl, act) in [(0.5, 0.2), (0.2, 0.5), (0.5, 0.5 - 1e-8), (0.5, 0.5 + 1e-8), (0.5, 1e-8), (0.5, -1e-8)] {
+        data.ctrl_mut()[0] = ctrl;
+        data.act_mut()[0] = act;
+        let (closed, report) = linearise(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::empty()));
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            assert_near(&format!("{ctrl} {act} {method:?}"), &system, &closed, 2e-5);
+            assert!(!report.kinks.contains(Kinks::MUSCLES));
+        }
+    }
+    if cfg!(engine_since = "3.5.0") {
+        for width in [0.1, 1.0] {
+            let mut data = muscle(r#"joint="j""#, &format!(r#"tausmooth="{width}""#));
+            for (ctrl, act) in [(0.5, 0.5), (0.5, 0.48), (0.5, 0.52), (0.9, 0.2), (0.2, 0.9), (1.5, 0.3), (0.4, 1.2)] {
+                data.ctrl_mut()[0] = ctrl;
+                data.act_mut()[0] = act;
+                let (closed, report) = linearise(&mut data, TransitionMethod::Analytic);
+                assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::empty()));
+                for method in METHODS {
+                    let system = linearise(&mut data, method).0;
+                    assert_near(&format!("{width} {ctrl} {act} {method:?}"), &system, &closed, 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_force_of_a_muscle_has_the_slopes_of_the_engines_curves() {
+    const H: f64 = 1e-3;
+    const STEP: f64 = 1e-6;
+    // An ordinary muscle, and one whose range of lengths exceeds that of its active force.
+    for parameters in [r#"range="0.75 1.05""#, r#"range="0.3 1.8" lmin="0.6" lmax="1.4" fpmax="0.9" fvmax="1.3""#] {
+        let mut data = model(&format!(
+            r#"<mujoco><option timestep="{H}" gravity="0 0 0"/>
+                 <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="1"/></body></worldbody>
+                 <actuator><muscle joint="j" lengthrange="-1 1" force="30" {parameters}/></actuator></mujoco>"#
+        ));
+        let gain: [f64; 9] = *data.model().actuator_gainprm()[0].first_chunk().unwrap();
+        let bias: [f64; 9] = *data.model().actuator_biasprm()[0].first_chunk().unwrap();
+        let range = data.model().actuator_lengthrange()[0];
+        let activation = 0.6;
+        let force = |length: f64, velocity: f64| {
+            activation * math::muscle_gain(length, velocity, &range, 1.0, &gain)
+                + math::muscle_bias(length, &range, 1.0, &bias)
+        };
+        // Irrational numbers, which are not at the joints of the pieces of the curves.
+        for length in (0..60).map(|i| -3.0 + 0.1 * f64::from(i) + 0.0141) {
+            for velocity in [-3.0, -0.7, 0.01, 0.3, 1.9] {
+                data.reset().unwrap();
+                data.qpos_mut()[0] = length;
+                data.qvel_mut()[0] = velocity;
+                data.act_mut()[0] = activation;
+                let slopes = [
+                    (force(length + STEP, velocity) - force(length - STEP, velocity)) / (2.0 * STEP),
+                    (force(length, velocity + STEP) - force(length, velocity - STEP)) / (2.0 * STEP),
+                ];
+                for method in METHODS {
+                    let system = linearise(&mut data, method).0;
+                    let found = [system.a[(1, 0)] / H, (system.a[(1, 1)] - 1.0) / H];
+                    for (found, expected) in found.into_iter().zip(slopes) {
+                        let error = (found - expected).abs();
+                        assert!(
+                            error < 1e-4 * (1.0 + expected.abs()),
+                            "{length} {velocity} {method:?}: {found} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns a slide with an actuator, without gravity, and with additions to the options and to the joint.
+fn slide(options: &str, joint: &str, actuator: &str) -> Data {
+    model(&format!(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0">{options}</option>
+             <worldbody><body><joint name="j" type="slide" axis="1 0 0" {joint}/><geom size="0.1" mass="2"/></body></worldbody>
+             <actuator>{actuator}</actuator></mujoco>"#
+    ))
+}
+
+#[test]
+fn a_control_at_the_end_of_its_range_has_the_derivative_inside() {
+    let mut data = slide("", "", r#"<motor joint="j" gear="3" ctrllimited="true" ctrlrange="-0.3 0.7"/>"#);
+    for ctrl in [-0.3, 0.7] {
+        data.ctrl_mut()[0] = ctrl;
+        for method in METHODS {
+            let (system, report) = linearise(&mut data, method);
+            assert!((system.b[(1, 0)] - 0.015).abs() < 1e-8, "{ctrl} {method:?}");
+            assert_eq!(report.kinks, Kinks::CONTROLS, "{ctrl} {method:?}");
+        }
+    }
+    for (ctrl, expected) in [(-0.31, 0.0), (0.71, 0.0), (0.1, 0.015)] {
+        data.ctrl_mut()[0] = ctrl;
+        for method in METHODS {
+            let (system, report) = linearise(&mut data, method);
+            assert!((system.b[(1, 0)] - expected).abs() < 1e-8, "{ctrl} {method:?}");
+            assert_eq!(report.kinks, Kinks::empty(), "{ctrl} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn controls_that_are_not_clamped_have_an_effect_beyond_their_range() {
+    let motor = r#"<motor joint="j" gear="3" ctrllimited="true" ctrlrange="-0.3 0.7"/>"#;
+    let mut data = slide(r#"<flag clampctrl="disable"/>"#, "", motor);
+    for ctrl in [-2.0, -0.3, 0.7, 1.0] {
+        data.ctrl_mut()[0] = ctrl;
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            assert!((system.b[(1, 0)] - 0.015).abs() < 1e-8, "{ctrl} {method:?}");
+            assert_eq!(report.kinks, Kinks::empty(), "{ctrl} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn an_activation_at_the_end_of_its_range_has_the_derivative_inside() {
+    for dynamics in
+        [r#"dyntype="integrator""#, r#"dyntype="filter" dynprm="0.05""#, r#"dyntype="filterexact" dynprm="0.05""#]
+    {
+        // 2.2.2 lacks these dynamics.
+        if dynamics.contains("exact") && cfg!(not(engine_since = "3.5.0")) {
+            continue;
+        }
+        let actuator = format!(r#"<general joint="j" {dynamics} actlimited="true" actrange="-0.2 0.4" gainprm="3"/>"#);
+        let mut data = slide("", "", &actuator);
+        let mut reference = slide("", "", &actuator.replace(r#"actlimited="true""#, r#"actlimited="false""#));
+        for act in [-0.2, 0.4] {
+            for data in [&mut data, &mut reference] {
+                data.act_mut()[0] = act;
+                // The rate is zero.
+                data.ctrl_mut()[0] = if dynamics.contains("integrator") { 0.0 } else { act };
+            }
+            let inside = linearise(&mut reference, TransitionMethod::Columns).0;
+            for method in WITH_SIDES {
+                let (system, report) = linearise(&mut data, method);
+                assert_near(&format!("{dynamics} {act} {method:?}"), &system, &inside, 1e-7);
+                assert_eq!(report.kinks, Kinks::ACTIVATIONS, "{dynamics} {act} {method:?}");
+            }
+            // Beyond the end, the next activation is constant.
+            data.ctrl_mut()[0] = 5.0 * act;
+            for method in METHODS {
+                let (system, report) = linearise(&mut data, method);
+                assert!(
+                    system.b[(2, 0)].abs() + system.a[(2, 2)].abs() < 1e-12,
+                    "{dynamics} {act} {method:?}: {system:?}"
+                );
+                assert_eq!(report.kinks, Kinks::empty(), "{dynamics} {act} {method:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_force_at_the_end_of_its_range_is_reported() {
+    let position = r#"<position joint="j" kp="8" forcelimited="true" forcerange="-1 2"/>"#;
+    let mut data = slide("", "", position);
+    for (ctrl, qpos) in [(0.25, 0.0), (-0.125, 0.0), (0.0, -0.25)] {
+        data.ctrl_mut()[0] = ctrl;
+        data.qpos_mut()[0] = qpos;
+        let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::FORCES));
+        assert!((system.b[(1, 0)] - 0.04).abs() < 1e-12 && (system.a[(1, 0)] + 0.04).abs() < 1e-12);
+        for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
+            let (system, report) = linearise(&mut data, method);
+            assert!(report.kinks.contains(Kinks::DIFFERENCES), "{ctrl} {qpos} {method:?} {report:?} {system:?}");
+        }
+    }
+}
+
+#[test]
+fn limits_and_contacts_that_begin_are_reported() {
+    let limited = slide("", r#"limited="true" range="-0.5 0.25""#, "");
+    let with_margin = slide("", r#"limited="true" range="-0.5 0.5" margin="0.25""#, "");
+    let mut cases = Vec::new();
+    for (mut data, qpos) in [(limited.clone(), 0.25), (limited.clone(), -0.5), (with_margin, 0.25)] {
+        data.qpos_mut()[0] = qpos;
+        cases.push((format!("limit at {qpos}"), data));
+    }
+    let tendon = r#"<mujoco><option gravity="0 0 0"/>
+        <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body></worldbody>
+        <tendon><fixed limited="true" range="-1 0.5"><joint joint="j" coef="2"/></fixed></tendon></mujoco>"#;
+    let mut data = model(tendon);
+    data.qpos_mut()[0] = 0.25;
+    cases.push(("limit of a tendon".to_owned(), data));
+    let ball = r#"<mujoco><option gravity="0 0 0"/>
+        <worldbody><body><joint type="ball" limited="true" range="0 90"/><geom size="0.1" pos="0.2 0 0" mass="2"/></body></worldbody></mujoco>"#;
+    let mut data = model(ball);
+    let half = 0.5_f64.sqrt();
+    data.qpos_mut().copy_from_slice(&[half, half, 0.0, 0.0]);
+    cases.push(("limit of a ball".to_owned(), data));
+    for margin in ["0", "0.25"] {
+        let contact = format!(
+            r#"<mujoco><option gravity="0 0 0"/>
+                 <worldbody><geom type="plane" size="1 1 1" margin="{margin}"/>
+                   <body pos="0 0 0.5"><joint type="slide" axis="0 0 1"/><geom size="0.5" mass="2"/></body></worldbody></mujoco>"#
+        );
+        let mut data = model(&contact);
+        data.qpos_mut()[0] = margin.parse::<f64>().unwrap();
+        cases.push((format!("contact with margin {margin}"), data));
+    }
+    for (what, mut data) in cases {
+        let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::CONSTRAINTS), "{what}");
+        // The present side is that without a force.
+        let nv = data.model().nv();
+        assert!((0..nv).all(|dof| (system.a[(nv + dof, dof)]).abs() < 1e-12), "{what}: {system:?}");
+        for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
+            let report = linearise(&mut data, method).1;
+            assert!(report.kinks.contains(Kinks::DIFFERENCES), "{what} {method:?}");
+        }
+    }
+    // Near them there is no kink.
+    let mut data = limited;
+    for qpos in [0.249, 0.251] {
+        data.qpos_mut()[0] = qpos;
+        for method in METHODS {
+            assert_eq!(linearise(&mut data, method).1.kinks, Kinks::empty(), "{qpos} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_state_at_rest_without_kinks_has_none() {
+    let friction = slide("", r#"frictionloss="0.5" damping="0.3""#, r#"<motor joint="j"/>"#);
+    let medium = slide("", "", "").model().clone();
+    let mut medium = Data::new(medium).unwrap();
+    medium
+        .edit_model(|model| model.edit_options(|options| (options.density, options.viscosity) = (900.0, 0.0)))
+        .unwrap();
+    let equality = model(
+        r#"<mujoco><worldbody><body><joint name="a"/><geom size="0.1" pos="0.2 0 0"/></body><body pos="1 0 0"><joint name="b"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
+             <equality><joint joint1="a" joint2="b"/></equality></mujoco>"#,
+    );
+    for (what, mut data) in [("friction loss", friction), ("a medium", medium), ("an equality", equality)] {
+        for method in METHODS {
+            assert_eq!(linearise(&mut data, method).1.kinks, Kinks::empty(), "{what} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn wrong_differences_of_the_samples_are_reported() {
+    for model in [mujoco_safe::sample::humanoid(), mujoco_safe::sample::cartpole()] {
+        let mut data = Data::new(model).unwrap();
+        data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.05 * (i as f64).sin());
+        for _ in 0..30 {
+            (0..10).for_each(|_| data.step().unwrap());
+            let (closed, report) = linearise(&mut data, TransitionMethod::Analytic);
+            assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::empty()), "{}", data.time());
+            for method in METHODS {
+                let (system, report) = linearise(&mut data, method);
+                let deviation = deviation(&system.a, &closed.a);
+                let is_reported = report.kinks.contains(Kinks::DIFFERENCES);
+                // The engine's differences are not checked. Both depend on the noise of the solver.
+                match method {
+                    TransitionMethod::Engine => {}
+                    TransitionMethod::Columns => {
+                        assert!(deviation < 1e-3 || is_reported, "{}: {deviation:e}", data.time())
+                    }
+                    _ => assert!(deviation < 1e-6 && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
+                }
+            }
+        }
+    }
+}
