@@ -43,6 +43,8 @@ const MAX_THREADS: usize = 1024;
 /// the columns; `ThreadPool::install` selects another pool than the global one. The caller's thread takes part. The result does
 /// not depend on the number of threads. With one thread, or for a model of a few degrees of freedom, the caller's thread does all
 /// the work.
+///
+/// At a kink of the step, the derivatives are those of one side, and the report names the kink: see [`Kinks`](super::Kinks).
 #[derive(Debug)]
 pub struct Lineariser {
     options: TransitionOptions,

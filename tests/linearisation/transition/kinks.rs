@@ -377,3 +377,46 @@ fn wrong_differences_of_the_samples_are_reported() {
         }
     }
 }
+
+#[test]
+fn contacts_of_iterating_collision_functions_are_right_or_reported() {
+    const MESH: &str = "0 0 0.11 0.1 0 -0.05 -0.06 0.09 -0.05 -0.06 -0.08 -0.05 0.02 0.03 -0.09";
+    let (mut right, mut reported) = (0, 0);
+    for shape in [
+        r#"type="cylinder" size="0.1 0.07""#,
+        r#"type="ellipsoid" size="0.1 0.08 0.06""#,
+        r#"type="mesh" mesh="m""#,
+        r#"type="box" size="0.1 0.09 0.07""#,
+    ] {
+        for below in [r#"type="box" size="0.5 0.5 0.1""#, r#"type="cylinder" size="0.5 0.1""#] {
+            let mut data = model(&format!(
+                r#"<mujoco><option timestep="0.002"/><asset><mesh name="m" vertex="{MESH}"/></asset>
+                     <worldbody><geom {below} pos="0 0 -0.1"/>
+                       <body pos="0 0 0.12"><freejoint/><geom {shape} mass="1"/></body></worldbody></mujoco>"#
+            ));
+            for state in 0..6 {
+                data.reset().unwrap();
+                let tilt = 0.2 * f64::from(state);
+                let quat = [1.0, tilt, -0.3 * tilt, 0.1];
+                let norm = quat.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
+                data.qpos_mut()[3..].iter_mut().zip(quat).for_each(|(to, x)| *to = x / norm);
+                (0..60 + 40 * state).for_each(|_| data.step().unwrap());
+                let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
+                let by = |data: &mut Data, eps: f64| {
+                    let options = TransitionOptions::default().with_method(TransitionMethod::Columns).with_eps(eps);
+                    linearise_with(data, options).0.a
+                };
+                let [fine, coarse] = [1e-6, 1e-5].map(|eps| by(&mut data, eps));
+                if report.kinks != Kinks::empty() || deviation(&fine, &coarse) > 1e-2 {
+                    reported += 1;
+                    continue;
+                }
+                let error = deviation(&system.a, &fine);
+                assert!(error < 0.05, "{shape} on {below}, state {state}: {error:e}, {report:?}");
+                right += 1;
+            }
+        }
+    }
+    println!("{right} states right, {reported} reported or noisy");
+    assert!(right >= 20, "{right} of {}", right + reported);
+}
