@@ -12,6 +12,8 @@ mod binary_table;
 mod computed_by;
 #[path = "build/derived.rs"]
 mod derived;
+#[path = "build/drawn.rs"]
+mod drawn;
 #[path = "build/facts.rs"]
 mod facts;
 #[path = "build/notes.rs"]
@@ -24,9 +26,9 @@ mod writable;
 use std::path::{Path, PathBuf};
 
 /// Versions of the engine at which the source changes.
-const THRESHOLDS: [&str; 20] = [
-    "2.3.0", "2.3.3", "2.3.6", "2.3.7", "3.0.0", "3.1.2", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.3", "3.3.6",
-    "3.5.0", "3.6.0", "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.17.0", "4.0.0",
+const THRESHOLDS: [&str; 22] = [
+    "2.3.0", "2.3.3", "2.3.6", "2.3.7", "3.0.0", "3.1.2", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.0", "3.3.3",
+    "3.3.6", "3.5.0", "3.6.0", "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.12.0", "3.17.0", "4.0.0",
 ];
 
 fn main() {
@@ -63,6 +65,8 @@ fn main() {
             "/// `true` if the formulas were verified with this engine.\nconst IS_PROVED: bool = {is_proved};\n{checks}"
         ),
     );
+    let include = variable("DEP_MUJOCO_INCLUDE").map(|folder| PathBuf::from(folder).join("mujoco"));
+    write("drawn.rs", &drawn::generate(include.as_deref()));
     println!("cargo::rustc-check-cfg=cfg(validates_binaries)");
     if binary_table::VALIDATED.contains(&version) {
         println!("cargo::rustc-cfg=validates_binaries");

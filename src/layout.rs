@@ -333,6 +333,21 @@ impl Model {
         usize::try_from(unsafe { adapted::material_texture(self.as_ptr(), material as c_int) }).ok()
     }
 
+    /// Returns the texture of a material that a renderer draws: that of the base colour.
+    pub(crate) fn drawn_texture(&self, material: usize) -> Option<usize> {
+        assert!(material < self.nmat(), "Bug: material {material} of {}", self.nmat());
+        // SAFETY: a material of the model.
+        usize::try_from(unsafe { adapted::drawn_texture(self.as_ptr(), material as c_int) }).ok()
+    }
+
+    /// Returns `true` if the engine converts the pixels of a texture from the sRGB colour space to linear colours.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn texture_is_srgb(&self, texture: usize) -> bool {
+        assert!(texture < self.ntex(), "Bug: texture {texture} of {}", self.ntex());
+        // SAFETY: a texture of the model.
+        unsafe { adapted::texture_is_srgb(self.as_ptr(), texture as c_int) != 0 }
+    }
+
     /// Returns `true` for a directional light.
     pub(crate) fn is_directional(&self, light: usize) -> bool {
         assert!(light < self.nlight(), "Bug: light {light} of {}", self.nlight());

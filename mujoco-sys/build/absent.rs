@@ -2,7 +2,7 @@
 
 /// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
 /// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
-const CONSTANTS: [(&str, &str); 60] = [
+const CONSTANTS: [(&str, &str); 64] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
     ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
@@ -31,6 +31,10 @@ const CONSTANTS: [(&str, &str); 60] = [
     ("mjVIS_FLEXEDGE", "3.0.0 and later"),
     ("mjVIS_FLEXFACE", "3.0.0 and later"),
     ("mjVIS_FLEXSKIN", "3.0.0 and later"),
+    ("mjVIS_ISLAND", "3.0.0 and later"),
+    ("mjVIS_BODYBVH", "3.0.0 and later"),
+    ("mjVIS_SDFITER", "3.0.0 and later"),
+    ("mjVIS_MESHBVH", "2.3.6 and later"),
     ("mjSENS_PLUGIN", "2.3.0 and later"),
     ("mjSENS_JOINTACTFRC", "2.3.7 and later"),
     ("mjSENS_CAMPROJECTION", "3.0.0 and later"),

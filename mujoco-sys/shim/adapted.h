@@ -87,7 +87,31 @@ struct mujoco_sys_texture mujoco_sys_sceneGeomTexture(const mjvGeom* geom);
 // Sets the texture. Returns 0 if a geom without a material cannot have a texture.
 int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_texture* texture);
 
-int mujoco_sys_sceneLightDirectional(const mjvLight* light);
+// Kind of a light: 0 for a spot light, 1 for a directional light, 2 for one that the engine's OpenGL renderer does not draw (since 3.3.3).
+int mujoco_sys_sceneLightKind(const mjvLight* light);
+
+// True if the geom casts shadows; false for decoration since 3.0.1, and for geoms without `castshadow` since 4.0.
+int mujoco_sys_sceneGeomCastsShadow(const mjvGeom* geom);
+
+// Texture that the engine's OpenGL renderer draws on a material, or -1: the first one, since 3.2.1 that of the base colour only.
+int mujoco_sys_drawnTexture(const mjModel* m, int material);
+
+// True if the pixels of a texture are in the sRGB colour space and the engine converts them (since 3.3.3).
+int mujoco_sys_textureIsSrgb(const mjModel* m, int texture);
+
+// Projection of a camera of a scene: half the width of the near plane, or 0 if it follows from the aspect ratio (since 3.0); and true for an
+// orthographic projection (since 3.2).
+struct mujoco_sys_projection {
+  float half_width;
+  int orthographic;
+};
+// Sets the projection of an abstract camera to that of the free camera of a model (since 3.2).
+void mujoco_sys_setFreeProjection(mjvCamera* camera, const mjModel* m);
+
+struct mujoco_sys_projection mujoco_sys_sceneProjection(const mjvGLCamera* camera);
+
+// Sets the projection. Returns 0 if the engine has no such projection.
+int mujoco_sys_setSceneProjection(mjvGLCamera* camera, const struct mujoco_sys_projection* projection);
 
 // True if the scene had too few places for the geoms of the last update or addition, for engines that record it in the scene (since 3.3.7).
 // These engines warn of it (`mjWARN_VGEOMFULL`) in the update only, and since 3.7 not at all.
@@ -114,6 +138,9 @@ void mujoco_sys_clearSceneFlexes(const mjModel* m, mjvScene* scn);
 
 // Sets the visible groups of flexes, since 3.0.
 void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups);
+
+// Sets the visible layer of three-dimensional flexes and the visible depth of bounding volumes, since 3.0.
+void mujoco_sys_setLayers(mjvOption* opt, int flex_layer, int bvh_depth);
 
 // State of the plugins, since 2.3, and plastic deformation of the flexes, since 4.0; and their lengths.
 mjtNum* mujoco_sys_pluginState(const mjData* d);

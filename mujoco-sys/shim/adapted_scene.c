@@ -24,11 +24,80 @@ int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_textur
 #endif
 }
 
-int mujoco_sys_sceneLightDirectional(const mjvLight* light) {
+int mujoco_sys_sceneLightKind(const mjvLight* light) {
 #if mjVERSION_HEADER >= 333
-  return light->type == mjLIGHT_DIRECTIONAL;
+  return light->type == mjLIGHT_SPOT ? 0 : light->type == mjLIGHT_DIRECTIONAL ? 1 : 2;
 #else
-  return light->directional;
+  return light->directional ? 1 : 0;
+#endif
+}
+
+int mujoco_sys_sceneGeomCastsShadow(const mjvGeom* geom) {
+#if mjVERSION_HEADER >= 4000000
+  return geom->castshadow && geom->category != mjCAT_DECOR;
+#elif mjVERSION_HEADER >= 301
+  return geom->category != mjCAT_DECOR;
+#else
+  (void)geom;
+  return 1;
+#endif
+}
+
+int mujoco_sys_drawnTexture(const mjModel* m, int material) {
+#if mjVERSION_HEADER >= 321
+  return m->mat_texid[material * mjNTEXROLE + mjTEXROLE_RGB];
+#elif mjVERSION_HEADER == 320
+  return m->mat_texid[material * mjNTEXMAT];
+#else
+  return m->mat_texid[material];
+#endif
+}
+
+int mujoco_sys_textureIsSrgb(const mjModel* m, int texture) {
+#if mjVERSION_HEADER >= 333
+  return m->tex_colorspace[texture] == mjCOLORSPACE_SRGB;
+#else
+  (void)m;
+  (void)texture;
+  return 0;
+#endif
+}
+
+void mujoco_sys_setFreeProjection(mjvCamera* camera, const mjModel* m) {
+#if mjVERSION_HEADER >= 320
+  camera->orthographic = m->vis.global.orthographic;
+#else
+  (void)camera;
+  (void)m;
+#endif
+}
+
+struct mujoco_sys_projection mujoco_sys_sceneProjection(const mjvGLCamera* camera) {
+  struct mujoco_sys_projection projection = {0, 0};
+#if mjVERSION_HEADER >= 300
+  projection.half_width = camera->frustum_width;
+#endif
+#if mjVERSION_HEADER >= 320
+  projection.orthographic = camera->orthographic != 0;
+#endif
+  (void)camera;
+  return projection;
+}
+
+int mujoco_sys_setSceneProjection(mjvGLCamera* camera, const struct mujoco_sys_projection* projection) {
+  (void)camera;
+#if mjVERSION_HEADER >= 320
+  camera->orthographic = projection->orthographic;
+#else
+  if (projection->orthographic) {
+    return 0;
+  }
+#endif
+#if mjVERSION_HEADER >= 300
+  camera->frustum_width = projection->half_width;
+  return 1;
+#else
+  return projection->half_width == 0;
 #endif
 }
 
@@ -98,6 +167,17 @@ void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups) {
 #else
   (void)opt;
   (void)groups;
+#endif
+}
+
+void mujoco_sys_setLayers(mjvOption* opt, int flex_layer, int bvh_depth) {
+#if mjVERSION_HEADER >= 300
+  opt->flex_layer = flex_layer;
+  opt->bvh_depth = bvh_depth;
+#else
+  (void)opt;
+  (void)flex_layer;
+  (void)bvh_depth;
 #endif
 }
 

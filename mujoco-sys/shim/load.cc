@@ -155,6 +155,18 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   return status;
 }
 
+// Decodes a texture that the model has by reference, since 3.17. The caller frees the pixels with mju_free.
+int mujoco_sys_mj_loadTexture(const mjModel* m, int texture, mjtByte** data, int size[2], int* colorspace, char* error, int error_size,
+                              int* result) {
+#if mjVERSION_HEADER >= 3017000
+  return run([=] { *result = mj_loadTexture(m, texture, data, size, size + 1, colorspace, error, error_size); });
+#else
+  (void)m, (void)texture, (void)data, (void)size, (void)colorspace, (void)error, (void)error_size;
+  *result = -1;
+  return MUJOCO_SYS_OK;
+#endif
+}
+
 int mujoco_sys_mj_printSchema(const char* filename, char* buffer, int buffer_size, int html, int pad, int* result) {
   return run([=] { *result = mj_printSchema(filename, buffer, buffer_size, html, pad); });
 }

@@ -8,8 +8,8 @@
 use std::os::raw::c_int;
 
 use crate::{
-    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvOption, mjvPerturb,
-    mjvScene,
+    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvCamera, mjvGLCamera, mjvGeom, mjvLight,
+    mjvOption, mjvPerturb, mjvScene,
 };
 
 /// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is null.
@@ -54,6 +54,16 @@ pub struct SceneTexture {
     pub repeat: [f32; 2],
     /// `texuniform`.
     pub uniform: c_int,
+}
+
+/// Projection of a camera of a scene.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SceneProjection {
+    /// Half the width of the near plane, or 0 if it follows from the aspect ratio (`frustum_width`, since 3.0).
+    pub half_width: f32,
+    /// 1 for an orthographic projection (since 3.2), else 0.
+    pub orthographic: c_int,
 }
 
 /// Flex of a scene.
@@ -204,8 +214,21 @@ adapted! {
     mujoco_sys_sceneGeomTexture = scene_geom_texture(geom: *const mjvGeom) -> SceneTexture;
     /// Sets the texture of a geom of a scene. Returns 0 if a geom without a material cannot have a texture, which is so since 3.2.
     mujoco_sys_setSceneGeomTexture = set_scene_geom_texture(geom: *mut mjvGeom, texture: *const SceneTexture) -> c_int;
-    /// Returns 1 if a light of a scene is directional (`directional`, `type` since 3.3.3), else 0.
-    mujoco_sys_sceneLightDirectional = scene_light_directional(light: *const mjvLight) -> c_int;
+    /// Returns the kind of a light of a scene (`directional`, `type` since 3.3.3): 0 for a spot light, 1 for a directional light, 2 for one that
+    /// the engine's OpenGL renderer does not draw.
+    mujoco_sys_sceneLightKind = scene_light_kind(light: *const mjvLight) -> c_int;
+    /// Returns 1 if a geom of a scene casts shadows (not decoration since 3.0.1; `castshadow` since 4.0), else 0.
+    mujoco_sys_sceneGeomCastsShadow = scene_geom_casts_shadow(geom: *const mjvGeom) -> c_int;
+    /// Returns the texture that the engine's OpenGL renderer draws on a material, or -1: since 3.2.1 that of the base colour only.
+    mujoco_sys_drawnTexture = drawn_texture(m: *const mjModel, material: c_int) -> c_int;
+    /// Returns 1 if the engine converts the pixels of a texture from the sRGB colour space (`colorspace`, since 3.3.3), else 0.
+    mujoco_sys_textureIsSrgb = texture_is_srgb(m: *const mjModel, texture: c_int) -> c_int;
+    /// Sets the projection of a camera to that of the free camera of a model (`orthographic`, since 3.2).
+    mujoco_sys_setFreeProjection = set_free_projection(camera: *mut mjvCamera, m: *const mjModel);
+    /// Returns the projection of a camera of a scene.
+    mujoco_sys_sceneProjection = scene_projection(camera: *const mjvGLCamera) -> SceneProjection;
+    /// Sets the projection of a camera of a scene. Returns 0 if the engine has no such projection.
+    mujoco_sys_setSceneProjection = set_scene_projection(camera: *mut mjvGLCamera, projection: *const SceneProjection) -> c_int;
     /// Returns 1 if a scene had too few places for the geoms of the last update or addition, for engines that record it in the scene
     /// (since 3.3.7).
     mujoco_sys_sceneIsFull = scene_is_full(scn: *const mjvScene) -> c_int;
@@ -217,6 +240,8 @@ adapted! {
     mujoco_sys_clearSceneFlexes = clear_scene_flexes(m: *const mjModel, scn: *mut mjvScene);
     /// Sets the visible groups of flexes (`flexgroup`, since 3.0); mjNGROUP.
     mujoco_sys_setFlexGroups = set_flex_groups(opt: *mut mjvOption, groups: *const mjtByte);
+    /// Sets the visible layer of three-dimensional flexes (`flex_layer`) and the visible depth of bounding volumes (`bvh_depth`), since 3.0.
+    mujoco_sys_setLayers = set_layers(opt: *mut mjvOption, flex_layer: c_int, bvh_depth: c_int);
     /// Returns the state of the plugins (`plugin_state`, since 2.3), or null.
     mujoco_sys_pluginState = plugin_state(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the state of the plugins, `npluginstate`.

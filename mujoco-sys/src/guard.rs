@@ -102,6 +102,11 @@ guarded! {
     mujoco_sys_mj_printSchema = mj_print_schema(
         filename: *const c_char, buffer: *mut c_char, buffer_size: c_int, html: c_int, pad: c_int, result: *mut c_int,
     );
+    /// Decodes a texture that the model has by reference, since 3.17: `size` receives the width and the height. `mju_free` frees the pixels.
+    mujoco_sys_mj_loadTexture = mj_load_texture(
+        m: *const mjModel, texture: c_int, data: *mut *mut u8, size: *mut c_int, colorspace: *mut c_int, error: *mut c_char,
+        error_size: c_int, result: *mut c_int,
+    );
     mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
     /// Adds a copy of a buffer to a virtual file system (before 3.1.3 with `mj_makeEmptyFileVFS`). Writes 0 to `*result`, or 1 if the file system is
     /// full, 2 if it has a file of this name, and 3 for any other failure.

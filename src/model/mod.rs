@@ -26,6 +26,8 @@ mod position;
 mod save;
 mod schema;
 mod shared;
+#[cfg(feature = "renderer")]
+mod texture;
 mod xml_guard;
 
 use std::fmt;
@@ -44,6 +46,8 @@ pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::shared::IntoModel;
+#[cfg(feature = "renderer")]
+pub(crate) use self::texture::TexturePixels;
 use crate::error::Result;
 pub use crate::error::UnsavedField;
 use crate::ffi;

@@ -57,14 +57,13 @@ impl AssetBounds {
         let local = match geom.geom_type() {
             SceneGeomType::Skin => return skin_volume(scene, geom),
             SceneGeomType::Flex => return BoundingVolume::Unbounded,
-            SceneGeomType::LineBox | SceneGeomType::Triangle | SceneGeomType::Label | SceneGeomType::None => {
-                return BoundingVolume::Empty;
-            }
+            SceneGeomType::Label | SceneGeomType::None => return BoundingVolume::Empty,
+            SceneGeomType::Triangle => box_sphere([x, y, 0.0]),
             SceneGeomType::Plane if x <= 0.0 || y <= 0.0 => return BoundingVolume::Unbounded,
             SceneGeomType::Plane => box_sphere([x, y, 0.0]),
             SceneGeomType::Sphere | SceneGeomType::Ellipsoid => centred_sphere(x.max(y).max(z)),
             SceneGeomType::Capsule => centred_sphere(z + x.max(y)),
-            SceneGeomType::Cylinder | SceneGeomType::Box => box_sphere([x, y, z]),
+            SceneGeomType::Cylinder | SceneGeomType::Box | SceneGeomType::LineBox => box_sphere([x, y, z]),
             SceneGeomType::Arrow | SceneGeomType::Arrow1 | SceneGeomType::Line => {
                 let Sphere { radius, .. } = box_sphere([ARROWHEAD_SCALE * x, ARROWHEAD_SCALE * y, z / 2.0]);
                 Sphere { centre: [0.0, 0.0, z / 2.0], radius }

@@ -49,6 +49,10 @@ with_methods!(RendererOptions {
     with_max_lights(max_lights: usize) = Some(max_lights),
 });
 
+/// Both faces of a triangle cast shadows, as in the renderer of engines from 3.3, so that a transparent solid casts a shadow on its contents. With
+/// other engines only back faces do, if back faces are culled.
+pub(crate) const ALL_FACES_CAST_SHADOWS: bool = cfg!(engine_since = "3.3.0");
+
 /// Largest magnitude of a value that can be rendered. Its square is finite in single precision.
 pub(crate) const MAX_MAGNITUDE: f32 = 1e15;
 

@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{self as sys, guard, mjvCamera};
+use mujoco_sys::{self as sys, adapted, guard, mjvCamera};
 
 use super::Scene;
 use crate::data::{Data, Stage};
@@ -44,7 +44,8 @@ engine_enum! {
     }
 }
 
-/// Abstract camera. The numeric fields apply to the free and the tracking mode.
+/// Abstract camera. The numeric fields apply to the free and the tracking mode, whose field of view and projection are those of the model:
+/// `fovy` and, with engines from 3.2, `orthographic` of `visual/global` in MJCF.
 ///
 /// ```
 /// use mujoco_safe::sample;
@@ -176,6 +177,10 @@ impl Camera {
         let &Self { lookat, distance, azimuth, elevation, .. } = self;
         // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
         let mut raw: mjvCamera = unsafe { ffi::made_by(|raw| sys::mjv_defaultCamera(raw)) };
+        if matches!(self.view, CameraView::Free | CameraView::Tracking(_)) {
+            // SAFETY: a valid camera and a valid model.
+            unsafe { adapted::set_free_projection(&raw mut raw, model.as_ptr()) };
+        }
         (raw.type_, raw.fixedcamid, raw.trackbodyid) = (view as c_int, fixedcamid, trackbodyid);
         (raw.lookat, raw.distance, raw.azimuth, raw.elevation) = (lookat, distance, azimuth, elevation);
         Ok(raw)

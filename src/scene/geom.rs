@@ -54,9 +54,9 @@ engine_enum! {
         Label = mjGEOM_LABEL,
         /// No shape.
         None = mjGEOM_NONE,
-        /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.1.1. This crate's renderer does not draw it.
+        /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.1.1.
         LineBox = mjGEOM_LINEBOX,
-        /// Triangle. With engines from 3.0. This crate's renderer does not draw it.
+        /// Triangle of its origin and two points, at `size[0]` along x and `size[1]` along y. With engines from 3.0.
         Triangle = mjGEOM_TRIANGLE,
     }
 }
@@ -121,7 +121,7 @@ impl Scene {
     pub(super) fn read_materials(&mut self, model: &Model) {
         for (index, material) in self.materials.iter_mut().enumerate() {
             *material = MaterialTexture {
-                texture: model.material_texture(index),
+                texture: model.drawn_texture(index),
                 repeat: model.mat_texrepeat()[index],
                 is_uniform: model.mat_texuniform()[index] != 0,
             };
@@ -193,6 +193,14 @@ impl<'s> SceneGeom<'s> {
         self.raw.reflectance
     }
 
+    /// Returns `true` if the engine's renderer draws the shadow of the geom: not of decoration, with engines from 3.0.1, and not of geoms with
+    /// `castshadow="false"`, with engines from 4.0.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn casts_shadow(self) -> bool {
+        // SAFETY: a valid geom, of which the function reads numbers.
+        unsafe { adapted::scene_geom_casts_shadow(self.raw) != 0 }
+    }
+
     /// Returns the category.
     pub fn category(self) -> Categories {
         Categories::from_bits_truncate(self.raw.category as u32)
@@ -214,7 +222,14 @@ impl<'s> SceneGeom<'s> {
         ffi::size(self.raw.segid)
     }
 
-    /// Returns the texture.
+    /// Returns the index of the material; `None` if there is none, and with engines before 3.2, whose geoms have only the texture.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn material(self) -> Option<usize> {
+        // SAFETY: a valid geom, of which the function reads numbers.
+        usize::try_from(unsafe { adapted::scene_geom_texture(self.raw) }.material).ok()
+    }
+
+    /// Returns the texture that the engine's OpenGL renderer draws: with engines from 3.2.1 that of the material's base colour.
     #[doc(alias = "texid")]
     pub fn texture(self) -> Option<TextureId> {
         self.material_texture().texture.map(|texture| Id::new(texture, self.lineage))

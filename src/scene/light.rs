@@ -32,11 +32,16 @@ pub struct SceneLight {
     pub directional: bool,
     /// Enables shadows of this light.
     pub castshadow: bool,
+    /// `false` for a light that neither the engine's OpenGL renderer nor this crate's draws: a point light or an image light, with engines from
+    /// 3.3.3.
+    pub drawn: bool,
 }
 
 impl SceneLight {
     fn new(raw: &mjvLight) -> Self {
         let &mjvLight { pos, dir, attenuation, cutoff, exponent, ambient, diffuse, specular, .. } = raw;
+        // SAFETY: a valid light, of which the function reads a number.
+        let kind = unsafe { mujoco_sys::adapted::scene_light_kind(raw) };
         Self {
             pos,
             dir,
@@ -47,9 +52,9 @@ impl SceneLight {
             diffuse,
             specular,
             headlight: raw.headlight != 0,
-            // SAFETY: a valid light, of which the function reads a number.
-            directional: unsafe { mujoco_sys::adapted::scene_light_directional(raw) != 0 },
+            directional: kind == 1,
             castshadow: raw.castshadow != 0,
+            drawn: kind < 2,
         }
     }
 }

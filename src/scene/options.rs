@@ -1,5 +1,7 @@
 //! Options of visualisation: labels, frames, groups, flags and rendering effects.
 
+use std::ffi::c_int;
+
 use bitflags::bitflags;
 use mujoco_sys::{self as sys, mjvOption};
 
@@ -128,6 +130,14 @@ bitflags! {
         const FLEXFACE = 1 << sys::mjVIS_FLEXFACE;
         /// Smooth surfaces of flexes, instead of the other parts. One-dimensional flexes have none.
         const FLEXSKIN = 1 << sys::mjVIS_FLEXSKIN;
+        /// Colours of constraint islands, for bodies and contacts. As all following flags, without effect in engines before 3.0.
+        const ISLAND = 1 << sys::mjVIS_ISLAND;
+        /// Bounding volumes of bodies, at the depth [`SceneOptions::bvh_depth`].
+        const BODYBVH = 1 << sys::mjVIS_BODYBVH;
+        /// Bounding volumes of meshes, at the depth [`SceneOptions::bvh_depth`].
+        const MESHBVH = 1 << sys::mjVIS_MESHBVH;
+        /// Iterations of the collision of signed distance fields.
+        const SDFITER = 1 << sys::mjVIS_SDFITER;
     }
 }
 
@@ -214,6 +224,12 @@ pub struct SceneOptions {
     pub flexgroup: [bool; 6],
     /// Visible parts.
     pub flags: VisualFlags,
+    /// Visible layer of the elements of three-dimensional flexes, for [`VisualFlags::FLEXFACE`]: 0 is the outermost. In engines from 3.0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub flex_layer: u32,
+    /// Depth of the bounding volumes that [`VisualFlags::BODYBVH`] and [`VisualFlags::MESHBVH`] show. In engines from 3.0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub bvh_depth: u32,
 }
 
 impl Default for SceneOptions {
@@ -240,6 +256,8 @@ impl Default for SceneOptions {
                 | VisualFlags::SKIN
                 | VisualFlags::FLEXEDGE
                 | VisualFlags::FLEXSKIN,
+            flex_layer: 0,
+            bvh_depth: 0,
         }
     }
 }
@@ -255,6 +273,8 @@ with_methods!(SceneOptions {
     with_skingroup(skingroup: [bool; 6]),
     with_flexgroup(flexgroup: [bool; 6]),
     with_flags(flags: VisualFlags),
+    with_flex_layer(flex_layer: u32),
+    with_bvh_depth(bvh_depth: u32),
 });
 
 impl SceneOptions {
@@ -275,6 +295,10 @@ impl SceneOptions {
         let flexgroup = self.flexgroup.map(u8::from);
         // SAFETY: a valid structure, and one byte for each of the engine's groups.
         unsafe { sys::adapted::set_flex_groups(&raw mut raw, flexgroup.as_ptr()) };
+        let [layer, depth] =
+            [self.flex_layer, self.bvh_depth].map(|number| c_int::try_from(number).unwrap_or(c_int::MAX));
+        // SAFETY: a valid structure.
+        unsafe { sys::adapted::set_layers(&raw mut raw, layer, depth) };
         // Flags that only newer engines have keep their defaults.
         set_flags(&mut raw.flags, self.flags.bits(), VisualFlags::all().bits());
         raw
@@ -282,8 +306,11 @@ impl SceneOptions {
 
     /// Returns `true` if the options show contacts, constraints or islands, for which the engine reads results of the constraint solver.
     pub(crate) fn shows_contacts(&self) -> bool {
-        const FLAGS: VisualFlags =
-            VisualFlags::CONTACTPOINT.union(VisualFlags::CONTACTFORCE).union(VisualFlags::CONSTRAINT);
+        const FLAGS: VisualFlags = VisualFlags::CONTACTPOINT
+            .union(VisualFlags::CONTACTFORCE)
+            .union(VisualFlags::CONSTRAINT)
+            .union(VisualFlags::ISLAND)
+            .union(VisualFlags::SDFITER);
         self.flags.intersects(FLAGS) || self.frame == FrameMode::Contact || self.label == LabelMode::Island
     }
 }

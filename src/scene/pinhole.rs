@@ -4,7 +4,8 @@ use super::Scene;
 use crate::error::{Error, Result};
 use crate::math;
 
-/// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world.
+/// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world. It can also describe an orthographic camera,
+/// whose rays are parallel.
 ///
 /// Pixel coordinates `[u, v]` are measured from the upper left corner of the image, `u` to the right and `v` down. The pixel in column
 /// `x` and row `y` covers one unit, and its centre, where depth and segmentation are sampled, is `[x + 0.5, y + 0.5]`. OpenCV and ROS put
@@ -19,7 +20,12 @@ use crate::math;
 /// ```
 ///
 /// `fovy` is the vertical field of view: [`Model::cam_fovy`](crate::Model::cam_fovy) for a camera of the model, and
-/// `model.visual().global.fovy` for a free or a tracking camera. Pixels are square, and there is no distortion.
+/// `model.visual().global.fovy` for a free or a tracking camera. With engines from 3.0, a camera of the model with a `sensorsize` has its own focal
+/// lengths and principal point, and its image is stretched to the image: `fx = width * focal_x / sensorsize_x`, and likewise `fy`. There is no
+/// distortion.
+///
+/// With an [`orthographic`](Self::orthographic) camera, `u = cx + fx x` and `v = cy - fy y` at every depth, where `fx` and `fy` are pixels per
+/// metre.
 ///
 /// [`Scene::pinhole_camera`] computes it from the viewpoint of a scene. The fields are public, so that a program can also describe a real camera.
 ///
@@ -52,9 +58,9 @@ pub struct PinholeCamera {
     pub width: usize,
     /// Height of the image, pixels.
     pub height: usize,
-    /// Horizontal focal length, pixels.
+    /// Horizontal focal length, pixels; pixels per metre if the camera is orthographic.
     pub fx: f64,
-    /// Vertical focal length, pixels.
+    /// Vertical focal length, pixels; pixels per metre if the camera is orthographic.
     pub fy: f64,
     /// Horizontal coordinate of the principal point, pixels from the left edge of the image.
     pub cx: f64,
@@ -64,11 +70,14 @@ pub struct PinholeCamera {
     pub pos: [f64; 3],
     /// Rotation matrix `(3, 3)`, row-major, from the frame of the camera to the world, as in [`Data::cam_xmat`](crate::Data::cam_xmat).
     pub mat: [f64; 9],
+    /// Marks an orthographic camera.
+    pub orthographic: bool,
 }
 
 impl PinholeCamera {
     /// Returns the direction of the ray through pixel coordinates, in the world frame. Its component along the optical axis is 1,
-    /// so `pos + depth * direction` is the point at that depth.
+    /// so `origin + depth * direction` is the point at that depth, where `origin` is `pos` unless the camera is
+    /// [orthographic](Self::origin).
     ///
     /// ```
     /// use mujoco_safe::data::RayOptions;
@@ -81,22 +90,38 @@ impl PinholeCamera {
     /// // A camera 3 m above the floor looks down.
     /// let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     /// let camera =
-    ///     PinholeCamera { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 32.0, cy: 24.0, pos: [0.0, 0.0, 3.0], mat };
+    ///     PinholeCamera { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 32.0, cy: 24.0, pos: [0.0, 0.0, 3.0], mat, orthographic: false };
     /// let direction = camera.direction([40.5, 24.5]); // the centre of the pixel in column 40 and row 24
     /// let hit = data.ray(camera.pos, direction, &RayOptions::default())?.expect("the floor");
     /// assert!((hit.distance - 3.0).abs() < 1e-12, "its depth");
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn direction(&self, [u, v]: [f64; 2]) -> [f64; 3] {
-        let [x, y] = [(u - self.cx) / self.fx, (self.cy - v) / self.fy];
+    pub fn direction(&self, pixel: [f64; 2]) -> [f64; 3] {
+        let [x, y] = if self.orthographic { [0.0; 2] } else { self.offset(pixel) };
         [0, 3, 6].map(|row| self.mat[row] * x + self.mat[row + 1] * y - self.mat[row + 2])
+    }
+
+    /// Returns the origin of the ray through pixel coordinates, m, in the world frame: the position of the camera, or for an orthographic camera
+    /// the point of the pixel in the plane through that position.
+    pub fn origin(&self, pixel: [f64; 2]) -> [f64; 3] {
+        if !self.orthographic {
+            return self.pos;
+        }
+        let [x, y] = self.offset(pixel);
+        [0, 1, 2].map(|axis| self.pos[axis] + self.mat[3 * axis] * x + self.mat[3 * axis + 1] * y)
+    }
+
+    /// Returns the position of pixel coordinates to the right and up from the optical axis: at unit depth, or at every depth if the camera is
+    /// orthographic.
+    fn offset(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        [(u - self.cx) / self.fx, (self.cy - v) / self.fy]
     }
 
     /// Returns the point at pixel coordinates and a depth, m, in the world frame. The depth is measured along the optical axis, as in a
     /// depth image.
     pub fn unproject(&self, pixel: [f64; 2], depth: f64) -> [f64; 3] {
-        let direction = self.direction(pixel);
-        [0, 1, 2].map(|axis| self.pos[axis] + depth * direction[axis])
+        let (origin, direction) = (self.origin(pixel), self.direction(pixel));
+        [0, 1, 2].map(|axis| origin[axis] + depth * direction[axis])
     }
 
     /// Returns the pixel coordinates of a point, m, world frame; `None` for a point that is not in front of the camera. The
@@ -105,7 +130,7 @@ impl PinholeCamera {
     /// ```
     /// # use mujoco_safe::scene::PinholeCamera;
     /// let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-    /// let camera = PinholeCamera { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 32.0, cy: 24.0, pos: [0.0; 3], mat };
+    /// let camera = PinholeCamera { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 32.0, cy: 24.0, pos: [0.0; 3], mat, orthographic: false };
     /// assert_eq!(camera.project(&[0.5, 0.5, -2.0]), Some([47.0, 9.0]));
     /// assert_eq!(camera.unproject([47.0, 9.0], 2.0), [0.5, 0.5, -2.0]);
     /// assert_eq!(camera.project(&[0.5, 0.5, 2.0]), None);
@@ -113,7 +138,8 @@ impl PinholeCamera {
     pub fn project(&self, point: &[f64; 3]) -> Option<[f64; 2]> {
         let offset = [0, 1, 2].map(|axis| point[axis] - self.pos[axis]);
         let [x, y, z] = math::rot_vec_mat_t(&offset, &self.mat);
-        (z < 0.0).then(|| [self.cx - self.fx * x / z, self.cy + self.fy * y / z])
+        let scale = if self.orthographic { 1.0 } else { -1.0 / z };
+        (z < 0.0).then(|| [self.cx + self.fx * x * scale, self.cy - self.fy * y * scale])
     }
 }
 
@@ -149,15 +175,20 @@ impl Scene {
                 "from an updated scene",
             ));
         }
-        let pixels_per_metre = height as f64 / (top - bottom); // in the near plane
-        let focal_length = near * pixels_per_metre;
+        // Pixels per metre in the near plane, which an orthographic camera has at every depth.
+        let up = height as f64 / (top - bottom);
+        // Without a width of the near plane, pixels are square.
+        let half_width = f64::from(viewpoint.frustum_width);
+        let across = if half_width > 0.0 { width as f64 / (2.0 * half_width) } else { up };
+        let distance = if viewpoint.orthographic { 1.0 } else { near };
         Ok(PinholeCamera {
             width,
             height,
-            fx: focal_length,
-            fy: focal_length,
-            cx: 0.5 * width as f64 - center * pixels_per_metre,
-            cy: top * pixels_per_metre,
+            fx: distance * across,
+            fy: distance * up,
+            cx: 0.5 * width as f64 - center * across,
+            cy: top * up,
+            orthographic: viewpoint.orthographic,
             pos: viewpoint.pos.map(f64::from),
             mat: rotation(viewpoint.forward.map(f64::from), viewpoint.up.map(f64::from)),
         })

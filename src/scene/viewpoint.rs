@@ -1,5 +1,8 @@
 //! Viewpoints of a scene, and the transform between model space and room space.
 
+use std::ffi::c_int;
+
+use mujoco_sys::adapted::{self, SceneProjection};
 use mujoco_sys::{self as sys, guard, mjvGLCamera};
 
 use super::camera::check_motion;
@@ -17,8 +20,11 @@ pub struct Viewpoint {
     pub forward: [f32; 3],
     /// Upward direction of the image.
     pub up: [f32; 3],
-    /// Centre of the near plane, m to the right of `forward`. The width follows from the height and the aspect ratio.
+    /// Centre of the near plane, m to the right of `forward`.
     pub frustum_center: f32,
+    /// Half the width of the near plane, m. Zero if the width follows from the height and the aspect ratio of the image, as it always does
+    /// with engines before 3.0.
+    pub frustum_width: f32,
     /// Lower edge of the near plane, m.
     pub frustum_bottom: f32,
     /// Upper edge of the near plane, m.
@@ -27,16 +33,32 @@ pub struct Viewpoint {
     pub frustum_near: f32,
     /// Distance of the far plane, m.
     pub frustum_far: f32,
+    /// Marks an orthographic projection, in which the edges of the near plane are those of the image at every depth. With engines from 3.2.
+    pub orthographic: bool,
 }
 
 impl Viewpoint {
     fn new(raw: &mjvGLCamera) -> Self {
         let &mjvGLCamera { pos, forward, up, .. } = raw;
         let &mjvGLCamera { frustum_center, frustum_bottom, frustum_top, frustum_near, frustum_far, .. } = raw;
-        Self { pos, forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, frustum_far }
+        // SAFETY: a valid structure, of which the function reads numbers.
+        let projection = unsafe { adapted::scene_projection(raw) };
+        Self {
+            pos,
+            forward,
+            up,
+            frustum_center,
+            frustum_width: projection.half_width,
+            frustum_bottom,
+            frustum_top,
+            frustum_near,
+            frustum_far,
+            orthographic: projection.orthographic != 0,
+        }
     }
 
-    fn raw(&self) -> mjvGLCamera {
+    /// Converts the viewpoint to the engine's structure.
+    fn raw(&self) -> Result<mjvGLCamera> {
         let &Self { pos, forward, up, .. } = self;
         let &Self { frustum_center, frustum_bottom, frustum_top, frustum_near, frustum_far, .. } = self;
         // SAFETY: all-zero bytes are a valid structure of numbers.
@@ -44,11 +66,37 @@ impl Viewpoint {
         (raw.pos, raw.forward, raw.up) = (pos, forward, up);
         (raw.frustum_center, raw.frustum_bottom, raw.frustum_top) = (frustum_center, frustum_bottom, frustum_top);
         (raw.frustum_near, raw.frustum_far) = (frustum_near, frustum_far);
-        raw
+        let projection =
+            SceneProjection { half_width: self.frustum_width, orthographic: c_int::from(self.orthographic) };
+        // SAFETY: two valid structures.
+        if unsafe { adapted::set_scene_projection(&raw mut raw, &raw const projection) } == 0 {
+            return Err(Error::Unsupported(
+                "the width of a frustum with engines before 3.0, or an orthographic viewpoint with engines before 3.2"
+                    .to_owned(),
+            ));
+        }
+        Ok(raw)
+    }
+
+    /// Returns half the width of the near plane for images with this ratio of width to height, m.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn half_width(&self, aspect: f64) -> f64 {
+        if self.frustum_width > 0.0 {
+            self.frustum_width.into()
+        } else {
+            0.5 * aspect * (f64::from(self.frustum_top) - f64::from(self.frustum_bottom))
+        }
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        let frustum = [self.frustum_center, self.frustum_bottom, self.frustum_top, self.frustum_near, self.frustum_far];
+        let frustum = [
+            self.frustum_center,
+            self.frustum_width,
+            self.frustum_bottom,
+            self.frustum_top,
+            self.frustum_near,
+            self.frustum_far,
+        ];
         self.pos.iter().chain(&self.forward).chain(&self.up).chain(&frustum).all(|number| number.is_finite())
     }
 }
@@ -94,19 +142,22 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless all values are finite, 0 < near < far, and bottom < top.
+    /// [`Error::Invalid`] unless all values are finite, 0 < near < far, bottom < top, and the width is not negative;
+    /// [`Error::Unsupported`] for a projection that the engine lacks.
     pub fn set_viewpoints(&mut self, viewpoints: [Viewpoint; 2]) -> Result<()> {
         for viewpoint in &viewpoints {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
-            if !(viewpoint.is_finite() && ordered && viewpoint.frustum_top > viewpoint.frustum_bottom) {
+            let is_open = viewpoint.frustum_top > viewpoint.frustum_bottom && viewpoint.frustum_width >= 0.0;
+            if !(viewpoint.is_finite() && ordered && is_open) {
                 return Err(Error::invalid(
                     "a viewpoint",
                     format!("{viewpoint:?}"),
-                    "finite, with a frustum of 0 < near < far and bottom < top",
+                    "finite, with a frustum of 0 < near < far and bottom < top, whose width is not negative",
                 ));
             }
         }
-        self.raw_mut().camera = viewpoints.map(|viewpoint| viewpoint.raw());
+        let [left, right] = &viewpoints;
+        self.raw_mut().camera = [left.raw()?, right.raw()?];
         Ok(())
     }
 

@@ -8,6 +8,7 @@ mod difference;
 mod batch;
 mod content;
 mod extreme_scenes;
+mod linked;
 mod optics;
 // The pictures are those of the models and lights of 2.2.2.
 #[cfg(not(engine_since = "2.3.0"))]

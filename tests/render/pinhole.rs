@@ -175,3 +175,83 @@ fn camera_with_two_eyes_has_the_pinhole_model_of_the_image() {
     let camera = renderer.unwrap().snapshot(&mut data, "side").unwrap().pinhole_camera().unwrap();
     Eye::of_model(&data, "side").assert_equals(&camera);
 }
+
+/// Returns the centroid of the pixels that show a geom, pixels from the upper left corner.
+#[cfg(engine_since = "3.2.0")]
+fn centroid(segmentation: &mujoco_safe::render::SegmentationImage, data: &Data, name: &str) -> [f64; 2] {
+    let id = data.model().geom(name).unwrap().id();
+    let width = segmentation.width();
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for (index, segment) in segmentation.pixels().enumerate() {
+        if segment.and_then(|segment| segment.object) == Some(mujoco_safe::scene::SceneObject::Geom(id)) {
+            sum = [sum[0] + (index % width) as f64 + 0.5, sum[1] + (index / width) as f64 + 0.5];
+            count += 1.0;
+        }
+    }
+    assert!(count > 20.0, "{count} pixels show {name}");
+    sum.map(|sum| sum / count)
+}
+
+/// Looks down on two small spheres with the camera of this XML, and returns the centroids of `a` and `b`, and the pinhole camera. Each point of the
+/// depth image is on a sphere.
+#[cfg(engine_since = "3.2.0")]
+fn spheres(camera: &str) -> ([[f64; 2]; 2], PinholeCamera) {
+    let xml = format!(
+        r#"<mujoco><worldbody><light pos="0 0 3"/><camera name="c" pos="0 0 2" {camera}/>
+             <geom name="a" size=".03" pos=".3 .2 .5"/><geom name="b" size=".03" pos="-.35 -.25 0"/></worldbody></mujoco>"#
+    );
+    let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
+    data.forward().unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), 320, 240, RendererOptions::default()).unwrap();
+    let mut snapshot = renderer.snapshot(&mut data, "c").unwrap();
+    let (depth, segmentation) = (snapshot.depth().unwrap(), snapshot.segmentation().unwrap());
+    let camera = snapshot.pinhole_camera().unwrap();
+    let distance =
+        |point: [f64; 3], centre: [f64; 3]| (0..3).map(|axis| (point[axis] - centre[axis]).powi(2)).sum::<f64>().sqrt();
+    for (pixel, point) in depth.points(&camera) {
+        let [a, b] = [[0.3, 0.2, 0.5], [-0.35, -0.25, 0.0]].map(|centre| distance(point, centre));
+        assert!((a.min(b) - 0.03).abs() < 2e-3, "{pixel:?}: {point:?}");
+        let [u, v] = camera.project(&point).unwrap();
+        assert!((u - pixel[0] as f64 - 0.5).abs() < 1e-9 && (v - pixel[1] as f64 - 0.5).abs() < 1e-9);
+        let (origin, direction) = (camera.origin([u, v]), camera.direction([u, v]));
+        let depth = f64::from(depth.metres(pixel[0], pixel[1]));
+        assert!((0..3).all(|axis| (origin[axis] + depth * direction[axis] - point[axis]).abs() < 1e-9));
+    }
+    (["a", "b"].map(|name| centroid(&segmentation, &data, name)), camera)
+}
+
+#[cfg(engine_since = "3.2.0")]
+#[test]
+fn a_camera_with_a_sensor_has_its_focal_lengths_and_principal_point() {
+    let sensor = r#"sensorsize=".0064 .0048" focal=".006 .004" principal="-.001 -.0012" resolution="320 240""#;
+    let ([a, b], camera) = spheres(sensor);
+    let expected = [300.0, 200.0, 210.0, 180.0];
+    for (actual, expected) in [camera.fx, camera.fy, camera.cx, camera.cy].into_iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-3, "{camera:?}");
+    }
+    // 1.5 m and 2 m below the camera.
+    for (at, expected) in [(a, [270.0, 153.3]), (b, [157.5, 205.0])] {
+        assert!((0..2).all(|axis| (at[axis] - expected[axis]).abs() < 0.5), "{at:?} is not {expected:?}");
+    }
+}
+
+#[cfg(engine_since = "3.2.0")]
+#[test]
+fn the_image_of_a_square_sensor_is_stretched() {
+    let ([a, _], camera) = spheres(r#"sensorsize=".006 .006" focal=".006 .006" resolution="320 240""#);
+    assert!((camera.fx - 320.0).abs() < 1e-3 && (camera.fy - 240.0).abs() < 1e-3, "{camera:?}");
+    assert!((a[0] - 224.0).abs() < 0.5 && (a[1] - 88.0).abs() < 0.5, "{a:?}");
+}
+
+#[cfg(engine_since = "3.2.0")]
+#[test]
+fn an_orthographic_camera_has_the_same_scale_at_every_depth() {
+    let attribute =
+        if cfg!(engine_since = "3.5.0") { r#"projection="orthographic""# } else { r#"orthographic="true""# };
+    let ([a, b], camera) = spheres(&format!(r#"{attribute} fovy="1.2""#));
+    // 240 pixels are 1.2 m.
+    assert!(camera.orthographic && (camera.fx - 200.0).abs() < 1e-3 && (camera.fy - 200.0).abs() < 1e-3, "{camera:?}");
+    for (at, expected) in [(a, [220.0, 80.0]), (b, [90.0, 170.0])] {
+        assert!((0..2).all(|axis| (at[axis] - expected[axis]).abs() < 0.3), "{at:?} is not {expected:?}");
+    }
+}

@@ -463,10 +463,12 @@ fn user_viewpoints_and_render_flags_remain() {
         forward: [0.0, 1.0, 0.0],
         up: [0.0, 0.0, 1.0],
         frustum_center: 0.0,
+        frustum_width: 0.0,
         frustum_bottom: -0.01,
         frustum_top: 0.01,
         frustum_near: 0.02,
         frustum_far: 50.0,
+        orthographic: false,
     };
     scene.set_viewpoints([eye; 2]).unwrap();
     scene.set_render_flags(RenderFlags::WIREFRAME | RenderFlags::CULL_FACE);

@@ -1,7 +1,7 @@
 //! Cameras, viewpoints, and the transform of the model.
 
 use mujoco_safe::scene::{
-    Camera, CameraView, Categories, MouseAction, Scene, SceneOptions, Transform, align_to_camera,
+    Camera, CameraView, Categories, MouseAction, Scene, SceneOptions, Transform, Viewpoint, align_to_camera,
 };
 use mujoco_safe::sys::{mjvCamera, mjvScene};
 use mujoco_safe::{Data, Error, sample};
@@ -172,4 +172,26 @@ fn a_scene_is_send() {
     let count = scene.ngeom();
     let moved = std::thread::spawn(move || scene.geoms().filter(|geom| geom.size()[0] >= 0.0).count());
     assert_eq!(moved.join().unwrap(), count);
+}
+
+#[test]
+fn viewpoints_keep_their_projection_or_the_engine_has_none() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    let mut camera = Camera::free(data.model());
+    scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+    let eye = scene.viewpoint();
+    let wide = Viewpoint { frustum_width: 0.02, ..eye };
+    let orthographic = Viewpoint { orthographic: true, ..eye };
+    for (changed, is_known) in [(wide, cfg!(engine_since = "3.0.0")), (orthographic, cfg!(engine_since = "3.2.0"))] {
+        match scene.set_viewpoints([changed; 2]) {
+            Ok(()) => assert!(is_known && scene.viewpoint() == changed, "{:?}", scene.viewpoint()),
+            Err(error) => assert!(!is_known && matches!(error, Error::Unsupported(_)), "{error}"),
+        }
+    }
+    for frustum_width in [-1.0, f32::NAN] {
+        let result = scene.set_viewpoints([Viewpoint { frustum_width, ..eye }; 2]);
+        assert!(matches!(result, Err(Error::Invalid { .. })), "{frustum_width}");
+    }
 }

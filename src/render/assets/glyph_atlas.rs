@@ -11,11 +11,10 @@ pub(crate) const GLYPH_SIZE: [u32; 2] =
     [get_raster_width(FontWeight::Regular, RasterHeight::Size16) as u32, RasterHeight::Size16.val() as u32];
 /// Padding around each glyph of the atlas, pixels. It contains the halo.
 const PADDING: u32 = 2;
-/// The font covers printable ASCII, from `FIRST` to `LAST`. The last glyph of the atlas is a box for all other
-/// characters.
-const FIRST: char = ' ';
-const LAST: char = '~';
-const COUNT: u32 = LAST as u32 - FIRST as u32 + 2;
+/// Characters of the font: printable ASCII, and the letters and signs of Latin-1 and Latin Extended-A. The last glyph of the atlas is a box for all
+/// other characters.
+const RANGES: [[char; 2]; 2] = [[' ', '~'], ['\u{a1}', '\u{17f}']];
+const COUNT: u32 = characters(RANGES[0]) + characters(RANGES[1]) + 1;
 const COLUMNS: u32 = 16;
 /// Width of the halo around a glyph, pixels.
 const HALO: i32 = 1;
@@ -42,7 +41,7 @@ impl GlyphAtlas {
         let mut atlas = Self { width, height, pixels: vec![0; 2 * (width * height) as usize] };
         for number in 0..COUNT {
             let [left, top] = position(number);
-            let character = (number + 1 < COUNT).then(|| char::from_u32(FIRST as u32 + number)).flatten();
+            let character = RANGES.into_iter().flat_map(|[first, last]| first..=last).nth(number as usize);
             let raster =
                 character.and_then(|character| get_raster(character, FontWeight::Regular, RasterHeight::Size16));
             let coverage = |x: i32, y: i32| {
@@ -64,7 +63,14 @@ impl GlyphAtlas {
 
     /// Returns the texture coordinates of a glyph, left, top, right and bottom, with `border` pixels of its padding.
     pub(crate) fn texcoords(&self, character: char, border: u32) -> [f32; 4] {
-        let number = if (FIRST..=LAST).contains(&character) { character as u32 - FIRST as u32 } else { COUNT - 1 };
+        let mut before = 0;
+        let mut number = COUNT - 1;
+        for [first, last] in RANGES {
+            if (first..=last).contains(&character) {
+                number = before + character as u32 - first as u32;
+            }
+            before += characters([first, last]);
+        }
         let [left, top] = position(number);
         let ([right, bottom], size) =
             ([left + GLYPH_SIZE[0], top + GLYPH_SIZE[1]], [self.width as f32, self.height as f32]);
@@ -75,6 +81,11 @@ impl GlyphAtlas {
             (bottom + border) as f32 / size[1],
         ]
     }
+}
+
+/// Returns the number of characters of a range.
+const fn characters([first, last]: [char; 2]) -> u32 {
+    last as u32 - first as u32 + 1
 }
 
 /// Returns the upper left pixel of a glyph in the atlas.
@@ -92,7 +103,7 @@ fn replacement_box(x: u32, y: u32) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{FIRST, GlyphAtlas, LAST, PADDING};
+    use super::{COUNT, GlyphAtlas, PADDING, RANGES};
 
     /// Returns the sum of the coverage in a rectangle.
     fn ink(texcoords: [f32; 4], channel: usize) -> usize {
@@ -107,34 +118,45 @@ mod tests {
         .sum()
     }
 
+    fn all() -> impl Iterator<Item = char> {
+        RANGES.into_iter().flat_map(|[first, last]| first..=last)
+    }
+
     #[test]
-    fn every_glyph_except_the_space_is_distinct_and_has_a_larger_halo() {
+    fn every_visible_glyph_is_distinct_and_has_a_larger_halo() {
         let atlas = GlyphAtlas::get();
-        assert_eq!(ink(atlas.texcoords(' ', PADDING), 1), 0);
-        let mut rectangles: Vec<_> =
-            (FIRST..=LAST).chain(['é']).map(|character| atlas.texcoords(character, 0)).collect();
-        for &rectangle in &rectangles[1..] {
-            assert!(ink(rectangle, 0) > 255, "empty");
-            assert!(ink(rectangle, 1) > ink(rectangle, 0), "no halo");
+        let mut rectangles: Vec<_> = all().chain(['\u{200b}']).map(|character| atlas.texcoords(character, 0)).collect();
+        for character in all() {
+            let rectangle = atlas.texcoords(character, 0);
+            assert!(ink(rectangle, 0) > 0 || matches!(character, ' ' | '\u{ad}'), "{character:?} is empty");
+            assert!(ink(rectangle, 0) == 0 || ink(rectangle, 1) > ink(rectangle, 0), "{character:?} has no halo");
         }
         rectangles.sort_by(|a, b| a.partial_cmp(b).unwrap());
         rectangles.dedup();
-        assert_eq!(rectangles.len(), (LAST as usize - FIRST as usize + 1) + 1);
+        assert_eq!(rectangles.len(), COUNT as usize);
+    }
+
+    #[test]
+    fn letters_with_accents_differ_from_their_base_and_from_a_box() {
+        let atlas = GlyphAtlas::get();
+        for [accented, base] in [['é', 'e'], ['ö', 'o'], ['Å', 'A'], ['ñ', 'n'], ['š', 's'], ['ł', 'l']] {
+            assert!(ink(atlas.texcoords(accented, 0), 0) > ink(atlas.texcoords(base, 0), 0), "{accented}");
+            assert_ne!(atlas.texcoords(accented, 0), atlas.texcoords('\u{200b}', 0), "{accented}");
+        }
     }
 
     #[test]
     fn missing_glyphs_are_replaced_by_a_box() {
         let atlas = GlyphAtlas::get();
-        for character in ['é', '\n', '\0', '机', '\u{7f}', char::MAX] {
+        for character in ['\n', '\0', '机', 'λ', '\u{7f}', char::MAX] {
             assert_eq!(atlas.texcoords(character, 0), atlas.texcoords('\u{200b}', 0));
         }
-        assert_ne!(atlas.texcoords('é', 0), atlas.texcoords('e', 0));
     }
 
     #[test]
     fn halos_stay_within_the_padding() {
         let atlas = GlyphAtlas::get();
-        for character in FIRST..=LAST {
+        for character in all() {
             let (within, around) = (atlas.texcoords(character, 1), atlas.texcoords(character, PADDING));
             assert_eq!(ink(within, 1), ink(around, 1), "the halo of '{character}' exceeds a pixel");
         }

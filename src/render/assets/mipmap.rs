@@ -1,10 +1,8 @@
 //! Mip chains of the model's textures, as four bytes per pixel.
 
-use std::borrow::Cow;
-
 use crate::enums::TextureType;
 use crate::id::TextureId;
-use crate::model::Model;
+use crate::model::{Model, TexturePixels};
 
 /// Number of faces of a cube texture.
 const CUBE_FACES: usize = 6;
@@ -15,8 +13,11 @@ const BYTES_PER_PIXEL: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MipChain {
     pub(crate) faces: Faces,
-    /// Mip levels. Each has half the width and height of the previous level, rounded down.
+    /// Mip levels. Each has half the width and height of the previous level, rounded down. Empty if the texture has no pixels that the engine's
+    /// renderer draws: it is then white.
     pub(crate) levels: Vec<MipLevel>,
+    /// The pixels are in the sRGB colour space, and are converted to linear colours when they are sampled.
+    pub(crate) is_srgb: bool,
 }
 
 /// Array layers of a texture.
@@ -45,22 +46,39 @@ pub(crate) struct MipLevel {
     pub(crate) width: u32,
     /// Height of each layer, pixels; at least 1.
     pub(crate) height: u32,
-    /// Layers one after the other, each row-major: red, green, blue, and 255 for opaque.
+    /// Layers one after the other, each row-major: red, green, blue and opacity.
     pub(crate) rgba: Vec<u8>,
 }
 
 impl MipChain {
-    /// Computes the mip chain of a texture. Levels with a width or height above `limit` are omitted.
+    /// Computes the mip chain of a texture. Levels with a width or height above `limit` are omitted. Textures that the engine's renderer does not
+    /// draw, and files that cannot be read, are logged.
     pub(crate) fn new(model: &Model, id: TextureId, limit: u32) -> Self {
-        let texture = model.texture(id);
-        let (width, height) = (texture.width(), texture.height());
-        let rgb = &*three_channels(texture.rgb(), texture.channels());
-        let faces = if texture.texture_type() == TextureType::Flat { Faces::D2 } else { Faces::Cube };
+        let faces = if model.texture(id).texture_type() == TextureType::Flat { Faces::D2 } else { Faces::Cube };
+        let white = Self { faces, levels: Vec::new(), is_srgb: false };
+        let texture = match model.texture_pixels(id) {
+            Ok(texture) => texture,
+            Err(error) => {
+                log::warn!("texture {} is drawn white: {error}", model.texture(id).name().unwrap_or("without a name"));
+                return white;
+            }
+        };
+        let TexturePixels { width, height, channels, bytes, is_srgb } = texture;
+        if !matches!(channels, 3 | 4) {
+            log::warn!(
+                "texture {} is drawn white, as by the engine: it has {channels} channels instead of 3 or 4",
+                model.texture(id).name().unwrap_or("without a name")
+            );
+            return white;
+        }
+        // The engine reads the pixels of cubes as three channels, and without a colour space.
+        let channels = if faces == Faces::D2 { channels } else { 3 };
+        let bytes = &bytes[..channels * width * height];
         let first = match faces {
-            Faces::D2 => MipLevel::new(width, height, &[rgb]),
+            Faces::D2 => MipLevel::new(width, height, channels, &[bytes]),
             // A square image is repeated on all faces.
-            Faces::Cube if width == height => MipLevel::new(width, width, &[rgb; CUBE_FACES]),
-            Faces::Cube => MipLevel::new(width, height / CUBE_FACES, &[rgb]),
+            Faces::Cube if width == height => MipLevel::new(width, width, channels, &[bytes; CUBE_FACES]),
+            Faces::Cube => MipLevel::new(width, height / CUBE_FACES, channels, &[bytes]),
         };
         let mut levels = vec![first];
         while let Some(last) = levels.last()
@@ -73,24 +91,22 @@ impl MipChain {
             }
             levels.push(half);
         }
-        Self { faces, levels }
+        Self { levels, is_srgb: is_srgb && faces == Faces::D2, ..white }
     }
-}
-
-/// Converts pixels with any number of channels to red, green and blue.
-fn three_channels(pixels: &[u8], channels: usize) -> Cow<'_, [u8]> {
-    if channels == 3 {
-        return Cow::Borrowed(pixels);
-    }
-    let rgb = |pixel: &[u8]| if let [red, green, blue, ..] = *pixel { [red, green, blue] } else { [pixel[0]; 3] };
-    Cow::Owned(pixels.chunks_exact(channels.max(1)).flat_map(rgb).collect())
 }
 
 impl MipLevel {
-    fn new(width: usize, height: usize, images: &[&[u8]]) -> Self {
+    /// Creates a level from images with three or four channels.
+    fn new(width: usize, height: usize, channels: usize, images: &[&[u8]]) -> Self {
         let mut rgba = Vec::with_capacity(BYTES_PER_PIXEL * width * height * images.len());
-        for [red, green, blue] in images.iter().flat_map(|image| image.as_chunks().0) {
-            rgba.extend_from_slice(&[*red, *green, *blue, u8::MAX]);
+        for image in images {
+            if channels == BYTES_PER_PIXEL {
+                rgba.extend_from_slice(image);
+                continue;
+            }
+            for [red, green, blue] in image.as_chunks().0 {
+                rgba.extend_from_slice(&[*red, *green, *blue, u8::MAX]);
+            }
         }
         Self { width: width as u32, height: height as u32, rgba }
     }

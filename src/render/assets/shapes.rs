@@ -37,6 +37,7 @@ pub(crate) struct Shapes {
     square: u32,
     cuboid: u32,
     line: u32,
+    triangle: u32,
     /// Shapes with the same surface as the first shapes, and as few triangles as possible.
     unlit: Vec<u32>,
     /// First mesh; each mesh is followed by its convex hull.
@@ -46,8 +47,10 @@ pub(crate) struct Shapes {
     height_fields: u32,
     nhfield: u32,
     skins: Vec<Skin>,
-    /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers.
-    flexes: Vec<([usize; 2], ShapeBuffers)>,
+    /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers of the faces and of the
+    /// edges and vertices.
+    flexes: Vec<([usize; 2], [ShapeBuffers; 2])>,
+    tessellation: Tessellation,
     max_vertices: usize,
 }
 
@@ -68,11 +71,13 @@ impl Shapes {
             square: 0,
             cuboid: 0,
             line: 0,
+            triangle: 0,
             unlit: Vec::new(),
             meshes: 0,
             mesh_levels: Vec::new(),
             height_fields: 0,
             nhfield: model.nhfield() as u32,
+            tessellation,
             skins: Vec::new(),
             flexes: Vec::new(),
             max_vertices,
@@ -85,6 +90,7 @@ impl Shapes {
         shapes.square = shapes.push(gpu, &shape::plane(tessellation.quads))?;
         shapes.cuboid = shapes.push(gpu, &shape::cuboid(tessellation.quads))?;
         shapes.line = shapes.push(gpu, &line())?;
+        shapes.triangle = shapes.push(gpu, &shape::triangle())?;
         shapes.unlit = (0..=shapes.cuboid).collect();
         for shape in RoundShape::ALL {
             for (level, triangles) in shape.unlit_levels(tessellation).into_iter().flatten().enumerate() {
@@ -197,15 +203,16 @@ impl Shapes {
             let Some(flex) = geom.flex().and_then(|flex| scene.flexes().nth(flex)) else { continue };
             let faces = geom.flex_faces().unwrap_or(0..flex.faces.len());
             let key = [flex.flex, faces.start];
-            let buffers = ShapeBuffers::new(gpu, &shape::flex(&flex, geom.size()[0], faces))?;
-            self.flexes.push((key, buffers));
+            let faces = ShapeBuffers::new(gpu, &shape::flex_faces(&flex, faces))?;
+            let skeleton = ShapeBuffers::new(gpu, &shape::flex_skeleton(&flex, geom.size()[0], self.tessellation))?;
+            self.flexes.push((key, [faces, skeleton]));
         }
         Ok(())
     }
 
     pub(crate) fn buffers(&self, shape: u32) -> &ShapeBuffers {
         if let Some(flex) = shape.checked_sub(FIRST_FLEX) {
-            return &self.flexes[flex as usize].1;
+            return &self.flexes[flex as usize / 2].1[flex as usize % 2];
         }
         if let (Some(level), Some(levels)) = (shape.checked_sub(FIRST_DEPTH_LEVEL), &self.depth_levels) {
             return &levels[level as usize];
@@ -220,11 +227,13 @@ impl Shapes {
         &self.buffers[shape as usize]
     }
 
-    /// Returns the shape of a geom with a flex.
-    pub(crate) fn flex(&self, geom: SceneGeom<'_>) -> Option<u32> {
-        let key = [geom.flex()?, geom.flex_faces().map_or(0, |faces| faces.start)];
-        let index = self.flexes.iter().position(|(known, _)| *known == key)?;
-        Some(FIRST_FLEX + index as u32)
+    /// Returns the shapes of a geom with a flex: its faces, and its edges and vertices.
+    pub(crate) fn flex(&self, geom: SceneGeom<'_>) -> [Option<u32>; 2] {
+        let index = geom.flex().and_then(|flex| {
+            let key = [flex, geom.flex_faces().map_or(0, |faces| faces.start)];
+            self.flexes.iter().position(|(known, _)| *known == key)
+        });
+        [0, 1].map(|part| index.map(|index| FIRST_FLEX + 2 * index as u32 + part))
     }
 
     /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the
@@ -264,6 +273,11 @@ impl Shapes {
 
     pub(crate) fn line(&self) -> u32 {
         self.line
+    }
+
+    /// Returns the triangle of the origin and the ends of the unit vectors along x and y.
+    pub(crate) fn triangle(&self) -> u32 {
+        self.triangle
     }
 
     /// Returns a mesh, which may merge vertices up to a distance along each axis, m.
@@ -311,6 +325,7 @@ fn line() -> Triangles {
         position: [along, across, 0.0],
         normal: [0.0, 0.0, 1.0],
         texcoord: [0.0; 2],
+        parity: 0.0,
     };
     Triangles {
         vertices: vec![vertex(0.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(0.0, 1.0)],

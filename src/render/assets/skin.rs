@@ -58,7 +58,7 @@ impl Skin {
         let (chunks, _) = bytes.slice(..).into_chunks::<{ size_of::<Vertex>() }>();
         chunks.write_iter(vertices.iter().zip(normals).zip(&self.topology.texcoords).map(
             |((&position, &normal), &texcoord)| {
-                bytemuck::cast(Vertex { position: drawable(position), normal: drawable(normal), texcoord })
+                bytemuck::cast(Vertex { position: drawable(position), normal: drawable(normal), texcoord, parity: 0.0 })
             },
         ));
     }

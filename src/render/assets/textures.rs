@@ -101,7 +101,7 @@ impl Textures {
 
     /// Creates the bind group of a texture, and the skybox if the texture is one.
     fn create(&mut self, gpu: &Gpu, model: &Model, id: TextureId, is_sky: bool) -> (TextureKind, wgpu::BindGroup) {
-        let MipChain { faces, levels } = MipChain::new(model, id, gpu.limits().max_texture_dimension_2d);
+        let MipChain { faces, levels, is_srgb } = MipChain::new(model, id, gpu.limits().max_texture_dimension_2d);
         let layers = faces.count() as u32;
         let bindings = &gpu.pipelines().textures;
         let (kind, dimension, layout, sampler) = match faces {
@@ -112,7 +112,8 @@ impl Textures {
         let levels = if is_complete(&levels, layers) { &levels[..] } else { &white };
         let first = &levels[0];
         let size = wgpu::Extent3d { width: first.width, height: first.height, depth_or_array_layers: layers };
-        let texture = create_texture(gpu, size, levels.len() as u32, wgpu::TextureFormat::Rgba8Unorm);
+        let format = if is_srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
+        let texture = create_texture(gpu, size, levels.len() as u32, format);
         for (number, MipLevel { width, height, rgba }) in levels.iter().enumerate() {
             let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: layers };
             write(gpu, &texture, number as u32, size, rgba, 4);

@@ -1,9 +1,9 @@
 //! Instances, batches, and the appearance of a geom: colour, material and texture.
 
 use super::primitive::Part;
+use super::texture_map::TextureMap;
 use super::{AuxOutput, DrawListInputs};
 use crate::math;
-use crate::render::settings::is_drawable;
 use crate::render::shader::TextureKind;
 use crate::scene::{SceneGeom, SceneGeomType};
 
@@ -14,12 +14,14 @@ pub(crate) struct Instance {
     /// Rows of the transformation from the local frame of the shape to world space.
     pub(crate) rows: [[f32; 4]; 3],
     pub(crate) rgba: [f32; 4],
-    /// Emission, specularity and shininess.
+    /// Emission, specularity and shininess. For a line the first is its width, in units of the line width.
     pub(crate) material: [f32; 3],
     /// Reciprocals of the squared lengths of the columns of the transformation, for normals.
     pub(crate) normal_scale: [f32; 3],
-    /// Texture coordinate generation: scale of the local position, and offset of z or [`EXPLICIT_TEXCOORDS`].
+    /// Texture coordinates: scale, and 1 for the coordinates of the vertices, 0 for their local positions.
     pub(crate) texgen: [f32; 4],
+    /// Offset of the texture coordinates.
+    pub(crate) texture_offset: [f32; 3],
     /// Index of the geom in the scene plus 1.
     pub(crate) id: u32,
 }
@@ -36,6 +38,8 @@ pub(crate) struct BatchKey {
     pub(crate) line: bool,
     /// Front faces are culled instead of back faces.
     pub(crate) back_faces: bool,
+    /// All lights shine on the instances, even in shadows.
+    pub(crate) unshadowed: bool,
 }
 
 /// Consecutive instances with equal keys and visibility.
@@ -66,27 +70,18 @@ pub(crate) enum MirrorSide {
     Behind,
 }
 
-/// Marks explicit texture coordinates, in the last element of [`Instance::texgen`]; `surface.wgsl` tests for it. It
-/// exceeds the coordinates of all geoms.
-const EXPLICIT_TEXCOORDS: f32 = f32::MIN;
-
 /// Appearance of a geom, independent of its shape.
 pub(super) struct Appearance {
     rgba: [f32; 4],
     material: [f32; 3],
-    texture_kind: TextureKind,
-    texture: u32,
-    /// Scale from local positions to texture coordinates. For a 2D texture the last element is 0 or
-    /// [`EXPLICIT_TEXCOORDS`].
-    texgen: [f32; 3],
+    texture: TextureMap,
     id: u32,
 }
 
 impl Appearance {
     pub(super) fn new(index: usize, geom: SceneGeom<'_>, inputs: &DrawListInputs<'_>, is_camera_behind: bool) -> Self {
         let id = index as u32 + 1;
-        let untextured =
-            |rgba| Self { rgba, material: [0.0; 3], texture_kind: TextureKind::None, texture: 0, texgen: [1.0; 3], id };
+        let untextured = |rgba| Self { rgba, material: [0.0; 3], texture: TextureMap::NONE, id };
         match inputs.aux {
             Some(AuxOutput::SegmentColors) => return untextured(segment_color(geom.segid())),
             Some(AuxOutput::IdColors) => return untextured(id_color(geom.segid())),
@@ -101,43 +96,9 @@ impl Appearance {
         let shininess = limited(128.0 * geom.shininess(), 128.0).max(0.0);
         appearance.material = [limited(geom.emission(), 1e3), limited(geom.specular(), 1e3), shininess];
         if let Some(texture) = geom.texture() {
-            appearance.apply_texture(texture.index(), geom, inputs);
+            appearance.texture = TextureMap::new(inputs.textures.kind(texture.index()), texture.index(), geom);
         }
         appearance
-    }
-
-    fn apply_texture(&mut self, texture: usize, geom: SceneGeom<'_>, inputs: &DrawListInputs<'_>) {
-        let kind = inputs.textures.kind(texture);
-        // Explicit texture coordinates are two-dimensional and do not apply to cube textures.
-        if geom.texcoord() && kind != TextureKind::D2 {
-            return;
-        }
-        (self.texture_kind, self.texture) = (kind, texture as u32);
-        if geom.texcoord() {
-            self.texgen = [0.0, 0.0, EXPLICIT_TEXCOORDS];
-            return;
-        }
-        let (size, repeat) = (geom.size(), geom.texrepeat());
-        let is_in_metres = geom.mesh().is_some() || geom.height_field().is_some() || geom.plane().is_some();
-        self.texgen = match kind {
-            TextureKind::None => [0.0; 3],
-            TextureKind::D2 => {
-                let mut scale = repeat;
-                for axis in 0..2 {
-                    // Local positions of the model's own shapes are in metres, others in units of the geom's size.
-                    if is_in_metres && size[axis] > 0.0 {
-                        scale[axis] /= size[axis].max(1e-15);
-                    }
-                    if geom.texuniform() && size[axis] > 0.0 {
-                        scale[axis] *= size[axis];
-                    }
-                }
-                [0.5 * scale[0], -0.5 * scale[1], 0.0]
-            }
-            TextureKind::Cube if geom.texuniform() => size,
-            TextureKind::Cube => [1.0; 3],
-        }
-        .map(|scale| if is_drawable(scale) { scale } else { 0.0 });
     }
 
     /// Creates the instance of a part of the geom, and its batch key.
@@ -157,23 +118,37 @@ impl Appearance {
                 identity[row] = 1.0;
                 return identity;
             }
-            let [x, y, z] = [mat[3 * row], mat[3 * row + 1], mat[3 * row + 2]];
+            let axes = [mat[3 * row], mat[3 * row + 1], mat[3 * row + 2]];
+            if let Some([from, to]) = part.edge {
+                let along = |vector: [f32; 3]| (0..3).map(|axis| axes[axis] * vector[axis]).sum::<f32>();
+                return [0.0, 0.0, along(to) - along(from), pos[row] + along(from)];
+            }
+            let [x, y, z] = axes;
             [x * part.scale[0], y * part.scale[1], z * part.scale[2], pos[row] + z * part.shift]
         });
         let normal_scale = [0, 1, 2].map(|column| {
             let squared_length = rows.iter().map(|row| row[column] * row[column]).sum::<f32>();
             1.0 / squared_length.max(1e-30)
         });
-        let [u, v, w] = [0, 1, 2].map(|axis| self.texgen[axis] * part.texture_scale[axis]);
-        let texgen = match self.texture_kind {
-            TextureKind::None => [0.0; 4],
-            TextureKind::D2 => [u, v, 0.0, self.texgen[2]],
-            TextureKind::Cube => [u, v, w, self.texgen[2] * part.texture_shift],
+        let Self { rgba, mut material, ref texture, id } = *self;
+        if line {
+            material[0] = line_width(geom);
         }
-        .map(|number| if number.is_finite() { number } else { 0.0 });
-        let Self { rgba, material, texture_kind, texture, id, .. } = *self;
-        let key = BatchKey { shape: part.shape, texture_kind, texture, line, back_faces };
-        (key, Instance { rows, rgba, material, normal_scale, texgen, id })
+        let texture = if part.is_textured { texture } else { &TextureMap::NONE };
+        let (texgen, texture_offset) = texture.of_part(part);
+        let TextureMap { kind: texture_kind, texture, .. } = *texture;
+        let unshadowed = part.is_unshadowed;
+        let key = BatchKey { shape: part.shape, texture_kind, texture, line, back_faces, unshadowed };
+        (key, Instance { rows, rgba, material, normal_scale, texgen, texture_offset, id })
+    }
+}
+
+/// Returns the width of the lines of a geom, in units of the line width. The engine uses the size of the geom from 2.3.3 on.
+fn line_width(geom: SceneGeom<'_>) -> f32 {
+    match geom.geom_type() {
+        SceneGeomType::LineBox => 1.5,
+        _ if cfg!(engine_since = "2.3.3") => geom.size()[0],
+        _ => 3.0,
     }
 }
 

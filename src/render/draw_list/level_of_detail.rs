@@ -44,16 +44,18 @@ impl Detail {
             _ => x.max(y),
         };
         let nearest = (frustum.depth_of(sphere.centre) - f64::from(sphere.radius)).max(frustum.range[0]);
-        let relative_radius = frustum.scale * f64::from(radius) / nearest;
+        let room_radius = frustum.scale * f64::from(radius);
         if aux.is_some() {
+            let relative_radius = room_radius / nearest;
             // The chord errors of the two directions of a sphere add up.
             let is_precise = |&slices: &u32| 2.0 * Tessellation::chord_error(slices) * relative_radius <= PRECISION;
             let level = DEPTH_LEVELS.iter().position(is_precise).unwrap_or(DEPTH_LEVELS.len() - 1);
             return Self { round: DetailLevel::Depth(level), ..Self::FULL };
         }
-        let pixels = frustum.pixels_per_metre * relative_radius;
+        let pixels_per_metre = frustum.pixels_at(nearest);
+        let pixels = pixels_per_metre * room_radius;
         let round = DetailLevel::Color(MAX_RADII.iter().take_while(|&&max| pixels < max).count());
-        let pixel = nearest / (frustum.pixels_per_metre * frustum.scale);
+        let pixel = 1.0 / (pixels_per_metre * frustum.scale);
         Self { round, mesh: (MERGED * pixel) as f32 }
     }
 }

@@ -108,6 +108,7 @@ mod tests {
             scale: 1.0,
             corners: [[0.0; 3]; 4],
             pixels_per_metre: 100.0,
+            orthographic: false,
             flip_y: false,
         }
     }

@@ -9,6 +9,7 @@ mod mirror;
 mod nearest_depth;
 mod primitive;
 mod shadow_caster;
+mod texture_map;
 
 use self::instance::Appearance;
 pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
@@ -19,7 +20,7 @@ use self::primitive::Part;
 use self::shadow_caster::ShadowCasters;
 use super::assets::{Shapes, Textures};
 use super::bounding_volume::{AssetBounds, BoundingVolume, signed_distance, sorting_radius};
-use super::settings::is_drawable;
+use super::settings::{ALL_FACES_CAST_SHADOWS, is_drawable};
 use super::view::{Lights, ViewFrustum};
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 
@@ -109,8 +110,10 @@ impl DrawList {
         let reflector = self.find_reflector(scene, inputs, camera);
         let planes = frustum.planes();
         let mirror_planes = self.mirror.as_ref().map(|mirror| frustum.mirrored(&mirror.reflection).planes());
-        let mut casters = ShadowCasters::new(inputs.lights, flags.contains(RenderFlags::CULL_FACE), planes);
+        let culls_front_faces = !ALL_FACES_CAST_SHADOWS && flags.contains(RenderFlags::CULL_FACE);
+        let mut casters = ShadowCasters::new(inputs.lights, culls_front_faces, planes);
         let mut reflector_instances = 0;
+        let mut is_before_materials = true;
         for (index, geom) in scene.geoms().enumerate() {
             if !is_valid(geom) {
                 continue;
@@ -129,13 +132,13 @@ impl DrawList {
                 let is_opaque = !is_transparent && !flags.contains(RenderFlags::WIREFRAME);
                 self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque });
             }
-            let is_line = geom.geom_type() == SceneGeomType::Line;
+            let is_line = matches!(geom.geom_type(), SceneGeomType::Line | SceneGeomType::LineBox);
             let is_plane = geom.geom_type() == SceneGeomType::Plane;
             let mut visibility = self.visibility(&volume, &planes, mirror_planes.as_ref());
             if visibility.in_frustum {
                 self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
             }
-            if !is_line {
+            if !is_line && geom.casts_shadow() {
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
             }
             self.parts.clear();
@@ -144,12 +147,18 @@ impl DrawList {
             } else {
                 Detail::new(geom, &volume, frustum, inputs.aux)
             };
-            primitive::parts(geom, inputs.shapes, detail, &mut self.parts);
+            is_before_materials &= is_transparent || geom.material().is_none();
+            primitive::parts(geom, inputs.shapes, detail, is_before_materials, &mut self.parts);
             let appearance = Appearance::new(index, geom, inputs, is_behind);
             let first = self.pending.len() as u32;
+            let is_two_sided = geom.geom_type() == SceneGeomType::Triangle && flags.contains(RenderFlags::CULL_FACE);
             for part in &self.parts {
                 let (key, instance) = appearance.instance(geom, part, is_line, is_behind && is_plane);
                 self.pending.push(PendingInstance { key, visibility, instance });
+                if is_two_sided {
+                    let (key, instance) = appearance.instance(geom, part, is_line, true);
+                    self.pending.push(PendingInstance { key, visibility, instance });
+                }
             }
             let last = self.pending.len() as u32;
             if is_transparent {
@@ -271,10 +280,11 @@ const REFLECTOR_SORT_KEY: u64 = 0;
 
 /// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes are last, because much of them is hidden.
 fn sort_key(pending: &PendingInstance, is_plane: bool) -> u64 {
-    let BatchKey { shape, texture_kind, texture, line, back_faces } = pending.key;
+    let BatchKey { shape, texture_kind, texture, line, back_faces, unshadowed } = pending.key;
     let Visibility { in_frustum, mirror_side, shadow_mask } = pending.visibility;
-    let flags =
-        [line, back_faces, !in_frustum].iter().fold(mirror_side as u64, |flags, &flag| flags << 1 | u64::from(flag));
+    let flags = [line, back_faces, !in_frustum, unshadowed]
+        .iter()
+        .fold(mirror_side as u64, |flags, &flag| flags << 1 | u64::from(flag));
     let texture = (texture_kind as u64) << 32 | u64::from(texture & 0xFFFF) << 16;
     1 << 63
         | u64::from(is_plane) << 62

@@ -17,11 +17,36 @@ pub(super) struct Part {
     pub(super) texture_scale: [f32; 3],
     /// Translation along z for texture coordinates.
     pub(super) texture_shift: f32,
+    /// Scale and translation of the texture coordinates of the vertices.
+    pub(super) texcoord_scale: [f32; 2],
+    pub(super) texcoord_shift: [f32; 2],
+    /// The part shows the texture of the geom.
+    pub(super) is_textured: bool,
+    /// All lights shine on the part, even in shadows.
+    pub(super) is_unshadowed: bool,
+    /// Ends of a line in the frame of the geom, m, instead of the scale and the translation.
+    pub(super) edge: Option<[[f32; 3]; 2]>,
 }
 
 impl Part {
     fn new(shape: u32, scale: [f32; 3]) -> Self {
-        Self { shape, scale, shift: 0.0, texture_scale: [1.0; 3], texture_shift: 0.0 }
+        Self {
+            shape,
+            scale,
+            shift: 0.0,
+            texture_scale: [1.0; 3],
+            texture_shift: 0.0,
+            texcoord_scale: [1.0; 2],
+            texcoord_shift: [0.0; 2],
+            is_textured: true,
+            is_unshadowed: false,
+            edge: None,
+        }
+    }
+
+    /// Creates a line between two points in the frame of the geom.
+    fn line(shape: u32, from: [f32; 3], to: [f32; 3]) -> Self {
+        Self { edge: Some([from, to]), ..Self::new(shape, [1.0; 3]) }
     }
 
     /// Translates the part along z.
@@ -34,16 +59,37 @@ impl Part {
         Self { texture_shift, ..self }
     }
 
-    /// Rotates the part by 180° about x, before the translation.
+    /// Rotates a disk by 180° about x, before the translation. Its texture coordinates remain those of its points.
     fn flipped(self) -> Self {
         let flipped = |[x, y, z]: [f32; 3]| [x, -y, -z];
-        Self { scale: flipped(self.scale), texture_scale: flipped(self.texture_scale), ..self }
+        Self {
+            scale: flipped(self.scale),
+            texture_scale: flipped(self.texture_scale),
+            texcoord_scale: [1.0, -1.0],
+            texcoord_shift: [0.0, 1.0],
+            ..self
+        }
+    }
+
+    /// Rotates a surface of revolution by 180° about x, before the translation. Its texture coordinates are again an angle about z and a
+    /// coordinate that falls along z.
+    fn reversed(self) -> Self {
+        Self { texcoord_scale: [-1.0; 2], texcoord_shift: [1.0; 2], ..self.flipped() }
     }
 }
 
 /// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or with an unknown
 /// asset.
-pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, detail: Detail, parts: &mut Vec<Part>) {
+///
+/// `is_before_materials` states that neither this geom nor an opaque geom before it has a material. The engine then disables the shadow map with the
+/// texture when it draws the edges and vertices of a flex.
+pub(super) fn parts(
+    geom: SceneGeom<'_>,
+    shapes: &Shapes,
+    detail: Detail,
+    is_before_materials: bool,
+    parts: &mut Vec<Part>,
+) {
     let round = |shape: RoundShape| shapes.round(shape, detail.round);
     let size = geom.size();
     let asset = |shape: u32| Part::new(shape, [1.0; 3]);
@@ -67,15 +113,46 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, detail: Detail, parts:
         SceneGeomType::Arrow => parts.extend(arrow(size, ARROWHEAD_SCALE, round)),
         SceneGeomType::Arrow1 => parts.extend(arrow(size, 1.0, round)),
         SceneGeomType::Arrow2 => parts.extend(double_arrow(size, round)),
-        SceneGeomType::Line => parts.push(Part::new(shapes.line(), [1.0, 1.0, size[2]])),
+        SceneGeomType::Line => parts.push(Part::line(shapes.line(), [0.0; 3], [0.0, 0.0, size[2]])),
         SceneGeomType::Skin => {
             if let Some(SceneObject::Skin(skin)) = geom.object() {
                 parts.extend(shapes.skin(skin.index()).map(asset));
             }
         }
-        SceneGeomType::Flex => parts.extend(shapes.flex(geom).map(asset)),
-        SceneGeomType::LineBox | SceneGeomType::Triangle | SceneGeomType::Label | SceneGeomType::None => {}
+        SceneGeomType::Flex => {
+            let [faces, skeleton] = shapes.flex(geom);
+            parts.extend(faces.map(asset));
+            // The engine disables the texture for vertices and edges.
+            let skeleton = skeleton.map(asset);
+            parts.extend(skeleton.map(|part| Part { is_textured: false, is_unshadowed: is_before_materials, ..part }));
+        }
+        SceneGeomType::LineBox => parts.extend(edges(size).map(|[from, to]| Part::line(shapes.line(), from, to))),
+        SceneGeomType::Triangle => parts.push(Part::new(shapes.triangle(), [size[0], size[1], 1.0])),
+        SceneGeomType::Label | SceneGeomType::None => {}
     }
+}
+
+/// Returns the ends of the twelve edges of a box around the origin with these half lengths.
+fn edges(half: [f32; 3]) -> [[[f32; 3]; 2]; 12] {
+    std::array::from_fn(|index| {
+        let (along, sides) = (index / 4, index % 4);
+        let corner = |end: f32| {
+            std::array::from_fn(|axis| {
+                let sign = match (axis + 3 - along) % 3 {
+                    0 => end,
+                    other => {
+                        if sides & other == 0 {
+                            -1.0
+                        } else {
+                            1.0
+                        }
+                    }
+                };
+                sign * half[axis]
+            })
+        };
+        [corner(-1.0), corner(1.0)]
+    })
 }
 
 /// Returns the square of a plane. Planes of the model may be infinite.
@@ -121,7 +198,7 @@ fn cylinder(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
 fn capsule(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     let [x, y, z] = size;
     let cap = Part::new(round(RoundShape::Hemisphere), [x, y, x.midpoint(y)]);
-    let (top, bottom) = (cap.shifted(z).texture_shifted(1.0), cap.flipped().shifted(-z).texture_shifted(-1.0));
+    let (top, bottom) = (cap.shifted(z).texture_shifted(1.0), cap.reversed().shifted(-z).texture_shifted(-1.0));
     [cylinder_side(size, round), top, bottom]
 }
 
@@ -153,14 +230,14 @@ fn double_arrow(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 5] 
         Part::new(round(RoundShape::LongCylinder), [x, y, third]),
         cone.shifted(third),
         base.flipped().shifted(third),
-        cone.flipped().shifted(-third),
+        cone.reversed().shifted(-third),
         base.shifted(-third),
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Part, arrow, capsule, cylinder, double_arrow};
+    use super::{Part, arrow, capsule, cylinder, double_arrow, edges};
     use crate::render::assets::RoundShape;
 
     /// Returns the extent of a part along z, for a shape with the given extent.
@@ -195,6 +272,20 @@ mod tests {
         assert_eq!((extent(&top, [0.0; 2])[0], extent(&bottom, [0.0; 2])[0]), (2.0, 0.0));
         assert_eq!(extent(&cone, [0.0, 1.0]), [2.0, 3.0]);
         assert_eq!(extent(&base, [0.0; 2])[0], 2.0);
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges() {
+        let edges = edges([1.0, 2.0, 3.0]);
+        for [from, to] in edges {
+            let differing: Vec<usize> = (0..3).filter(|&axis| from[axis] != to[axis]).collect();
+            assert_eq!(differing.len(), 1, "{from:?} {to:?}");
+            assert!((0..3).all(|axis| from[axis].abs() == [1.0, 2.0, 3.0][axis]), "{from:?}");
+        }
+        let mut distinct = edges.to_vec();
+        distinct.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        distinct.dedup();
+        assert_eq!(distinct.len(), 12);
     }
 
     #[test]

@@ -94,7 +94,7 @@ impl DepthImage {
     ///
     /// // A camera at the origin looks down.
     /// let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-    /// let camera = PinholeCamera { width: 2, height: 1, fx: 2.0, fy: 2.0, cx: 1.0, cy: 0.5, pos: [0.0; 3], mat };
+    /// let camera = PinholeCamera { width: 2, height: 1, fx: 2.0, fy: 2.0, cx: 1.0, cy: 0.5, pos: [0.0; 3], mat, orthographic: false };
     /// let depth = DepthImage::from_metres(2, 1, vec![f32::INFINITY, 3.0])?;
     /// let cloud: Vec<_> = depth.points(&camera).collect();
     /// assert_eq!(cloud, [([1, 0], [0.75, 0.0, -3.0])]);
@@ -218,8 +218,17 @@ mod tests {
     #[test]
     #[should_panic(expected = "a depth image of 4 x 2 pixels and a camera of 2 x 4 pixels")]
     fn points_of_a_camera_of_another_size_panic() {
-        let camera =
-            PinholeCamera { width: 2, height: 4, fx: 1.0, fy: 1.0, cx: 1.0, cy: 2.0, pos: [0.0; 3], mat: [0.0; 9] };
+        let camera = PinholeCamera {
+            width: 2,
+            height: 4,
+            fx: 1.0,
+            fy: 1.0,
+            cx: 1.0,
+            cy: 2.0,
+            pos: [0.0; 3],
+            mat: [0.0; 9],
+            orthographic: false,
+        };
         let _ = picture().points(&camera).count();
     }
 

@@ -129,7 +129,7 @@ fn glyphs(text: &str) -> impl Iterator<Item = (char, [u32; 2])> + '_ {
         let cell = next;
         next = if character == '\n' { [0, cell[1] + 1] } else { [cell[0] + 1, cell[1]] };
         // A tab has the width of a space.
-        (!matches!(character, '\n' | ' ' | '\t' | '\r')).then_some((character, cell))
+        (!matches!(character, '\n' | ' ' | '\u{a0}' | '\t' | '\r')).then_some((character, cell))
     })
 }
 

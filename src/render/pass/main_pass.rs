@@ -146,7 +146,13 @@ impl MainPass {
             draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::Reflector, ..key });
         }
         for batch in list.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
-            draw.batch(pass, batch, &key);
+            if batch.key.unshadowed {
+                pass.set_bind_group(0, unshadowed, &[]);
+                draw.batch(pass, batch, &PipelineKey { light_set: unshadowed_light_set, ..key });
+                pass.set_bind_group(0, shadowed, &[]);
+            } else {
+                draw.batch(pass, batch, &key);
+            }
         }
         pass.set_bind_group(0, unshadowed, &[]);
         if flags.contains(RenderFlags::SKYBOX) && sky.is_visible {
@@ -223,7 +229,14 @@ fn draw_mirror_images(
         // The mark is rendered in the unmirrored view. Its instance is the last one.
         let index = list.instances.len() as u32 - 1;
         let batch = Batch {
-            key: BatchKey { shape, texture_kind: TextureKind::None, texture: 0, line: false, back_faces: false },
+            key: BatchKey {
+                shape,
+                texture_kind: TextureKind::None,
+                texture: 0,
+                line: false,
+                back_faces: false,
+                unshadowed: false,
+            },
             visibility: Visibility { in_frustum: true, mirror_side: MirrorSide::Across, shadow_mask: 0 },
             instances: index..index + 1,
         };
@@ -265,7 +278,9 @@ fn draw_sky(
     let Some(texture) = draw.textures.sky() else { return };
     let pass_kind = PassKind::Sky { haze: sky.has_haze() };
     pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(pass_kind, key)));
-    pass.set_bind_group(1, texture.bind_group(frustum.pixels_per_metre), &[]);
+    // The image of an orthographic camera shows a small part of the sky, on which the texture is magnified.
+    let pixels_per_radian = if frustum.orthographic { f64::INFINITY } else { frustum.pixels_per_metre };
+    pass.set_bind_group(1, texture.bind_group(pixels_per_radian), &[]);
     pass.set_vertex_buffer(0, sky.buffer.buffer().slice(..));
     pass.draw(0..sky.vertex_count(), 0..1);
 }

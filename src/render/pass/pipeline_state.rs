@@ -6,6 +6,7 @@ use super::target::depth_format;
 use super::{PassKind, PipelineKey, Wireframe};
 use crate::render::Gpu;
 use crate::render::draw_list::Instance;
+use crate::render::settings::ALL_FACES_CAST_SHADOWS;
 use crate::render::shader::{Output, ShaderKind};
 use crate::render::shape::Vertex;
 
@@ -45,6 +46,10 @@ impl PipelineState {
     }
 }
 
+/// Distance by which surfaces are moved away from the light in a shadow map, so that they do not shadow themselves: the slope is the engine's, and
+/// the constant exceeds the rounding of depths in single precision.
+const SHADOW_BIAS: wgpu::DepthBiasState = wgpu::DepthBiasState { constant: 8, slope_scale: 1.5, clamp: 0.0 };
+
 fn blend(key: &PipelineKey) -> Option<wgpu::BlendState> {
     use wgpu::BlendFactor::{One, OneMinusSrcAlpha, SrcAlpha, Zero};
     let (src_factor, dst_factor) = match key.pass_kind {
@@ -69,6 +74,7 @@ fn primitive(key: &PipelineKey, shader: ShaderKind) -> wgpu::PrimitiveState {
     let is_clockwise =
         key.flip_y != matches!(key.pass_kind, PassKind::MirrorOpaque { .. } | PassKind::MirrorTransparent { .. });
     let culled = match key.pass_kind {
+        PassKind::Shadow if ALL_FACES_CAST_SHADOWS => None,
         // Culling front faces avoids self-shadowing. The skybox is seen from inside.
         PassKind::Shadow | PassKind::Sky { .. } => Some(Front),
         PassKind::Label => None,
@@ -114,7 +120,11 @@ fn depth_stencil(key: &PipelineKey) -> wgpu::DepthStencilState {
             wgpu::CompareFunction::LessEqual
         }),
         stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask: 0xFF },
-        bias: wgpu::DepthBiasState::default(),
+        bias: if key.pass_kind == PassKind::Shadow && ALL_FACES_CAST_SHADOWS {
+            SHADOW_BIAS
+        } else {
+            wgpu::DepthBiasState::default()
+        },
     }
 }
 
@@ -144,13 +154,14 @@ pub(super) fn view_layout(gpu: &Gpu, shadow_maps: usize) -> wgpu::BindGroupLayou
 
 /// Attributes of the vertex buffer and of the instance buffer.
 pub(super) const VERTEX_ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
-    use wgpu::VertexFormat::{Float32x2, Float32x3, Float32x4, Uint32};
-    const VERTEX: [wgpu::VertexAttribute; 3] = [
+    use wgpu::VertexFormat::{Float32, Float32x2, Float32x3, Float32x4, Uint32};
+    const VERTEX: [wgpu::VertexAttribute; 4] = [
         attribute(0, Float32x3, offset_of!(Vertex, position)),
         attribute(1, Float32x3, offset_of!(Vertex, normal)),
         attribute(2, Float32x2, offset_of!(Vertex, texcoord)),
+        attribute(11, Float32, offset_of!(Vertex, parity)),
     ];
-    const INSTANCE: [wgpu::VertexAttribute; 8] = [
+    const INSTANCE: [wgpu::VertexAttribute; 9] = [
         attribute(3, Float32x4, offset_of!(Instance, rows)),
         attribute(4, Float32x4, offset_of!(Instance, rows) + 16),
         attribute(5, Float32x4, offset_of!(Instance, rows) + 32),
@@ -159,6 +170,7 @@ pub(super) const VERTEX_ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
         attribute(8, Float32x4, offset_of!(Instance, texgen)),
         attribute(9, Uint32, offset_of!(Instance, id)),
         attribute(10, Float32x3, offset_of!(Instance, normal_scale)),
+        attribute(12, Float32x3, offset_of!(Instance, texture_offset)),
     ];
     [&VERTEX, &INSTANCE]
 };

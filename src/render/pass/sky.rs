@@ -101,6 +101,7 @@ fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings
     let (height, up) = (camera_height(horizon, frustum), normal(horizon));
     horizon.is_opaque
         && height > 0.0
+        && !frustum.orthographic
         && frustum.corners.iter().all(|&corner| {
             let descent = -dot(up, corner);
             let length = dot(corner, corner).sqrt() * (height / descent);

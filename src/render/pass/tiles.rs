@@ -178,6 +178,7 @@ mod tests {
             material: [0.0, 0.5, 64.0],
             normal_scale: [0.25, 0.25, 1.0],
             texgen: [0.0; 4],
+            texture_offset: [0.0; 3],
             id: 1,
         };
         let tile = Tile { cells: 0..0, blocks: 0..0, block: [2.0; 2], bounds: [[-1.0; 2], [1.0; 2]] };
@@ -197,6 +198,7 @@ mod tests {
             headlight: false,
             directional,
             castshadow: false,
+            drawn: true,
         };
         let features = LightFeatures { directional, spot: cutoff <= 90.0, specular: true, ..LightFeatures::default() };
         ActiveLight { features, light, shadow: None }

@@ -25,6 +25,7 @@ use super::gpu::DropUse;
 use super::gpu::buffer::ReadBackBuffer;
 use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size};
 use super::settings::VisualSettings;
+use super::support;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
 use crate::id::Key;
@@ -118,6 +119,7 @@ impl Renderer {
         let size = [width, height];
         gpu.guarded(|| {
             check_size(gpu, size)?;
+            support::log(model);
             let quality = model.visual().quality;
             let settings = VisualSettings::new(model);
             let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);

@@ -95,8 +95,12 @@ struct Vertex {
 //#if LIT
     @location(1) normal: vec3f,
 //#end
-//#if TEXCOORD
+//#if TEXTURED
     @location(2) texcoord: vec2f,
+//#end
+//#if QUAD_EDGES
+    // Parity of the vertex: -1 or 1.
+    @location(11) parity: f32,
 //#end
 }
 
@@ -109,15 +113,19 @@ struct Instance {
 //#if INSTANCE_COLOR
     @location(6) rgba: vec4f,
 //#end
-//#if LIT
-    // Emission, specularity and shininess.
+//#if MATERIAL
+    // Emission, specularity and shininess; the width of a line in units of the line width.
     @location(7) material: vec3f,
+//#end
+//#if LIT
     // Reciprocals of the squared lengths of the columns of the transformation.
     @location(10) normal_scale: vec3f,
 //#end
 //#if TEXTURED
-    // Texture coordinate generation: scale of the local position; offset of z, or -3.4e38 for explicit coordinates.
+    // Texture coordinates: scale; 1 for the coordinates of the vertex, 0 for its local position.
     @location(8) texgen: vec4f,
+    // Offset of the texture coordinates.
+    @location(12) texture_offset: vec3f,
 //#end
 //#if INSTANCE_ID
     @location(9) id: u32,

@@ -19,8 +19,15 @@ pub(super) struct LightingCode {
 /// First location of the varyings of shadows.
 const SHADOW_LOCATION: usize = 7;
 
+/// Maximum number of shadow-casting lights whose shadow coordinates are varyings, limited by the number of inter-stage variables. With more lights
+/// each fragment computes them from its position.
+const MAX_SHADOW_VARYINGS: usize = 5;
+
+/// Location of the position, if fragments compute shadow coordinates with per-vertex lighting.
+const WORLD_LOCATION: usize = 13;
+
 impl LightingCode {
-    pub(super) fn new(lights: &[LightFeatures], shading: Shading) -> Self {
+    pub(super) fn new(lights: &[LightFeatures], shading: Shading, is_textured: bool) -> Self {
         let mut code = Self::default();
         let mut unshadowed = String::new();
         let shadows = lights.iter().filter(|light| light.shadow).count();
@@ -28,7 +35,7 @@ impl LightingCode {
         for (index, &light) in lights.iter().enumerate() {
             code.functions.push_str(&light_function(index, light));
             if light.shadow {
-                code.add_shadow(index, shadow, shadows, light, shading);
+                code.add_shadow(index, [shadow, shadows], light, shading, is_textured);
                 shadow += 1;
             } else {
                 let _ = writeln!(unshadowed, "    color += light_{index}(point);");
@@ -53,16 +60,35 @@ impl LightingCode {
         ]
     }
 
-    /// Adds the code of a light with a shadow map. `index` is the index of the shadow map among `count`.
-    fn add_shadow(&mut self, light: usize, index: usize, count: usize, features: LightFeatures, shading: Shading) {
+    /// Adds the code of a light with a shadow map, which is given by its index among the shadow maps and their number. In an image with transparency,
+    /// a shadow map lights only opaque texels, as does the engine's alpha test.
+    fn add_shadow(
+        &mut self,
+        light: usize,
+        [index, count]: [usize; 2],
+        features: LightFeatures,
+        shading: Shading,
+        is_textured: bool,
+    ) {
         let _ = writeln!(self.functions, "@group(0) @binding({}) var shadow_map_{index}: texture_2d<f32>;", index + 1);
-        let _ = writeln!(self.varyings, "    @location({}) shadow_{index}: vec4f,", SHADOW_LOCATION + index);
-        let _ =
-            writeln!(self.vertex_shadow, "    out.shadow_{index} = view.shadows[{index}].texels * vec4f(world, 1.0);");
+        let projected = |world: &str| format!("view.shadows[{index}].texels * vec4f({world}, 1.0)");
+        let has_varying = count <= MAX_SHADOW_VARYINGS;
+        if has_varying {
+            let _ = writeln!(self.varyings, "    @location({}) shadow_{index}: vec4f,", SHADOW_LOCATION + index);
+            let _ = writeln!(self.vertex_shadow, "    out.shadow_{index} = {};", projected("world"));
+            let _ = writeln!(self.fragment_shadow, "    let shadow_{index} = in.shadow_{index};");
+        } else {
+            if index == 0 && shading == Shading::Vertex {
+                let _ = writeln!(self.varyings, "    @location({WORLD_LOCATION}) world: vec3f,");
+                self.vertex_shadow.push_str("    out.world = world;\n");
+            }
+            let _ = writeln!(self.fragment_shadow, "    let shadow_{index} = {};", projected("in.world"));
+        }
         let lit = format!("clamp(light_{light}(point), vec3f(0.0), vec3f(1.0))");
         let lit = if shading == Shading::Vertex {
-            // The free locations before those of the shadows, then those after.
-            let location = if index < 3 { index + 1 } else { SHADOW_LOCATION + count + index - 3 };
+            // The free locations before those of the shadows, then those after, or theirs.
+            let after = if has_varying { SHADOW_LOCATION + count } else { SHADOW_LOCATION };
+            let location = if index < 3 { index + 1 } else { after + index - 3 };
             let _ = writeln!(self.varyings, "    @location({location}) lit_{index}: vec3f,");
             let _ = writeln!(self.vertex_light, "    out.lit_{index} = {lit};");
             format!("in.lit_{index}")
@@ -70,12 +96,13 @@ impl LightingCode {
             lit
         };
         // The projection of a directional light is orthographic.
-        let divided = if features.directional { "xyz".to_owned() } else { format!("xyz / in.shadow_{index}.w") };
+        let divided = if features.directional { "xyz".to_owned() } else { format!("xyz / shadow_{index}.w") };
+        let opaque = if is_textured { " && texel.a >= 0.99" } else { "" };
         let _ = write!(
             self.fragment_shadow,
-            "    let at_{index} = in.shadow_{index}.{divided};\n    \
+            "    let at_{index} = shadow_{index}.{divided};\n    \
              let texel_{index} = vec2i(clamp(at_{index}.xy, vec2f(0.0), view.shadows[{index}].last.xy));\n    \
-             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r {{\n        \
+             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r{opaque} {{\n        \
              color += {lit};\n    }}\n"
         );
     }

@@ -70,10 +70,6 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) clip: bool,
 }
 
-/// Maximum number of shadow-casting lights with per-vertex lighting, limited by the number of inter-stage variables.
-/// Per-pixel lighting replaces it for more lights.
-const MAX_VERTEX_SHADOWS: usize = 5;
-
 impl ShaderVariant<'_> {
     /// Returns `true` if the shader computes lighting.
     pub(crate) fn is_lit(&self) -> bool {
@@ -93,9 +89,10 @@ impl ShaderVariant<'_> {
     /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
-            1 | 7 | 10 => self.is_lit(),
-            2 => self.quad_edges || self.texture_kind != TextureKind::None,
-            8 => self.texture_kind != TextureKind::None,
+            1 | 10 => self.is_lit(),
+            7 => self.is_lit() || self.kind == ShaderKind::Line,
+            2 | 8 | 12 => self.texture_kind != TextureKind::None,
+            11 => self.quad_edges,
             6 => self.reads_instance(Output::Color),
             9 => self.reads_instance(Output::Ids),
             _ => true,
@@ -106,10 +103,7 @@ impl ShaderVariant<'_> {
     pub(crate) fn source(&self) -> String {
         let is_lit = self.is_lit();
         let shadows = if is_lit { self.lights.iter().filter(|light| light.shadow).count() } else { 0 };
-        let shading = match self.shading {
-            Shading::Vertex if shadows > MAX_VERTEX_SHADOWS => Shading::Pixel,
-            shading => shading,
-        };
+        let shading = self.shading;
         let file = match self.kind {
             ShaderKind::Surface => include_str!("surface.wgsl"),
             ShaderKind::Line => include_str!("line.wgsl"),
@@ -130,17 +124,20 @@ impl ShaderVariant<'_> {
             ("VERTEX_LIGHT", is_lit && shading == Shading::Vertex),
             ("PIXEL_LIGHT", is_lit && shading == Shading::Pixel),
             ("TEXTURE_2D", self.texture_kind == TextureKind::D2),
+            ("NO_TEXTURE_2D", self.texture_kind != TextureKind::D2),
             ("TEXTURE_CUBE", self.texture_kind == TextureKind::Cube),
             ("TEXTURED", self.texture_kind != TextureKind::None),
             ("BLENDED", self.blended),
             ("OPAQUE", !self.blended),
             ("QUAD_EDGES", self.quad_edges),
-            ("TEXCOORD", self.reads(2)),
+            ("MATERIAL", self.reads(7)),
             ("FOG", self.fog),
             ("CLIP", self.clip),
             ("HAZE", self.kind == ShaderKind::Sky { haze: true }),
         ];
-        let lighting = if is_lit { LightingCode::new(self.lights, shading) } else { LightingCode::default() };
+        let is_textured = self.texture_kind == TextureKind::D2;
+        let lighting =
+            if is_lit { LightingCode::new(self.lights, shading, is_textured) } else { LightingCode::default() };
         let mut source = preprocess(&[include_str!("common.wgsl"), file], &flags, &lighting.inserts());
         source.push_str(&lighting.functions);
         source.replace("LIGHT_COUNT", &self.lights.len().to_string()).replace("SHADOW_COUNT", &shadows.to_string())

@@ -79,8 +79,8 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#end
 //#if TEXTURED
     // 2D and cube textures share this code, so that drivers can reuse the compiled shader.
-    let generated = vertex.position * instance.texgen.xyz + vec3f(0.0, 0.0, instance.texgen.w);
-    out.texcoord = select(generated, vec3f(vertex.texcoord + 0.5, 0.0), instance.texgen.w < -3e38);
+    let source = select(vertex.position, vec3f(vertex.texcoord, 0.0), instance.texgen.w > 0.5);
+    out.texcoord = source * instance.texgen.xyz + instance.texture_offset;
 //#end
 //#if FOG
     out.depth = dot(view.depth, vec4f(world, 1.0));
@@ -89,7 +89,7 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     out.side = dot(view.plane, vec4f(world, 1.0));
 //#end
 //#if QUAD_EDGES
-    out.parity = vertex.texcoord.x;
+    out.parity = vertex.parity;
 //#end
 //#vertex_shadow
 //#end
@@ -107,10 +107,10 @@ fn fs_main(in: Varyings) -> @location(0) vec2u {
 fn fs_main(in: Varyings) -> @location(0) vec4f {
     // Textures are sampled first, in uniform control flow.
 //#if TEXTURE_2D
-    let texel = textureSample(color_texture, color_sampler, in.texcoord.xy - 0.5).rgb;
+    let texel = textureSample(color_texture, color_sampler, in.texcoord.xy);
 //#end
 //#if TEXTURE_CUBE
-    let texel = textureSample(color_texture, color_sampler, in.texcoord).rgb;
+    let texel = textureSample(color_texture, color_sampler, in.texcoord);
 //#end
 //#if CLIP
     if in.side < 0.0 {
@@ -139,13 +139,18 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
 //#end
 //#fragment_shadow
 //#if TEXTURED
-    color *= texel;
+    color *= texel.rgb;
 //#end
 //#if FOG
     color = apply_fog(color, in.depth);
 //#end
 //#if BLENDED
+//#if TEXTURE_2D
+    return vec4f(color, alpha * texel.a);
+//#end
+//#if NO_TEXTURE_2D
     return vec4f(color, alpha);
+//#end
 //#end
 //#if OPAQUE
     // Nothing reads the opacity, and its interpolation takes time.

@@ -179,7 +179,7 @@ mod tests {
 
     fn fine_sphere() -> Triangles {
         let mut sphere = sphere(Tessellation::new(120, 60, 1));
-        // Meshes have no parities.
+        // A mesh without texture coordinates.
         for vertex in &mut sphere.vertices {
             vertex.texcoord = [0.0; 2];
         }

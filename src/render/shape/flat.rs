@@ -13,7 +13,17 @@ pub(crate) fn plane(cells: u32) -> Triangles {
 /// Generates the square from -1 to 1 with grid lines at these x and y, each in ascending order.
 pub(crate) fn plane_with_lines(lines: [&[f32]; 2]) -> Triangles {
     let mut triangles = Triangles::default();
-    grid(&mut triangles, lines, |u, v| [u, v, 0.0], [0.0, 0.0, 1.0]);
+    grid(&mut triangles, lines, |u, v| [u, v, 0.0], [0, 1], [0.0, 0.0, 1.0]);
+    triangles
+}
+
+/// Generates the triangle of the origin and the ends of the unit vectors along x and y, with normal +z.
+pub(crate) fn triangle() -> Triangles {
+    let mut triangles = Triangles::default();
+    for [x, y] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+        let vertex = triangles.vertex([x, y, 0.0], [0.0, 0.0, 1.0], [x, 1.0 - y]);
+        triangles.indices.push(vertex);
+    }
     triangles
 }
 
@@ -69,16 +79,17 @@ pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) ->
 pub(crate) fn cuboid(cells: u32) -> Triangles {
     let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
     let mut triangles = Triangles::default();
-    let faces: [fn(f32, f32) -> [f32; 3]; 6] = [
-        |u, v| [u, v, 1.0],
-        |u, v| [u, -v, -1.0],
-        |u, v| [1.0, u, v],
-        |u, v| [-1.0, -u, v],
-        |u, v| [-u, 1.0, v],
-        |u, v| [u, -1.0, v],
+    // Each face with the axes of its texture.
+    let faces: [(fn(f32, f32) -> [f32; 3], [usize; 2]); 6] = [
+        (|u, v| [u, v, 1.0], [0, 1]),
+        (|u, v| [u, -v, -1.0], [0, 1]),
+        (|u, v| [1.0, u, v], [1, 2]),
+        (|u, v| [-1.0, -u, v], [1, 2]),
+        (|u, v| [-u, 1.0, v], [0, 2]),
+        (|u, v| [u, -1.0, v], [0, 2]),
     ];
-    for face in faces {
-        grid(&mut triangles, [&lines, &lines], face, face(0.0, 0.0));
+    for (face, axes) in faces {
+        grid(&mut triangles, [&lines, &lines], face, axes, face(0.0, 0.0));
     }
     // Convert negative zero to zero.
     for vertex in &mut triangles.vertices {
@@ -88,12 +99,21 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
 }
 
 /// Appends a subdivided square with grid lines at these u and v. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u
-/// increases to the right and v upwards.
-fn grid(triangles: &mut Triangles, lines: [&[f32]; 2], at: impl Fn(f32, f32) -> [f32; 3], normal: [f32; 3]) {
+/// increases to the right and v upwards. The texture coordinates are those of the engine from 3.12: along the first of `axes`, and against the
+/// second, from 0 to 1.
+fn grid(
+    triangles: &mut Triangles,
+    lines: [&[f32]; 2],
+    at: impl Fn(f32, f32) -> [f32; 3],
+    axes: [usize; 2],
+    normal: [f32; 3],
+) {
     let first = triangles.vertices.len() as u32;
     for (row, &v) in (0..).zip(lines[1]) {
         for (column, &u) in (0..).zip(lines[0]) {
-            let vertex = triangles.vertex(at(u, v), normal);
+            let position = at(u, v);
+            let [right, up] = axes.map(|axis| 0.5 + 0.5 * position[axis]);
+            let vertex = triangles.vertex(position, normal, [right, 1.0 - up]);
             triangles.set_parity(vertex, [row, column]);
         }
     }

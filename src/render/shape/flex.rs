@@ -5,11 +5,15 @@ use std::ops::Range;
 use super::{Tessellation, Triangles, Vertex, cylinder, finite_or_zero, sphere};
 use crate::scene::SceneFlex;
 
-/// Subdivisions of cylinders and spheres, which are small and numerous.
-const ROUND: Tessellation = Tessellation { slices: 8, stacks: 4, quads: 1 };
+/// Largest number of vertices of the edges and vertices of a flex that have the tessellation of the model. It keeps the cost of a frame of large
+/// flexes low.
+const MAX_VERTICES: usize = 1 << 18;
 
-/// Generates the triangles of a flex: some of its faces, and the edges and vertices if the scene shows them.
-pub(crate) fn flex(flex: &SceneFlex<'_>, radius: f32, faces: Range<usize>) -> Triangles {
+/// Subdivisions of the cylinders and spheres of larger flexes.
+const SMALL: Tessellation = Tessellation { slices: 8, stacks: 4, quads: 1 };
+
+/// Generates the triangles of some of the faces of a flex.
+pub(crate) fn flex_faces(flex: &SceneFlex<'_>, faces: Range<usize>) -> Triangles {
     let mut triangles = Triangles::default();
     let faces = flex.faces.iter().zip(flex.normals).zip(flex.texcoords).skip(faces.start).take(faces.len());
     for ((positions, normals), texcoords) in faces {
@@ -19,22 +23,33 @@ pub(crate) fn flex(flex: &SceneFlex<'_>, radius: f32, faces: Range<usize>) -> Tr
         }
         for ((&position, &normal), &texcoord) in corners {
             triangles.indices.push(triangles.vertices.len() as u32);
-            triangles.vertices.push(Vertex { position, normal, texcoord: texcoord.map(finite_or_zero) });
+            triangles.vertices.push(Vertex { position, normal, texcoord: texcoord.map(finite_or_zero), parity: 0.0 });
         }
     }
+    triangles
+}
+
+/// Generates the triangles of the edges and vertices of a flex, if the scene shows them.
+pub(crate) fn flex_skeleton(flex: &SceneFlex<'_>, radius: f32, tessellation: Tessellation) -> Triangles {
+    let mut triangles = Triangles::default();
     if !(radius.is_finite() && radius > 0.0) {
         return triangles;
     }
+    let shapes =
+        usize::from(flex.shows_edges) * flex.edges.len() + usize::from(flex.shows_vertices) * flex.vertices.len();
+    let vertices_of_shape = (tessellation.slices as usize + 1) * (tessellation.stacks as usize + 1);
+    let is_small = shapes.saturating_mul(vertices_of_shape) <= MAX_VERTICES;
+    let (round, stacks) = if is_small { (tessellation, tessellation.stacks) } else { (SMALL, 1) };
     let position = |vertex: i32| usize::try_from(vertex).ok().and_then(|vertex| flex.vertices.get(vertex)).copied();
     if flex.shows_edges {
-        let side = cylinder(ROUND.slices, 1);
+        let side = cylinder(round.slices, stacks);
         for &[start, end] in flex.edges {
             let Some((start, end)) = position(start).zip(position(end)) else { continue };
             triangles.extend_along(&side, start, end, radius);
         }
     }
     if flex.shows_vertices {
-        let ball = sphere(ROUND);
+        let ball = sphere(round);
         for &centre in flex.vertices.iter().filter(|position| position.iter().all(|number| number.is_finite())) {
             triangles.extend_by(
                 &ball,
@@ -91,6 +106,7 @@ impl Triangles {
             position: position(vertex.position),
             normal: normal(vertex.normal),
             texcoord: [0.0; 2],
+            parity: 0.0,
         }));
     }
 }
@@ -98,8 +114,10 @@ impl Triangles {
 #[cfg(test)]
 mod tests {
     use super::super::test_support::{assert_closed, assert_finite, assert_normals_agree, volume};
-    use super::flex;
+    use super::{Tessellation, flex_faces, flex_skeleton};
     use crate::scene::SceneFlex;
+
+    const ROUND: Tessellation = Tessellation { slices: 8, stacks: 4, quads: 1 };
 
     const FLEX: SceneFlex<'static> = SceneFlex {
         flex: 0,
@@ -114,29 +132,30 @@ mod tests {
 
     #[test]
     fn faces_are_triangles_and_non_finite_faces_are_skipped() {
-        let triangles = flex(&FLEX, 0.1, 0..2);
+        let triangles = flex_faces(&FLEX, 0..2);
         assert_eq!(triangles.indices, [0, 1, 2]);
         assert_normals_agree(&triangles, 1.0);
         assert_finite(&triangles);
-        assert!(flex(&FLEX, 0.1, 1..9).indices.is_empty());
+        assert!(flex_faces(&FLEX, 1..9).indices.is_empty());
     }
 
     #[test]
     fn edges_are_cylinders_between_their_vertices() {
-        let triangles = flex(&SceneFlex { shows_edges: true, edges: &[[0, 1]], ..FLEX }, 0.1, 0..0);
+        let triangles = flex_skeleton(&SceneFlex { shows_edges: true, edges: &[[0, 1]], ..FLEX }, 0.1, ROUND);
         assert_normals_agree(&triangles, 0.9);
         for vertex in &triangles.vertices {
             let [x, y, z] = vertex.position;
             assert!(((x - 1.0).hypot(y - 2.0) - 0.1).abs() < 1e-6 && (3.0..=5.0).contains(&z), "{vertex:?}");
         }
         // Coinciding and nonexistent vertices have no cylinder.
-        let all = flex(&SceneFlex { shows_edges: true, ..FLEX }, 0.1, 0..0);
+        let all = flex_skeleton(&SceneFlex { shows_edges: true, ..FLEX }, 0.1, ROUND);
         assert_eq!(all.indices.len(), 2 * triangles.indices.len());
     }
 
     #[test]
     fn vertices_are_closed_spheres() {
-        let triangles = flex(&SceneFlex { shows_vertices: true, vertices: &[[1.0, 2.0, 3.0]], ..FLEX }, 0.5, 0..0);
+        let triangles =
+            flex_skeleton(&SceneFlex { shows_vertices: true, vertices: &[[1.0, 2.0, 3.0]], ..FLEX }, 0.5, ROUND);
         assert_closed(&[&triangles]);
         let exact = 4.0 / 3.0 * std::f64::consts::PI * 0.125;
         assert!((0.7..1.0).contains(&(volume(&[&triangles]) / exact)), "{}", volume(&[&triangles]));

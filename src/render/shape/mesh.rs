@@ -42,7 +42,7 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
                 && (!texcoords.is_empty() || dot >= SMOOTH_THRESHOLD);
             let texcoord = texcoords.get(texcoord).copied().unwrap_or_default().map(finite_or_zero);
             let normal = if is_smooth { normal } else { flat };
-            let vertex = Vertex { position: positions[corner], normal, texcoord };
+            let vertex = Vertex { position: positions[corner], normal, texcoord, parity: 0.0 };
             if let Some(&known) = shared.get(at).filter(|_| is_smooth)
                 && triangles.vertices.get(known as usize) == Some(&vertex)
             {

@@ -14,8 +14,8 @@ mod revolution;
 mod test_support;
 
 pub(crate) use self::coarse::{MESH_LEVELS, coarse_levels};
-pub(crate) use self::flat::{blocks, cuboid, longest_block, plane, plane_with_lines, uniform_lines};
-pub(crate) use self::flex::flex;
+pub(crate) use self::flat::{blocks, cuboid, longest_block, plane, plane_with_lines, triangle, uniform_lines};
+pub(crate) use self::flex::{flex_faces, flex_skeleton};
 pub(crate) use self::height_field::height_field;
 pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
 pub(crate) use self::revolution::{cone, cylinder, disk, hemisphere, sphere};
@@ -29,8 +29,10 @@ pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     /// Unit normal.
     pub(crate) normal: [f32; 3],
-    /// Explicit texture coordinates of the asset. If the shader generates them, the first is the [parity](Triangles::set_parity) of the vertex.
+    /// Texture coordinates of the asset, or of a unit shape as in the engine from 3.12.
     pub(crate) texcoord: [f32; 2],
+    /// Position in a grid of quadrilaterals: see [`Triangles::set_parity`].
+    pub(crate) parity: f32,
 }
 
 /// Indexed triangle list. Front faces are counterclockwise.
@@ -43,9 +45,9 @@ pub(crate) struct Triangles {
 }
 
 impl Triangles {
-    /// Appends a vertex without explicit texture coordinates and returns its index.
-    fn vertex(&mut self, position: [f32; 3], normal: [f32; 3]) -> u32 {
-        self.vertices.push(Vertex { position, normal, texcoord: [0.0; 2] });
+    /// Appends a vertex and returns its index.
+    fn vertex(&mut self, position: [f32; 3], normal: [f32; 3], texcoord: [f32; 2]) -> u32 {
+        self.vertices.push(Vertex { position, normal, texcoord, parity: 0.0 });
         self.vertices.len() as u32 - 1
     }
 
@@ -59,7 +61,7 @@ impl Triangles {
     /// Marks a vertex of a grid of quadrilaterals, with -1 and 1 as the colours of a chessboard. Both ends of a diagonal have the same parity, and the
     /// ends of an edge different ones.
     fn set_parity(&mut self, vertex: u32, [row, column]: [u32; 2]) {
-        self.vertices[vertex as usize].texcoord[0] = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
+        self.vertices[vertex as usize].parity = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
     }
 
     /// Appends a flat-shaded triangle, which shares no vertex with others. Skips a non-finite triangle.
@@ -67,7 +69,7 @@ impl Triangles {
         let Some(normal) = face_normal(positions) else { return };
         for (position, texcoord) in positions.into_iter().zip(texcoords) {
             self.indices.push(self.vertices.len() as u32);
-            self.vertices.push(Vertex { position, normal, texcoord: texcoord.map(finite_or_zero) });
+            self.vertices.push(Vertex { position, normal, texcoord: texcoord.map(finite_or_zero), parity: 0.0 });
         }
     }
 
@@ -169,7 +171,7 @@ mod tests {
             super::cone(28, 3),
         ] {
             assert!(triangles.has_quads);
-            let parity = |index: u32| triangles.vertices[index as usize].texcoord[0];
+            let parity = |index: u32| triangles.vertices[index as usize].parity;
             let mut diagonals = 0;
             for [a, b, c] in triangles.indices.as_chunks::<3>().0 {
                 let edges = [[a, b], [b, c], [c, a]].map(|ends| ends.map(|&index| parity(index)));

@@ -12,7 +12,9 @@ pub(crate) fn sphere(tessellation: Tessellation) -> Triangles {
 /// half.
 pub(crate) fn hemisphere(tessellation: Tessellation) -> Triangles {
     let half = half_stacks(tessellation) as i32;
-    revolve(tessellation.slices, (0..=half).map(|stack| meridian(stack, half)))
+    let point =
+        |stack| ProfilePoint { v: Texcoord::Latitude(1.0 - stack as f32 / half as f32), ..meridian(stack, half) };
+    revolve(tessellation.slices, (0..=half).map(point))
 }
 
 /// Returns the number of stacks from the equator to a pole.
@@ -22,13 +24,14 @@ fn half_stacks(tessellation: Tessellation) -> u32 {
 
 /// Returns a point of the semicircle from pole to pole. The two halves are bitwise mirror images.
 fn meridian(stack: i32, half: i32) -> ProfilePoint {
+    let v = Texcoord::Latitude(0.5 - 0.5 * (stack as f32 / half as f32));
     if stack.abs() == half {
         let z = if stack > 0 { 1.0 } else { -1.0 };
-        return ProfilePoint { radius: 0.0, z, normal: [0.0, z] };
+        return ProfilePoint { radius: 0.0, z, normal: [0.0, z], v };
     }
     let (sin, cos) = (std::f64::consts::FRAC_PI_2 * f64::from(stack) / f64::from(half)).sin_cos();
     let (radius, z) = (cos as f32, sin as f32);
-    ProfilePoint { radius, z, normal: [radius, z] }
+    ProfilePoint { radius, z, normal: [radius, z], v }
 }
 
 /// Generates the lateral surface of the cylinder of radius 1 from z = -1 to 1. A long cylinder requires many stacks
@@ -36,7 +39,11 @@ fn meridian(stack: i32, half: i32) -> ProfilePoint {
 pub(crate) fn cylinder(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let height = |stack| (2.0 * f64::from(stack) / f64::from(stacks) - 1.0) as f32;
-    revolve(slices, (0..=stacks).map(|stack| ProfilePoint { radius: 1.0, z: height(stack), normal: [1.0, 0.0] }))
+    let point = |stack| {
+        let z = height(stack);
+        ProfilePoint { radius: 1.0, z, normal: [1.0, 0.0], v: Texcoord::Latitude((1.0 - z) / 2.0) }
+    };
+    revolve(slices, (0..=stacks).map(point))
 }
 
 /// Generates the unit disk around the origin with normal +z, of `stacks` rings. A rotation by 180° about the x-axis
@@ -44,7 +51,8 @@ pub(crate) fn cylinder(slices: u32, stacks: u32) -> Triangles {
 pub(crate) fn disk(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let radius = |stack| (f64::from(stack) / f64::from(stacks)) as f32;
-    revolve(slices, (0..=stacks).rev().map(|stack| ProfilePoint { radius: radius(stack), z: 0.0, normal: [0.0, 1.0] }))
+    let point = |stack| ProfilePoint { radius: radius(stack), z: 0.0, normal: [0.0, 1.0], v: Texcoord::Planar };
+    revolve(slices, (0..=stacks).rev().map(point))
 }
 
 /// Generates the lateral surface of the cone with its base, of radius 1, at z = 0 and its tip at z = 1.
@@ -56,22 +64,24 @@ pub(crate) fn cone(slices: u32, stacks: u32) -> Triangles {
     // Rings of vertices from the base upwards. The tip has one vertex per slice, because the normals differ.
     for stack in 0..stacks {
         let z = (f64::from(stack) / f64::from(stacks)) as f32;
-        for slice in 0..slices {
-            let [cos, sin] = direction(slice, slices);
-            let radius = 1.0 - z;
-            let vertex = triangles.vertex([cos * radius, sin * radius, z], [cos * SLOPE, sin * SLOPE, SLOPE]);
+        for slice in 0..=slices {
+            let [cos, sin] = direction(slice % slices, slices);
+            let (radius, u) = (1.0 - z, slice as f32 / slices as f32);
+            let normal = [cos * SLOPE, sin * SLOPE, SLOPE];
+            let vertex = triangles.vertex([cos * radius, sin * radius, z], normal, [u, radius]);
             set_parity(&mut triangles, vertex, [stack, slice], slices);
         }
     }
     for stack in 0..stacks {
         for slice in 0..slices {
-            let next = (slice + 1) % slices;
-            let (below, above) = (stack * slices, (stack + 1) * slices);
+            let next = slice + 1;
+            let (below, above) = (stack * (slices + 1), (stack + 1) * (slices + 1));
             if stack + 1 < stacks {
                 triangles.quad([below + slice, below + next, above + next, above + slice]);
             } else {
                 let [cos, sin] = direction(2 * slice + 1, 2 * slices);
-                let tip = triangles.vertex([0.0, 0.0, 1.0], [cos * SLOPE, sin * SLOPE, SLOPE]);
+                let u = (slice as f32 + 0.5) / slices as f32;
+                let tip = triangles.vertex([0.0, 0.0, 1.0], [cos * SLOPE, sin * SLOPE, SLOPE], [u, 0.0]);
                 triangles.indices.extend([below + slice, below + next, tip]);
             }
         }
@@ -89,11 +99,21 @@ struct ProfilePoint {
     radius: f32,
     z: f32,
     normal: [f32; 2],
+    v: Texcoord,
+}
+
+/// Texture coordinates of the vertices of a profile point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Texcoord {
+    /// The first coordinate is the angle about the axis, from 0 to 1, and this is the second.
+    Latitude(f32),
+    /// Both are x and y, from 0 to 1.
+    Planar,
 }
 
 /// Revolves a profile curve about the z-axis. In the half-plane with the radius to the right and z upwards, the outside
-/// is to the right of the direction of the curve: the profile of a cylinder goes upwards. A point on the axis becomes a
-/// single vertex.
+/// is to the right of the direction of the curve: the profile of a cylinder goes upwards. The first and the last vertex of a circle coincide, with
+/// different texture coordinates, as do all vertices of a point on the axis.
 fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Triangles {
     let mut triangles = Triangles::default();
     let mut previous: Option<Ring> = None;
@@ -101,13 +121,12 @@ fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Tria
         let ring = Ring::new(&mut triangles, slices, stack, point);
         if let Some(previous) = previous {
             for slice in 0..slices {
-                let next = (slice + 1) % slices;
-                let [a, b] = [slice, next].map(|slice| previous.vertex(slice));
-                let [c, d] = [next, slice].map(|slice| ring.vertex(slice));
+                let [a, b] = [slice, slice + 1].map(|slice| previous.vertex(slice));
+                let [c, d] = [slice + 1, slice].map(|slice| ring.vertex(slice));
                 match (previous, ring) {
                     (Ring::Pole(_), Ring::Pole(_)) => {}
                     (Ring::Pole(_), Ring::Circle(_)) => triangles.indices.extend([a, c, d]),
-                    (Ring::Circle(_), Ring::Pole(_)) => triangles.indices.extend([a, b, c]),
+                    (Ring::Circle(_), Ring::Pole(_)) => triangles.indices.extend([a, b, d]),
                     (Ring::Circle(_), Ring::Circle(_)) => triangles.quad([a, b, c, d]),
                 }
             }
@@ -117,7 +136,7 @@ fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Tria
     triangles
 }
 
-/// Vertices of a profile point: index of the only or of the first vertex.
+/// Vertices of a profile point: index of the first vertex. A pole has a vertex for each slice, a circle one more.
 #[derive(Clone, Copy)]
 enum Ring {
     Pole(u32),
@@ -126,24 +145,31 @@ enum Ring {
 
 impl Ring {
     fn new(triangles: &mut Triangles, slices: u32, stack: u32, point: ProfilePoint) -> Self {
-        let ProfilePoint { radius, z, normal: [radial, axial] } = point;
-        if radius == 0.0 {
-            return Self::Pole(triangles.vertex([0.0, 0.0, z], [radial, 0.0, axial]));
-        }
+        let ProfilePoint { radius, z, normal: [radial, axial], v } = point;
         let first = triangles.vertices.len() as u32;
-        for slice in 0..slices {
-            let [cos, sin] = direction(slice, slices);
-            let vertex = triangles.vertex([cos * radius, sin * radius, z], [cos * radial, sin * radial, axial]);
+        let texcoord = |slice: f32, [x, y]: [f32; 2]| match v {
+            Texcoord::Latitude(v) => [slice / slices as f32, v],
+            Texcoord::Planar => [0.5 + 0.5 * x, 0.5 + 0.5 * y],
+        };
+        if radius == 0.0 {
+            for slice in 0..slices {
+                triangles.vertex([0.0, 0.0, z], [radial, 0.0, axial], texcoord(slice as f32 + 0.5, [0.0; 2]));
+            }
+            return Self::Pole(first);
+        }
+        for slice in 0..=slices {
+            let [cos, sin] = direction(slice % slices, slices);
+            let (x, y) = (cos * radius, sin * radius);
+            let vertex =
+                triangles.vertex([x, y, z], [cos * radial, sin * radial, axial], texcoord(slice as f32, [x, y]));
             set_parity(triangles, vertex, [stack, slice], slices);
         }
         Self::Circle(first)
     }
 
     fn vertex(self, slice: u32) -> u32 {
-        match self {
-            Self::Pole(index) => index,
-            Self::Circle(first) => first + slice,
-        }
+        let (Self::Pole(first) | Self::Circle(first)) = self;
+        first + slice
     }
 }
 

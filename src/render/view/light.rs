@@ -38,7 +38,7 @@ pub(crate) struct ActiveLight {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lights {
     pub(crate) active: Vec<ActiveLight>,
-    /// The scene has no lights at all and is rendered with ambient light.
+    /// The scene has no lights that are drawn, and is rendered with ambient light.
     pub(crate) ambient_only: bool,
 }
 
@@ -59,7 +59,7 @@ impl Lights {
                 light.pos = frustum.position.map(|coordinate| coordinate as f32);
                 light.dir = frustum.forward.map(|coordinate| coordinate as f32);
             }
-            let Some(mut features) = sanitise(&mut light) else { continue };
+            let Some(mut features) = sanitise(&mut light).filter(|_| light.drawn) else { continue };
             let mut shadow = None;
             if has_shadows && light.castshadow && shadows < MAX_SHADOWS {
                 shadow = shadow_matrix(&light, frustum, settings);
@@ -68,7 +68,7 @@ impl Lights {
             shadows += usize::from(features.shadow);
             active.push(ActiveLight { features, light, shadow });
         }
-        Self { ambient_only: scene.lights().len() == 0, active }
+        Self { ambient_only: !scene.lights().any(|light| light.drawn), active }
     }
 
     /// Iterates over the features of all lights.
@@ -114,7 +114,8 @@ fn shadow_matrix(light: &SceneLight, frustum: &ViewFrustum, settings: &VisualSet
         if settings.shadow_clip <= 0.0 {
             return None;
         }
-        orthographic(settings.shadow_clip, frustum.range)
+        let half = settings.shadow_clip;
+        orthographic([-half, half], [-half, half], frustum.range)
     } else {
         let angle = (2.0 * f64::from(light.cutoff) * settings.shadow_scale).min(160.0);
         if angle.is_nan() || angle <= 0.0 {

@@ -65,14 +65,14 @@ pub(crate) fn perspective([left, right]: [f64; 2], [bottom, top]: [f64; 2], [nea
     ]
 }
 
-/// Returns the orthographic projection of a box around the z-axis to clip space with depth from 0 to 1.
-pub(crate) fn orthographic(half: f64, [near, far]: [f64; 2]) -> Matrix4 {
-    let depth = far - near;
+/// Returns the orthographic projection of a box to clip space with depth from 0 to 1.
+pub(crate) fn orthographic([left, right]: [f64; 2], [bottom, top]: [f64; 2], [near, far]: [f64; 2]) -> Matrix4 {
+    let (width, height, depth) = (right - left, top - bottom, far - near);
     [
-        [1.0 / half, 0.0, 0.0, 0.0],
-        [0.0, 1.0 / half, 0.0, 0.0],
+        [2.0 / width, 0.0, 0.0, 0.0],
+        [0.0, 2.0 / height, 0.0, 0.0],
         [0.0, 0.0, -1.0 / depth, 0.0],
-        [0.0, 0.0, -near / depth, 1.0],
+        [-(right + left) / width, -(top + bottom) / height, -near / depth, 1.0],
     ]
 }
 
@@ -121,7 +121,9 @@ mod tests {
         };
         assert_close(corner(-1.0, -2.0, 0.5), [-1.0, -1.0, 0.0, 1.0]);
         assert_close(corner(3.0, 1.0, 8.0), [1.0, 1.0, 1.0, 1.0]);
-        assert_close(apply(&orthographic(4.0, [1.0, 5.0]), [4.0, -4.0, -5.0, 1.0]), [1.0, -1.0, 1.0, 1.0]);
+        let matrix = orthographic([-1.0, 3.0], [-2.0, 1.0], [0.5, 8.0]);
+        assert_close(apply(&matrix, [-1.0, 1.0, -0.5, 1.0]), [-1.0, 1.0, 0.0, 1.0]);
+        assert_close(apply(&matrix, [3.0, -2.0, -8.0, 1.0]), [1.0, -1.0, 1.0, 1.0]);
     }
 
     #[test]

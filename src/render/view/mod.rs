@@ -6,7 +6,7 @@ mod shadow_region;
 mod uniform;
 
 pub(crate) use self::light::{ActiveLight, LightFeatures, Lights, MAX_SHADOWS};
-use self::matrix::{Matrix4, apply, dot, look_to, perspective, product, row, similarity};
+use self::matrix::{Matrix4, apply, dot, look_to, orthographic, perspective, product, row, similarity};
 pub(crate) use self::shadow_region::{ShadowRegion, reduction};
 pub(crate) use self::uniform::{UniformData, ViewUniforms};
 use super::settings::is_drawable;
@@ -31,10 +31,11 @@ pub(crate) struct ViewFrustum {
     pub(crate) range: [f64; 2],
     /// Scale from model space to room space.
     pub(crate) scale: f64,
-    /// Directions from the camera to the four corners of the image.
+    /// Directions from the camera to the four corners of the image in the near plane.
     pub(crate) corners: [[f64; 3]; 4],
-    /// Size in pixels of a metre at a distance of one metre.
+    /// Size in pixels of a metre at a distance of one metre, or at every distance in an orthographic projection: the larger one of both axes.
     pub(crate) pixels_per_metre: f64,
+    pub(crate) orthographic: bool,
     /// The frame is rendered upside down.
     pub(crate) flip_y: bool,
 }
@@ -51,9 +52,10 @@ impl ViewFrustum {
         let camera = scene.camera_in_model()?;
         let [bottom, top] = [viewpoint.frustum_bottom, viewpoint.frustum_top].map(f64::from);
         let range = [viewpoint.frustum_near, viewpoint.frustum_far].map(f64::from);
-        let half = 0.5 * f64::from(width) / f64::from(height) * (top - bottom);
+        let half = viewpoint.half_width(f64::from(width) / f64::from(height));
         let center = f64::from(viewpoint.frustum_center);
-        let projection = perspective([center - half, center + half], [bottom, top], range);
+        let project = if viewpoint.orthographic { orthographic } else { perspective };
+        let projection = project([center - half, center + half], [bottom, top], range);
         let mut view = look_to(wide(viewpoint.pos), wide(viewpoint.forward), wide(viewpoint.up));
         let mut scale = 1.0;
         if let Some(transform) = scene.transform() {
@@ -66,6 +68,7 @@ impl ViewFrustum {
             let at = [center + side * half, up, -range[0]];
             [0, 1, 2].map(|axis| (0..3).map(|k| at[k] * axes[k][axis]).sum::<f64>())
         });
+        let pixels = (0.5 * f64::from(width) / half).max(f64::from(height) / (top - bottom));
         Ok(Self {
             clip: product(&projection, &view),
             depth: row(&view, 2).map(|number| -number),
@@ -74,7 +77,8 @@ impl ViewFrustum {
             range,
             scale,
             corners,
-            pixels_per_metre: f64::from(height) * range[0] / (top - bottom),
+            pixels_per_metre: if viewpoint.orthographic { pixels } else { pixels * range[0] },
+            orthographic: viewpoint.orthographic,
             flip_y: false,
         })
     }
@@ -104,6 +108,11 @@ impl ViewFrustum {
         dot([self.depth[0], self.depth[1], self.depth[2]], [x, y, z]) + self.depth[3]
     }
 
+    /// Returns the size in pixels of a metre in room space at a depth, at the centre of the image.
+    pub(crate) fn pixels_at(&self, depth: f64) -> f64 {
+        if self.orthographic { self.pixels_per_metre } else { self.pixels_per_metre / depth }
+    }
+
     /// Returns the change of the depth along a vector, m.
     pub(crate) fn depth_along(&self, vector: [f64; 3]) -> f64 {
         dot([self.depth[0], self.depth[1], self.depth[2]], vector)
@@ -113,10 +122,29 @@ impl ViewFrustum {
     /// image meets the plane.
     pub(crate) fn nearest_depth_of_plane(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
         let height = dot(normal, [0, 1, 2].map(|axis| self.position[axis] - point[axis]));
+        if self.orthographic {
+            return self.nearest_depth_of_plane_along_axis(height, normal);
+        }
         // The reciprocal of the depth is an affine function of the pixel, whose maximum is in a corner of the image.
         let reciprocals = self.corners.map(|ray| -dot(normal, ray) / (height * self.depth_along(ray)));
         let largest = reciprocals.into_iter().fold(0.0, f64::max);
         if height > 0.0 && largest > 0.0 { 1.0 / largest } else { f64::INFINITY }
+    }
+
+    /// Returns the smallest depth at which a plane is visible in an orthographic projection, as
+    /// [`nearest_depth_of_plane`](Self::nearest_depth_of_plane). `height` is the height of the camera above the plane.
+    fn nearest_depth_of_plane_along_axis(&self, height: f64, normal: [f64; 3]) -> f64 {
+        let descent = -dot(normal, self.forward);
+        // The rays are parallel to the optical axis, and the depth is an affine function of the pixel.
+        let depths = self.corners.map(|corner| {
+            let along = dot(corner, self.forward);
+            // The axes of the camera are scaled, and corners are in room space.
+            let across = [0, 1, 2].map(|axis| (corner[axis] - along * self.forward[axis]) / (self.scale * self.scale));
+            self.scale * (height + dot(normal, across)) / descent
+        });
+        let [nearest, farthest] =
+            [depths.into_iter().fold(f64::INFINITY, f64::min), depths.into_iter().fold(f64::NEG_INFINITY, f64::max)];
+        if descent > 0.0 && farthest > 0.0 { nearest.max(0.0) } else { f64::INFINITY }
     }
 
     /// Returns the distance of the skybox from the camera, in model units.
@@ -159,6 +187,7 @@ impl ViewFrustum {
 fn check(viewpoint: &Viewpoint) -> Result<()> {
     let frustum = [
         viewpoint.frustum_center,
+        viewpoint.frustum_width,
         viewpoint.frustum_bottom,
         viewpoint.frustum_top,
         viewpoint.frustum_near,
@@ -167,7 +196,8 @@ fn check(viewpoint: &Viewpoint) -> Result<()> {
     let numbers = viewpoint.pos.iter().chain(&viewpoint.forward).chain(&viewpoint.up).chain(&frustum);
     let is_ordered = viewpoint.frustum_near > 1e-15
         && viewpoint.frustum_far > viewpoint.frustum_near
-        && viewpoint.frustum_top > viewpoint.frustum_bottom;
+        && viewpoint.frustum_top > viewpoint.frustum_bottom
+        && viewpoint.frustum_width >= 0.0;
     if numbers.into_iter().all(|&number| is_drawable(number)) && is_ordered {
         return Ok(());
     }

@@ -79,8 +79,16 @@ pub(crate) fn reduction(light: &Matrix4, size: u32, frustum: &ViewFrustum, neare
     let texel = 2.0 / (length(row(light, 0)).min(length(row(light, 1))) * f64::from(size));
     let [x, y, z, offset] = row(light, 3);
     let of_camera = dot([x, y, z], frustum.position) + offset;
+    // In an orthographic projection the width in the image is proportional to w, which has no bound far away if the light shines forwards.
+    if frustum.orthographic && [x, y, z] != [0.0; 3] {
+        return 1;
+    }
     let of_rays = frustum.corners.map(|ray| dot([x, y, z], ray) / frustum.depth_along(ray));
-    let quotient = of_camera.max(0.0) / nearest + of_rays.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let quotient = if frustum.orthographic {
+        offset
+    } else {
+        of_camera.max(0.0) / nearest + of_rays.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    };
     let pixels = frustum.pixels_per_metre * frustum.scale * texel * quotient;
     let reduction = |halvings: u32| 1_u32 << halvings;
     let fits = |&halvings: &u32| {
@@ -111,7 +119,11 @@ mod tests {
         let above = look_to([1.0, 0.5, 3.0], [0.1, 0.2, -1.0], [0.0, 1.0, 0.0]);
         let aside = look_to([-6.0, 8.0, 5.0], [0.6, -0.8, -0.5], [0.0, 0.0, 1.0]);
         let spot = perspective([-0.05, 0.05], [-0.05, 0.05], [0.1, 50.0]);
-        [product(&spot, &above), product(&spot, &aside), product(&orthographic(3.0, [0.1, 50.0]), &above)]
+        [
+            product(&spot, &above),
+            product(&spot, &aside),
+            product(&orthographic([-3.0, 3.0], [-3.0, 3.0], [0.1, 50.0]), &above),
+        ]
     }
 
     /// Returns the visible points of the plane z = 0 at the centres of pixels, and their depths.

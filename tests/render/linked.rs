@@ -1,0 +1,257 @@
+//! Images of everything that the linked engine shows, against those of its own renderer.
+//!
+//! The script `pictures/linked.py` draws the scenes with the official bindings of the same version. A scene passes if in its colour, its depth and
+//! its segmentation image at most 0.7 % of the pixels differ: a channel by more than 8 of 255, a depth by more than 1 %, an id at all.
+//! [`WIDER`] lists the exceptions with their reasons.
+
+#![forbid(unsafe_code)]
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use mujoco_safe::render::{Renderer, RendererOptions, RgbImage};
+use mujoco_safe::scene::{
+    Camera, CameraView, Categories, FrameMode, LabelMode, RenderFlags, Scene, SceneOptions, VisualFlags,
+};
+use mujoco_safe::{Data, Model};
+use serde_json::Value;
+
+use crate::difference::{Difference, side_by_side};
+use crate::stage;
+
+/// Largest share of the pixels that differ.
+const LIMIT: f64 = 0.007;
+/// Largest relative difference of depths. The depth of the engine is that of its polyhedra with 28 slices, the depth here that of rounder ones.
+const DEPTH: f32 = 0.01;
+
+/// Scenes with a wider limit: the start of their names, their limit, and the reason.
+const WIDER: [(&str, f64, &str); 6] = [
+    ("label", 0.05, "another font"),
+    ("camera_ortho_decor", 0.03, "labels have another font"),
+    ("islands_contacts", 0.025, "labels have another font"),
+    ("visual_frustum_inside", 0.025, "lines lie exactly on the edges of the image"),
+    ("rangefinder_camera", 0.03, "thousands of lines side by side: rasterisers differ at their edges"),
+    ("render_wireframe", 0.08, "lines lie exactly on the edges of the texture's squares"),
+];
+
+/// Results of a scene: shares of the pixels that differ, in colour, depth and segmentation.
+type Shares = [f64; 3];
+
+#[test]
+#[ignore = "long; needs the official bindings: MUJOCO_PYTHON"]
+fn pictures_equal_those_of_the_bindings() {
+    let folder = folder();
+    let text = fs::read_to_string(folder.join("scenes.json")).unwrap();
+    let listed: Value = serde_json::from_str(&text).unwrap();
+    let version = mujoco_safe::engine_version().to_string();
+    assert_eq!(listed["version"], Value::from(version.as_str()), "the bindings are those of the linked engine");
+    let part = std::env::var("MUJOCO_SAFE_SCENE").unwrap_or_default();
+    let rows = listed["scenes"].as_array().unwrap().iter().filter(|row| text_of(row, "name").contains(&part));
+    let mut wrong = Vec::new();
+    let (mut scenes, mut exceptions) = (0, 0);
+    for row in rows {
+        let name = text_of(row, "name");
+        let shares = compare(&folder, row);
+        let wider = WIDER.iter().find(|(start, ..)| name.starts_with(start));
+        let limit = wider.map_or(LIMIT, |(_, limit, _)| *limit);
+        let percent = shares.map(|share| format!("{:6.2}", 100.0 * share));
+        println!("{name:40} {}{}", percent.join(" "), wider.map_or(String::new(), |(.., why)| format!("  {why}")));
+        scenes += 1;
+        exceptions += usize::from(wider.is_some());
+        if shares.iter().any(|&share| share > limit) {
+            wrong.push(format!("{name}: {}", percent.join(" ")));
+        }
+    }
+    println!("{scenes} scenes with MuJoCo {version}, {exceptions} with a wider limit, {} differ", wrong.len());
+    assert!(scenes >= 150 || !part.is_empty());
+    assert!(wrong.is_empty(), "colour, depth and ids differ, % of the pixels:\n{}", wrong.join("\n"));
+}
+
+/// Returns the folder with the images of the bindings, and draws them unless `MUJOCO_SAFE_PICTURES` names a folder that has them.
+fn folder() -> PathBuf {
+    if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
+        return folder.into();
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("linked");
+    let python = std::env::var_os("MUJOCO_PYTHON").expect("MUJOCO_PYTHON names a Python with the official bindings");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/render/pictures/linked.py");
+    assert!(Command::new(python).arg(script).arg(&folder).status().unwrap().success());
+    folder
+}
+
+/// Compares the images of a scene, and saves those that differ side by side.
+fn compare(folder: &Path, row: &Value) -> Shares {
+    let name = text_of(row, "name");
+    let read = |ending: &str| fs::read(folder.join(format!("{name}.{ending}"))).unwrap();
+    let [width, height] = [320, 240];
+    let (data, scene) = drawn(folder, row);
+    assert_eq!(scene.ngeom() as u64, row["geoms"].as_u64().unwrap(), "{name}: geoms");
+    let options = RendererOptions::default().with_max_lights(8);
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), width as u32, height as u32, options).unwrap();
+    let theirs = RgbImage::from_rgb(width, height, read("rgb")).unwrap();
+    let ours = renderer.rgb(&scene).unwrap();
+    let colours = Difference::of(&theirs, &ours).outliers;
+    let pixels = (width * height) as f64;
+    let depth = renderer.depth(&scene).unwrap();
+    let bytes = read("depth");
+    let depths: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|&bytes| f32::from_ne_bytes(bytes)).collect();
+    let is_wrong =
+        |(a, b): (&f32, &f32)| if a.is_finite() && b.is_finite() { (a - b).abs() > DEPTH * b } else { a != b };
+    let far = depths.iter().zip(depth.as_slice()).filter(|&pair| is_wrong(pair)).count() as f64 / pixels;
+    let ids = renderer.segmentation(&scene).unwrap();
+    let expected = read("ids");
+    let expected = expected.as_chunks::<4>().0.iter().map(|&bytes| i32::from_ne_bytes(bytes));
+    let wrong = ids.as_slice().iter().zip(expected).filter(|&(&ours, theirs)| i64::from(ours) - 1 != i64::from(theirs));
+    let shares = [colours, far, wrong.count() as f64 / pixels];
+    if shares.iter().any(|&share| share > LIMIT) || std::env::var_os("MUJOCO_SAFE_SHEETS").is_some() {
+        save_sheet(name, &theirs, &ours);
+    }
+    shares
+}
+
+/// Largest share of the pixels that differ from a recorded image, which has a quarter of the pixels and thus more at edges.
+const RECORDED_LIMIT: f64 = 0.012;
+
+#[test]
+fn recorded_pictures_are_drawn() {
+    let version = mujoco_safe::engine_version().to_string();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/render/pictures/recorded").join(&version);
+    let Ok(text) = fs::read_to_string(folder.join("scenes.json")) else { return };
+    let rows: Vec<Value> = serde_json::from_str(&text).unwrap();
+    assert!(rows.len() >= 15, "{} images of MuJoCo {version}", rows.len());
+    let mut wrong = Vec::new();
+    for row in &rows {
+        let name = text_of(row, "name");
+        // An image that equals that of 4.0.0 is not stored twice.
+        let file = format!("{name}.png");
+        let own = folder.join(&file);
+        let theirs = read_png(&if own.exists() { own } else { folder.join("../4.0.0").join(file) });
+        let (data, scene) = drawn(&folder, row);
+        assert_eq!(scene.ngeom() as u64, row["geoms"].as_u64().unwrap(), "{name}: geoms");
+        let [width, height] = [theirs.width(), theirs.height()].map(|length| length as u32);
+        let options = RendererOptions::default().with_max_lights(8);
+        let mut renderer = Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap();
+        let ours = renderer.rgb(&scene).unwrap();
+        let share = Difference::of(&theirs, &ours).outliers;
+        println!("{name}: {:.2} %", 100.0 * share);
+        if share > RECORDED_LIMIT {
+            save_sheet(name, &theirs, &ours);
+            wrong.push(format!("{name}: {:.2} %", 100.0 * share));
+        }
+    }
+    assert!(wrong.is_empty(), "pixels differ from the images of MuJoCo {version}: {wrong:?}");
+}
+
+fn read_png(file: &Path) -> RgbImage {
+    let mut reader = png::Decoder::new(BufReader::new(File::open(file).unwrap())).read_info().unwrap();
+    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut rgb).unwrap();
+    RgbImage::from_rgb(info.width as usize, info.height as usize, rgb).unwrap()
+}
+
+fn save_sheet(name: &str, theirs: &RgbImage, ours: &RgbImage) {
+    let sheets = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sheets");
+    fs::create_dir_all(&sheets).unwrap();
+    side_by_side(theirs, ours).save_png(sheets.join(format!("{name}.png"))).unwrap();
+}
+
+/// Returns the state and the scene of a row.
+fn drawn(folder: &Path, row: &Value) -> (Data, Scene) {
+    let name = text_of(row, "name");
+    let file = folder.join(format!("{name}.xml"));
+    let model = if file.exists() { Model::from_xml_path(file) } else { Model::from_xml_str(text_of(row, "xml")) };
+    let mut data = Data::new(model.unwrap()).unwrap();
+    if name.starts_with("sleeping") {
+        for _ in 0..row["steps"].as_u64().unwrap() {
+            data.step().unwrap();
+        }
+    } else {
+        data.qpos_mut().copy_from_slice(&numbers(&row["qpos"]));
+        data.qvel_mut().copy_from_slice(&numbers(&row["qvel"]));
+        data.act_mut().copy_from_slice(&numbers(&row["act"]));
+    }
+    data.forward().unwrap();
+    let mut options = SceneOptions::default();
+    for (key, value) in [("visual", true), ("no_visual", false)] {
+        for flag in names(row, key) {
+            match VisualFlags::from_name(flag) {
+                Some(flag) => options.flags.set(flag, value),
+                None => println!("{name}: no visual flag {flag}"),
+            }
+        }
+    }
+    options.flex_layer = row["flex_layer"].as_u64().unwrap() as u32;
+    options.bvh_depth = row["bvh_depth"].as_u64().unwrap() as u32;
+    options.label = LABELS.iter().find(|(name, _)| *name == text_of(row, "label")).unwrap().1;
+    options.frame = FRAMES.iter().find(|(name, _)| *name == text_of(row, "frame")).unwrap().1;
+    let mut camera = match row["camera"].as_str() {
+        Some(camera) => Camera::fixed(data.model(), camera).unwrap(),
+        None => Camera {
+            view: CameraView::Free,
+            lookat: numbers(&row["lookat"]).try_into().unwrap(),
+            distance: row["distance"].as_f64().unwrap(),
+            azimuth: row["azimuth"].as_f64().unwrap(),
+            elevation: row["elevation"].as_f64().unwrap(),
+        },
+    };
+    let mut scene = Scene::new(data.model(), 20_000).unwrap();
+    let mut flags = scene.render_flags();
+    for (key, value) in [("render", true), ("no_render", false)] {
+        for flag in names(row, key) {
+            match RenderFlags::from_name(flag) {
+                Some(flag) => flags.set(flag, value),
+                None => println!("{name}: no render flag {flag}"),
+            }
+        }
+    }
+    scene.set_render_flags(flags);
+    for _ in 0..2 {
+        scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+    }
+    (data, scene)
+}
+
+const LABELS: [(&str, LabelMode); 17] = [
+    ("NONE", LabelMode::None),
+    ("BODY", LabelMode::Body),
+    ("JOINT", LabelMode::Joint),
+    ("GEOM", LabelMode::Geom),
+    ("SITE", LabelMode::Site),
+    ("CAMERA", LabelMode::Camera),
+    ("LIGHT", LabelMode::Light),
+    ("TENDON", LabelMode::Tendon),
+    ("ACTUATOR", LabelMode::Actuator),
+    ("CONSTRAINT", LabelMode::Constraint),
+    ("FLEX", LabelMode::Flex),
+    ("SKIN", LabelMode::Skin),
+    ("SELECTION", LabelMode::Selection),
+    ("SELPNT", LabelMode::SelectionPoint),
+    ("CONTACTPOINT", LabelMode::ContactPoint),
+    ("CONTACTFORCE", LabelMode::ContactForce),
+    ("ISLAND", LabelMode::Island),
+];
+
+const FRAMES: [(&str, FrameMode); 8] = [
+    ("NONE", FrameMode::None),
+    ("BODY", FrameMode::Body),
+    ("GEOM", FrameMode::Geom),
+    ("SITE", FrameMode::Site),
+    ("CAMERA", FrameMode::Camera),
+    ("LIGHT", FrameMode::Light),
+    ("CONTACT", FrameMode::Contact),
+    ("WORLD", FrameMode::World),
+];
+
+fn text_of<'v>(row: &'v Value, key: &str) -> &'v str {
+    row[key].as_str().unwrap()
+}
+
+fn names<'v>(row: &'v Value, key: &str) -> impl Iterator<Item = &'v str> {
+    row[key].as_array().unwrap().iter().map(|name| name.as_str().unwrap())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
