@@ -16,6 +16,7 @@ mod common;
 #[path = "../tests/linearisation/inverse_fd/oracle.rs"]
 mod inverse_oracle;
 #[path = "../tests/linearisation/transition/oracle.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
 mod oracle;
 
 use std::hint::black_box;

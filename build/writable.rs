@@ -1,8 +1,8 @@
 //! Decisions which arrays of floating-point numbers safe code may write, for each version of the engine.
 //!
-//! `knowledge/writable.tsv` has a line for each array, or several for ranges of versions. The decisions come from the campaign
-//! `writable_arrays` of `tests/smoke`, which writes hostile values to each array. An array without a line is read-only, so that a field
-//! of a new engine is read-only until its use has been examined.
+//! `knowledge/writable.tsv` has a line for each array, or several for ranges of versions. The decisions come from experiments that write
+//! hostile values to each array in front of a guard page, and run steps and other functions of the engine. An array without a line is
+//! read-only, so that a field of a new engine is read-only until its use has been examined.
 
 /// Access of safe code to an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

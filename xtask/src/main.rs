@@ -135,7 +135,7 @@ mod tests {
     fn an_array_is_read_only_until_its_derived_quantities_are_known() {
         let table = "owner\tkind\ttype\tname\trows\tcolumns\tcomment\nModel\tarray\tmjtNum\tinvented\tnbody\t1\tinvention\n\
                      Model\tarray\tmjtNum\tbody_mass\tnbody\t1\tmass\n";
-        let [(_, _), (_, writers), ..] = super::accessors::generate(table, table);
+        let [(_, _), (_, writers), ..] = super::accessors::generate(table, table, 222);
         assert!(writers.contains("body_mass_mut") && !writers.contains("invented_mut"), "{writers}");
     }
 

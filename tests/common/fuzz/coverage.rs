@@ -29,10 +29,13 @@ pub fn missing() -> Vec<String> {
         }
         used.extend(loaded.iter().flat_map(|model| types(model)));
     }
-    let is_plugin = |element: &str| element.contains("plugin") || element.starts_with("extension");
+    // The compiler of 2.2.2 rejects constraints of distances, which have no implementation.
+    let is_absent = |element: &str| {
+        element.contains("plugin") || element.starts_with("extension") || element == "equality/distance"
+    };
     let mut missing: Vec<String> = covered
         .into_iter()
-        .filter(|(element, covered)| !covered && !is_plugin(element))
+        .filter(|(element, covered)| !covered && !is_absent(element))
         .map(|(element, _)| element)
         .collect();
     for (attribute, names) in TYPES {
