@@ -9,7 +9,7 @@ use super::{Model, ModelMut};
 use crate::enums::GeomType;
 #[cfg(engine_since = "2.3.3")]
 use crate::ffi;
-#[cfg(engine_since = "2.3.3")]
+#[cfg(engine_since = "3.5.0")]
 use crate::math;
 
 /// Radius and half the edges of loose bounds, m. The engine uses this length in its boxes of planes.

@@ -16,10 +16,6 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use self::outcome::Outcome;
 
-#[macro_use]
-#[path = "../../common/fields.rs"]
-mod fields;
-
 /// Numbers of an array, for comparisons.
 trait Numbers {
     fn numbers(self) -> Vec<f64>;
