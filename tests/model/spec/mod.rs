@@ -5,6 +5,7 @@ mod attach;
 mod building;
 mod defaults;
 mod editing;
+mod engine_spec;
 mod generated;
 mod kept;
 mod names;
