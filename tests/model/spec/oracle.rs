@@ -178,6 +178,13 @@ fn rename(name: &str, spec: &Spec, reference: &RawModel, counts: &mut Counts) {
 fn attach_to_empty(name: &str, spec: &Spec, reference: &RawModel, counts: &mut Counts) {
     for (number, parent) in EMPTY_PARENTS.iter().enumerate() {
         let mut outer = Spec::from_xml_str(parent).unwrap();
+        // Attachments do not copy sizes.
+        for id in elements(spec) {
+            let section = spec.element(id);
+            for (attribute, value) in section.attributes().filter(|_| section.tag() == "size") {
+                outer.section_mut("size").unwrap().set(attribute, value).unwrap();
+            }
+        }
         let mount = Mount::body(outer.world());
         let prefix = ["", "p_", "left ", ""][number];
         let has_list = elements(spec).into_iter().any(|id| matches!(spec.element(id).tag(), "flex" | "tuple"));
