@@ -7,6 +7,8 @@
 //! - `constants`: what depends on it is updated by `ModelMut::update_constants`;
 //! - `computed`: the array itself depends on others, and `update_constants` overwrites it.
 
+use std::fmt::Write as _;
+
 const TABLE: &str = include_str!("knowledge/derived.tsv");
 
 /// Returns the columns of an array: by what the derived quantities are updated, their names, and those that nothing updates.
@@ -25,9 +27,11 @@ pub(super) fn is_known(array: &str) -> bool {
 pub(super) fn documentation(array: &str) -> String {
     let Some([updated_by, derived, not_updated]) = columns(array) else { return String::new() };
     let constants = "[`update_constants`](crate::ModelMut::update_constants)";
-    let names = |list: &str| match list.contains(['.', '_']) && !list.contains(" of ") {
-        true => list.split(' ').map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-        false => list.to_owned(),
+    let names = |list: &str| {
+        if !list.contains(['.', '_']) || list.contains(" of ") {
+            return list.to_owned();
+        }
+        list.split(' ').map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
     };
     let mut text = match updated_by {
         "edit" => format!(
@@ -39,7 +43,7 @@ pub(super) fn documentation(array: &str) -> String {
         _ => String::new(),
     };
     if !not_updated.is_empty() {
-        text += &format!(" Not updated: {not_updated}.");
+        let _ = write!(text, " Not updated: {not_updated}.");
     }
     if text.is_empty() { text } else { format!("    ///\n    /// {}\n", text.trim()) }
 }

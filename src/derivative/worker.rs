@@ -276,6 +276,6 @@ fn column_queue<'a>(
 /// Runs `work` on all workers, and returns their kinks, or the error of the first worker that failed.
 fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<Kinks> + Sync) -> Result<Kinks> {
     for_each_worker(workers, |worker, first| worker.outcome = work(worker, first));
-    let outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(Kinks::empty())));
-    outcomes.fold(Ok(Kinks::empty()), |all, outcome| Ok(all? | outcome?))
+    let mut outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(Kinks::empty())));
+    outcomes.try_fold(Kinks::empty(), |all, outcome| Ok(all | outcome?))
 }

@@ -89,6 +89,7 @@ impl ModelMut<'_> {
     }
 
     /// Computes the masks of bodies from those of their geoms.
+    #[cfg_attr(not(engine_since = "2.3.3"), allow(clippy::unused_self, reason = "bodies have no masks"))]
     pub(crate) fn update_masks(&mut self) {
         #[cfg(engine_since = "3.0.0")]
         for body in 0..self.nbody() {

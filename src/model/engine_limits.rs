@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use mujoco_sys::{
-    mjGEOM_HFIELD, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjTRN_BODY,
+    mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjTRN_BODY,
 };
 
 #[cfg(engine_since = "3.6.0")]
@@ -73,7 +73,23 @@ impl Model {
         };
         let elements: usize = (0..self.nactuator()).map(row).sum();
         let raw = self.raw_mut();
+        let compiled = i64::from(raw.nJmom);
         raw.nJmom = raw.nJmom.max(elements as _);
+        self.compiled_moments = compiled;
+    }
+
+    /// Passes the model to the engine with the sizes that its compiler chose, which the writer of XML compares.
+    #[allow(clippy::unused_self, reason = "older engines have no other sizes")]
+    pub(super) fn with_compiled_sizes<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
+        #[cfg(engine_since = "3.6.0")]
+        {
+            // SAFETY: plain data, of which this is a copy with the same arrays. They outlive the call, which only reads.
+            let mut copy = Box::new(unsafe { std::ptr::read(self.as_ptr()) });
+            copy.nJmom = self.compiled_moments as _;
+            call(&raw const *copy)
+        }
+        #[cfg(not(engine_since = "3.6.0"))]
+        call(self.as_ptr())
     }
 
     /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the

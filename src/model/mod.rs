@@ -111,6 +111,9 @@ pub struct Model {
     has_addresses: bool,
     /// `true` if bounds for collision detection are larger than necessary because an edit could have changed them (`loosen_bounds`).
     has_loose_bounds: bool,
+    /// Size `nJmom` of the compiled model ([`reserve_moments`](Model::reserve_moments)).
+    #[cfg(engine_since = "3.6.0")]
+    compiled_moments: i64,
 }
 
 // SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -136,6 +139,8 @@ impl Model {
             has_unsafe_polygons: false,
             has_addresses: false,
             has_loose_bounds: false,
+            #[cfg(engine_since = "3.6.0")]
+            compiled_moments: 0,
         };
         model.has_adhesion = model.find_adhesion();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
@@ -166,6 +171,10 @@ impl Model {
         let mut copy = unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) };
         copy.has_unsafe_polygons = self.has_unsafe_polygons;
         copy.has_loose_bounds = self.has_loose_bounds;
+        #[cfg(engine_since = "3.6.0")]
+        {
+            copy.compiled_moments = self.compiled_moments;
+        }
         Ok(copy)
     }
 

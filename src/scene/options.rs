@@ -227,9 +227,14 @@ pub struct SceneOptions {
     /// Visible layer of the elements of three-dimensional flexes, for [`VisualFlags::FLEXFACE`]: 0 is the outermost. In engines from 3.0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub flex_layer: u32,
-    /// Depth of the bounding volumes that [`VisualFlags::BODYBVH`] and [`VisualFlags::MESHBVH`] show. In engines from 3.0.
-    #[cfg_attr(feature = "serde", serde(default))]
+    /// Depth of the bounding volumes that [`VisualFlags::BODYBVH`] and [`VisualFlags::MESHBVH`] show, 1 by default. In engines from 3.0.
+    #[cfg_attr(feature = "serde", serde(default = "default_bvh_depth"))]
     pub bvh_depth: u32,
+}
+
+/// Returns the engine's default.
+fn default_bvh_depth() -> u32 {
+    1
 }
 
 impl Default for SceneOptions {
@@ -257,7 +262,7 @@ impl Default for SceneOptions {
                 | VisualFlags::FLEXEDGE
                 | VisualFlags::FLEXSKIN,
             flex_layer: 0,
-            bvh_depth: 0,
+            bvh_depth: default_bvh_depth(),
         }
     }
 }

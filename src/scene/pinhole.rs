@@ -139,7 +139,7 @@ impl PinholeCamera {
         let offset = [0, 1, 2].map(|axis| point[axis] - self.pos[axis]);
         let [x, y, z] = math::rot_vec_mat_t(&offset, &self.mat);
         let scale = if self.orthographic { 1.0 } else { -1.0 / z };
-        (z < 0.0).then(|| [self.cx + self.fx * x * scale, self.cy - self.fy * y * scale])
+        (z < 0.0).then_some([self.cx + self.fx * x * scale, self.cy - self.fy * y * scale])
     }
 }
 

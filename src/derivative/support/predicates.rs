@@ -197,8 +197,16 @@ pub(super) fn disabled_integrator(model: &Model) -> Option<Fallback> {
     disables_only(model, DISABLED)
 }
 
+/// Without constraints, newer engines compute the forces at sites of the inverse dynamics in another way than those of a step.
 pub(super) fn disabled_for_differences(model: &Model) -> Option<Fallback> {
-    disables_only(model, DISABLED)
+    let newer = if cfg!(engine_since = "2.3.0") { DisableFlags::CONSTRAINT } else { DisableFlags::empty() };
+    disables_only(model, DISABLED - newer)
+}
+
+/// See [`disabled_for_differences`]: the same forces are part of the sensors of a step.
+pub(super) fn disabled_for_sensors(model: &Model) -> Option<Fallback> {
+    let disabled = model.raw().opt.disableflags as u32 & DisableFlags::CONSTRAINT.bits() != 0;
+    unless(!disabled || model.nsensor() == 0 || cfg!(not(engine_since = "2.3.0")), "opt.disableflags")
 }
 
 /// Flags that change no equation, or only parameters of contacts.

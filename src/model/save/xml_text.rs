@@ -88,16 +88,12 @@ impl Model {
         let mut message = [0; MESSAGE];
         let mut saved = 0;
         let (status, warnings) = collecting_warnings(|| {
-            // SAFETY: a valid name and model, a buffer of the given size, and a pointer for the result.
-            unsafe {
-                guard::mj_save_last_xml(
-                    name.as_ptr(),
-                    self.as_ptr(),
-                    message.as_mut_ptr(),
-                    MESSAGE as i32,
-                    &raw mut saved,
-                )
-            }
+            self.with_compiled_sizes(|model| {
+                // SAFETY: a valid name and model, a buffer of the given size, and a pointer for the result.
+                unsafe {
+                    guard::mj_save_last_xml(name.as_ptr(), model, message.as_mut_ptr(), MESSAGE as i32, &raw mut saved)
+                }
+            })
         });
         xml.leave("mj_saveLastXML", status).map_err(|error| match error {
             Error::Engine { message, .. } if message == UNKNOWN_EXCEPTION => failed(MASS_IN_MESH_DEFAULTS.to_owned()),

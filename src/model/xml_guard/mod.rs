@@ -168,6 +168,7 @@ impl<'f> Check<'f> {
     }
 
     /// Checks a text in a number of includes and of elements.
+    #[allow(clippy::too_many_lines, reason = "one check of an element after another")]
     fn text(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>, [included, outer]: [usize; 2]) -> Result<()> {
         let reject = |position: usize, why: &str| {
             let message = at_line(why, text, position);

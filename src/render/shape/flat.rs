@@ -75,12 +75,14 @@ pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) ->
     Some(indices)
 }
 
+/// Points of a face from two coordinates, and the axes of its texture.
+type Face = (fn(f32, f32) -> [f32; 3], [usize; 2]);
+
 /// Generates the cube from -1 to 1, with each face subdivided into `cells` by `cells` cells. The +z face is the first.
 pub(crate) fn cuboid(cells: u32) -> Triangles {
     let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
     let mut triangles = Triangles::default();
-    // Each face with the axes of its texture.
-    let faces: [(fn(f32, f32) -> [f32; 3], [usize; 2]); 6] = [
+    let faces: [Face; 6] = [
         (|u, v| [u, v, 1.0], [0, 1]),
         (|u, v| [u, -v, -1.0], [0, 1]),
         (|u, v| [1.0, u, v], [1, 2]),

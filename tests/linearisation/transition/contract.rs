@@ -81,8 +81,8 @@ fn columns_with_the_implicit_integrator_are_more_accurate_than_the_engine() {
     let muscle = (6, 26);
     let error = |system: &StateSpace| (system.a[muscle] - truth.a[muscle]).abs();
     if cfg!(engine_since = "4.0.0") {
-        // This engine is as accurate.
-        assert!(error(&columns).max(error(&engine)) < 1e-12, "{:e}, {:e}", error(&columns), error(&engine));
+        // This engine is as accurate. Columns differences an activation of zero to one side only.
+        assert!(error(&columns).max(error(&engine)) < 1e-10, "{:e}, {:e}", error(&columns), error(&engine));
     } else {
         assert!(error(&columns) < 1e-3 * error(&engine), "{:e}, {:e}", error(&columns), error(&engine));
     }

@@ -369,7 +369,7 @@ fn wrong_differences_of_the_samples_are_reported() {
                 match method {
                     TransitionMethod::Engine => {}
                     TransitionMethod::Columns => {
-                        assert!(deviation < 1e-3 || is_reported, "{}: {deviation:e}", data.time())
+                        assert!(deviation < 1e-3 || is_reported, "{}: {deviation:e}", data.time());
                     }
                     _ => assert!(deviation < 1e-6 && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
                 }

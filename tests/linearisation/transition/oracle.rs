@@ -76,7 +76,7 @@ impl Oracle {
             } else {
                 let better = |(best, new): (&mut (f64, f64), (f64, f64))| {
                     if new.1 < best.1 {
-                        *best = new
+                        *best = new;
                     }
                 };
                 best.iter_mut().zip(estimates).for_each(better);

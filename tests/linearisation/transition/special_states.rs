@@ -145,8 +145,7 @@ fn compare(what: &str, data: &mut Data, tally: &mut Tally) {
         let largest = |side: &[(f64, f64)]| side.iter().fold(0.0, |largest: f64, (value, _)| largest.max(value.abs()));
         let scale = largest(&sides[0]).max(largest(&sides[1]));
         for (method, system, report) in &systems {
-            for row in 0..sides[0].len() {
-                let ((right, right_error), (left, left_error)) = (sides[0][row], sides[1][row]);
+            for (row, (&(right, right_error), &(left, left_error))) in sides[0].iter().zip(&sides[1]).enumerate() {
                 let value = match (row < nx, index < nx) {
                     (true, true) => system.a[(row, index)],
                     (true, false) => system.b[(row, index - nx)],

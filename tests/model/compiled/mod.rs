@@ -177,10 +177,11 @@ fn compare(first: &Model, second: &Model, seed: u64) -> Outcome {
     if let Some(field) = texts::structural(&before, &target, &written) {
         return Outcome::Structure(field);
     }
-    if written.iter().all(|field| WITHOUT_UPDATE.contains(field)) && !written.is_empty() {
-        if let Some(what) = differing_contacts(first, second, Model::clone(&edit)) {
-            return Outcome::Differs(written, format!("without update_constants {what}"));
-        }
+    if written.iter().all(|field| WITHOUT_UPDATE.contains(field))
+        && !written.is_empty()
+        && let Some(what) = differing_contacts(first, second, Model::clone(&edit))
+    {
+        return Outcome::Differs(written, format!("without update_constants {what}"));
     }
     if let Err(error) = edit.update_constants() {
         return Outcome::Rejected(written, error.to_string());
@@ -247,7 +248,7 @@ impl Report {
                 *self.rejected.entry(format!("{fields:?}: {error}")).or_default() += 1;
             }
             Outcome::Differs(fields, difference) => {
-                self.failures.push(format!("{what}, edited {fields:?}: {difference:?}"))
+                self.failures.push(format!("{what}, edited {fields:?}: {difference:?}"));
             }
         }
     }
