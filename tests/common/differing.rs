@@ -126,14 +126,9 @@ pub(crate) unsafe fn material_texture(m: &mjModel, material: usize) -> i32 {
 
 /// Returns `texid`, `texuniform` and `texrepeat` of a geom of a scene. The scenes of some engines have the material instead.
 pub(crate) unsafe fn scene_geom_texture(m: &mjModel, geom: &mjvGeom) -> (i32, i32, [f32; 2]) {
-    // Without a material the numbers of repetitions have no meaning, and depend on the kind of decoration.
-    #[cfg(engine_since = "3.17.0")]
-    if geom.matid < 0 {
-        return (geom.texid, geom.texuniform, [0.0; 2]);
-    }
-    #[cfg(any(not(engine_since = "3.2.1"), engine_since = "3.17.0"))]
+    #[cfg(not(engine_since = "3.2.1"))]
     return (m, (geom.texid, geom.texuniform, geom.texrepeat)).1;
-    #[cfg(all(engine_since = "3.2.1", not(engine_since = "3.17.0")))]
+    #[cfg(engine_since = "3.2.1")]
     {
         let Ok(material) = usize::try_from(geom.matid) else { return (-1, 0, [0.0; 2]) };
         // SAFETY: the caller's promise, and a material of the model.

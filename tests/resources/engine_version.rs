@@ -37,14 +37,12 @@ fn an_engine_of_another_version_is_an_error() {
 fn build_substitute(folder: &Path) {
     let exported = VERSIONS.map(exports).into_iter().reduce(|all, of_one| &all & &of_one).unwrap();
     assert!(exported.len() > 200, "{}", exported.len());
-    let mut source = format!("int mj_version(void) {{ return {OTHER}; }}\n");
-    for (name, is_function) in exported {
-        source += &match (&*name, is_function) {
-            ("mj_version", _) => continue,
-            (_, true) => format!("void {name}(void) {{}}\n"),
-            (_, false) => format!("char {name}[65536];\n"),
-        };
-    }
+    let declaration = |(name, is_function): (String, bool)| match (&*name, is_function) {
+        ("mj_version", _) => format!("int mj_version(void) {{ return {OTHER}; }}\n"),
+        (_, true) => format!("void {name}(void) {{}}\n"),
+        (_, false) => format!("char {name}[65536];\n"),
+    };
+    let source: String = exported.into_iter().map(declaration).collect();
     let (code, library) = (folder.join("engine.c"), engine());
     let name = library.file_name().unwrap().to_str().unwrap();
     fs::write(&code, source).unwrap();

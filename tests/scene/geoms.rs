@@ -225,11 +225,13 @@ fn shape(raw: i32) -> SceneGeomType {
         (sys::mjGEOM_ARROW1, SceneGeomType::Arrow1),
         (sys::mjGEOM_ARROW2, SceneGeomType::Arrow2),
         (sys::mjGEOM_LINE, SceneGeomType::Line),
+        (sys::mjGEOM_LINEBOX, SceneGeomType::LineBox),
+        (sys::mjGEOM_TRIANGLE, SceneGeomType::Triangle),
         (sys::mjGEOM_SKIN, SceneGeomType::Skin),
         (sys::mjGEOM_LABEL, SceneGeomType::Label),
         (sys::mjGEOM_NONE, SceneGeomType::None),
     ];
-    shapes.into_iter().find(|(constant, _)| *constant as i32 == raw).expect("a shape of 2.2.2").1
+    shapes.into_iter().find(|(constant, _)| *constant as i32 == raw).expect("a known shape").1
 }
 
 #[test]

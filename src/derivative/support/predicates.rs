@@ -55,10 +55,14 @@ enumerations! {
     };
 }
 
-/// Sensors in closed form, and those whose rows are differences of inverse dynamics.
-pub(super) fn sensor_in_closed_form(model: &Model) -> Option<Fallback> {
-    // A sensor with a formula is one of a type that can be differenced.
-    sensor(model)
+/// Sensors whose rows are differences of inverse dynamics, which are also those that are differenced beside closed forms.
+///
+/// In newer engines the forces of spatial tendons at their sites are part of the readings of force and torque sensors.
+pub(super) fn sensors_by_differences(model: &Model) -> Option<Fallback> {
+    let is_spatial = |&wrap: &i32| WrapType::from_raw(wrap) == Some(WrapType::Site);
+    let pulls = cfg!(engine_since = "2.3.0") && model.wrap_type().iter().any(is_spatial);
+    let reads = |raw: i32| matches!(SensorType::from_raw(raw), Some(SensorType::Force | SensorType::Torque));
+    sensor(model).or_else(|| find("sensor_type", model.sensor_type(), |raw| !(pulls && reads(raw))))
 }
 
 #[cfg_attr(not(engine_since = "3.2.0"), allow(dead_code, reason = "older engines have no array"))]
@@ -197,16 +201,8 @@ pub(super) fn disabled_integrator(model: &Model) -> Option<Fallback> {
     disables_only(model, DISABLED)
 }
 
-/// Without constraints, newer engines compute the forces at sites of the inverse dynamics in another way than those of a step.
 pub(super) fn disabled_for_differences(model: &Model) -> Option<Fallback> {
-    let newer = if cfg!(engine_since = "2.3.0") { DisableFlags::CONSTRAINT } else { DisableFlags::empty() };
-    disables_only(model, DISABLED - newer)
-}
-
-/// See [`disabled_for_differences`]: the same forces are part of the sensors of a step.
-pub(super) fn disabled_for_sensors(model: &Model) -> Option<Fallback> {
-    let disabled = model.raw().opt.disableflags as u32 & DisableFlags::CONSTRAINT.bits() != 0;
-    unless(!disabled || model.nsensor() == 0 || cfg!(not(engine_since = "2.3.0")), "opt.disableflags")
+    disables_only(model, DISABLED)
 }
 
 /// Flags that change no equation, or only parameters of contacts.
