@@ -486,3 +486,15 @@ size_t mujoco_sys_arenaBytes(const mjData* d) {
   return (size_t)d->nstack * sizeof(mjtNum);
 #endif
 }
+
+int mujoco_sys_setKeyframe(mjModel* m, const mjData* d, int key) {
+#if mjVERSION_HEADER >= 320
+  mj_setKeyframe(m, d, key);
+  return 0;
+#else
+  (void)m;
+  (void)d;
+  (void)key;
+  return -1;
+#endif
+}

@@ -93,6 +93,9 @@ int mujoco_sys_sceneLightKind(const mjvLight* light);
 // True if the geom casts shadows; false for decoration since 3.0.1, and for geoms without `castshadow` since 4.0.
 int mujoco_sys_sceneGeomCastsShadow(const mjvGeom* geom);
 
+// Sets a keyframe to the state of the data, and returns 0. Before 3.2 there is no function for this: returns -1.
+int mujoco_sys_setKeyframe(mjModel* m, const mjData* d, int key);
+
 // Texture that the engine's OpenGL renderer draws on a material, or -1: the first one, since 3.2.1 that of the base colour only.
 int mujoco_sys_drawnTexture(const mjModel* m, int material);
 

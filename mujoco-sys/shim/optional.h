@@ -20,8 +20,10 @@
 #pragma weak mj_freeStack
 #pragma weak mj_island
 #pragma weak mj_loadPluginLibrary
+#pragma weak mj_loadTexture
 #pragma weak mj_markStack
 #pragma weak mj_parseXMLString
+#pragma weak mj_setKeyframe
 #pragma weak mj_stackAllocNum
 #pragma weak mju_mulMatTVec3
 #pragma weak mju_mulMatVec3

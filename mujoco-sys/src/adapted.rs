@@ -219,6 +219,8 @@ adapted! {
     mujoco_sys_sceneLightKind = scene_light_kind(light: *const mjvLight) -> c_int;
     /// Returns 1 if a geom of a scene casts shadows (not decoration since 3.0.1; `castshadow` since 4.0), else 0.
     mujoco_sys_sceneGeomCastsShadow = scene_geom_casts_shadow(geom: *const mjvGeom) -> c_int;
+    /// Sets a keyframe to the state of the data (`mj_setKeyframe`). Returns 0, or -1 with engines before 3.2, which have no such function.
+    mujoco_sys_setKeyframe = set_keyframe(m: *mut mjModel, d: *const mjData, key: c_int) -> c_int;
     /// Returns the texture that the engine's OpenGL renderer draws on a material, or -1: since 3.2.1 that of the base colour only.
     mujoco_sys_drawnTexture = drawn_texture(m: *const mjModel, material: c_int) -> c_int;
     /// Returns 1 if the engine converts the pixels of a texture from the sRGB colour space (`colorspace`, since 3.3.3), else 0.

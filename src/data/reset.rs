@@ -98,7 +98,7 @@ impl Data {
         let model: *mut mjModel = self.own_model()?.raw_mut();
         // SAFETY: a model that nothing shares, a data of a model of this structure, and a keyframe of it. The function only copies the
         // state.
-        unsafe { mujoco_sys::mj_setKeyframe(model, data, key as c_int) };
+        unsafe { mujoco_sys::adapted::set_keyframe(model, data, key as c_int) };
         Ok(())
     }
 

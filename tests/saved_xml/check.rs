@@ -58,15 +58,12 @@ fn many_pairs_of_the_same_bodies_are_saved() {
         let geoms: String = (0..geoms).map(geom).collect();
         format!("<body name='{body}'><freejoint/>{geoms}</body>")
     };
-    let pairs: String = (0..BODIES[0].1)
-        .flat_map(|a| (0..BODIES[1].1).map(move |b| (a, b)))
-        .map(|(a, b)| {
-            format!(
-                "<pair name='{b} to {a}' geom1='a{a}' geom2='b{b}' margin='0.{a}{b}' condim='{}'/>",
-                1 + 2 * (a % 2)
-            )
-        })
-        .collect();
+    let pair = |(a, b)| {
+        let condim = 1 + 2 * (a % 2);
+        format!("<pair name='{b} to {a}' geom1='a{a}' geom2='b{b}' margin='0.{a}{b}' condim='{condim}'/>")
+    };
+    let of_a = |a| (0..BODIES[1].1).map(move |b| pair((a, b)));
+    let pairs = (0..BODIES[0].1).flat_map(of_a).collect::<Vec<_>>().concat();
     let xml =
         format!("<mujoco><worldbody>{}</worldbody><contact>{pairs}</contact></mujoco>", BODIES.map(body).concat());
     let _lock = super::lock_engine();

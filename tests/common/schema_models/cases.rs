@@ -132,22 +132,19 @@ impl Search<'_> {
         let mut without = complete.clone();
         specimen.find(&mut without, path).remove(&self.attribute.name);
         let without = without.text();
-        match Fingerprint::of(&without) {
-            Ok(before) => own
-                .into_iter()
-                .chain(values)
-                .any(|value| self.compare(path, specimen, &complete, value, &before, &without)),
+        if let Ok(before) = Fingerprint::of(&without) {
+            let mut values = own.into_iter().chain(values);
+            values.any(|value| self.compare(path, specimen, &complete, value, &before, &without))
+        } else {
             // The attribute is required: the model with it is compared with another value, or with the model without the element.
-            Err(_) => {
-                let rig = self.rig.text();
-                let absent = Fingerprint::of(&rig).expect("the engine compiles the rig");
-                let (with, before) = match Fingerprint::of(&complete.text()) {
-                    Ok(before) => (complete.text(), before),
-                    Err(_) => (rig.clone(), absent),
-                };
-                values.into_iter().any(|value| self.compare(path, specimen, &complete, value, &before, &with))
-                    || own.is_some_and(|own| self.compare(path, specimen, &complete, own, &absent, &rig))
-            }
+            let rig = self.rig.text();
+            let absent = Fingerprint::of(&rig).expect("the engine compiles the rig");
+            let (with, before) = match Fingerprint::of(&complete.text()) {
+                Ok(before) => (complete.text(), before),
+                Err(_) => (rig.clone(), absent),
+            };
+            values.into_iter().any(|value| self.compare(path, specimen, &complete, value, &before, &with))
+                || own.is_some_and(|own| self.compare(path, specimen, &complete, own, &absent, &rig))
         }
     }
 
@@ -196,7 +193,9 @@ impl Search<'_> {
         let class = document.find_mut(&|node| node.name == "default" && node.get("class") == Some("plain"));
         let node = class.expect("the rig has this class").descend(default.split('/'));
         if matches!(default, "damper" | "adhesion" | "dcmotor" | "material/layer") {
-            required.iter().for_each(|(name, value)| node.set(name, value));
+            for (name, value) in &required {
+                node.set(name, value);
+            }
         }
         node.set(name, value);
         document.text()

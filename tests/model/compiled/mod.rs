@@ -29,11 +29,13 @@ trait SetNumbers {
 macro_rules! element {
     ($($type:ty)*) => {$(
         impl Numbers for &[$type] {
+            #[allow(clippy::cast_lossless, reason = "some of the types of numbers are converted exactly")]
             fn numbers(self) -> Vec<f64> {
                 self.iter().map(|&value| value as f64).collect()
             }
         }
         impl<const N: usize> Numbers for &[[$type; N]] {
+            #[allow(clippy::cast_lossless, reason = "some of the types of numbers are converted exactly")]
             fn numbers(self) -> Vec<f64> {
                 self.as_flattened().numbers()
             }
@@ -241,7 +243,9 @@ impl Report {
         match outcome {
             Outcome::Equal(fields) => {
                 self.equal += 1;
-                fields.into_iter().for_each(|field| *self.fields.entry(field).or_default() += 1);
+                for field in fields {
+                    *self.fields.entry(field).or_default() += 1;
+                }
             }
             Outcome::Structure(field) => *self.structures.entry(field).or_default() += 1,
             Outcome::Rejected(fields, error) => {

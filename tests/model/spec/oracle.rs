@@ -1,6 +1,8 @@
 //! Operations of specs, compared with the engine: `mjSpec` where it has one (since 3.2), else the same elements compiled alone. All arrays
 //! of the compiled models are compared.
 
+#![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
