@@ -27,9 +27,12 @@ pub fn engine_version() -> Version {
 pub(crate) fn ready() -> Result<()> {
     static SAME_VERSION: OnceLock<bool> = OnceLock::new();
     let same = SAME_VERSION.get_or_init(|| {
-        // SAFETY: this crate has not called the engine yet, so no other thread reads the handlers at this time.
-        unsafe { guard::install(Some(on_warning)) };
-        engine_version() == built_against()
+        let same = engine_version() == built_against();
+        if same {
+            // SAFETY: this crate has called no other function of the engine yet, so no other thread reads the handlers at this time.
+            unsafe { guard::install(Some(on_warning)) };
+        }
+        same
     });
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }
 }
