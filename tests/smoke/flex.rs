@@ -177,7 +177,8 @@ fn flexes_are_drawn_with_their_colours() {
         for (flex, channel) in [(0, 0), (1, 1), (2, 2)] {
             let is_it = |pixel: &&[u8; 3]| (0..3).all(|other| other == channel || pixel[channel] / 2 > pixel[other]);
             let count = picture.as_bytes().as_chunks().0.iter().filter(is_it).count();
-            assert!(count > 20, "flex {flex} has {count} pixels");
+            // The lines of a flex are a pixel wide.
+            assert!(count > 10, "flex {flex} has {count} pixels");
         }
         let segments = snapshot.segmentation().unwrap().segments();
         let flexes: BTreeSet<usize> =

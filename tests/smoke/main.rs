@@ -10,6 +10,8 @@ mod fields;
 #[path = "../common/child.rs"]
 mod child;
 
+// The engines that are tested in full: with others, the compiler crashes on some of these models.
+#[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
 #[path = "../common/schema_models/mod.rs"]
 mod schema_models;
 
@@ -20,7 +22,7 @@ mod shapes;
 
 use std::sync::Arc;
 
-use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::element::EqualityObjects;
 use mujoco_safe::enums::Integrator;
 use mujoco_safe::sys::{self, mjData};
@@ -57,6 +59,7 @@ mod plugin;
 #[cfg(engine_since = "3.1.3")]
 mod plugin_state;
 mod real_models;
+#[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
 mod schema;
 #[cfg(engine_since = "3.0.0")]
 mod signed_distance;
@@ -282,7 +285,10 @@ fn implicit_differentiation_agrees_with_differences_of_a_step() {
     };
     let (implicit, report) = linearise(TransitionMethod::Implicit);
     let (differences, _) = linearise(TransitionMethod::Columns);
-    assert_eq!(report.method, TransitionMethod::Implicit);
+    // With an engine with which the formulas were not verified, the report says that the steps were differenced.
+    let is_verified = report.fallback != Some(Fallback::EngineVersion);
+    assert_eq!(is_verified, cfg!(any(not(engine_since = "2.3.0"), engine_since = "3.5.0")));
+    assert_eq!(report.method, if is_verified { TransitionMethod::Implicit } else { TransitionMethod::Columns });
     let scale = differences.a.as_slice().iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
     for (one, other) in implicit.a.as_slice().iter().zip(differences.a.as_slice()) {
         assert!((one - other).abs() < 1e-5 * scale, "{one} {other}, scale {scale}");
