@@ -69,7 +69,7 @@
 //! The first three return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
 //! features that have no formula, such as contacts of meshes or tendons around geoms, fall back to implicit differentiation or to differences of steps.
 //!
-//! Where a step has a kink, its derivative has two sides, and the report names the [kinks](crate::derivative::Kinks) of the state. One rule selects
+//! At a kink of a step the derivative has two sides, and the report names the [kinks](crate::derivative::Kinks) of the state. One rule selects
 //! the side: an input moves into its range, and where both directions are possible, a muscle contracts, as it does in a step with a larger control.
 //! So in a steady state, where the control of a muscle equals its activation, B has the time constant of activation. [`Data::transition_fd`] is the
 //! engine's function, which takes the mean of both sides there. Contacts and limits that begin to act have a kink, or a jump if the bodies move, and the

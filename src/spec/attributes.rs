@@ -30,7 +30,7 @@ pub(super) enum Meaning {
     Rotation,
     /// Joint position, which is an angle for some types of joints.
     Angle,
-    /// Whether a range is a limit. The range has the same name with `range` in place of `limited`.
+    /// Switch of a limit (`…limited`). Its range has the same name with `range` in place of `limited`.
     Limited,
     /// Name of a file.
     File,

@@ -101,7 +101,7 @@ fn is_only_stored(attribute: &Attribute) -> bool {
         || ["name", "user", "group", "rgba", "material", "class"].contains(&&name[..])
 }
 
-/// Where the values come from.
+/// Origin of the values.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Source {
     Table,

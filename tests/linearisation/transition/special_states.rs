@@ -164,7 +164,7 @@ fn compare(what: &str, data: &mut Data, tally: &mut Tally) {
                 let has_kink = (right - left).abs() > 10.0 * tolerance + 0.03 * right.abs().max(left.abs());
                 tally.with_kink += usize::from(has_kink);
                 let is_named = !has_kink || report.kinks != Kinks::empty();
-                // Where a step jumps, as at a limit that a joint reaches in motion, or where several constraints begin, there is no derivative.
+                // A step that jumps, as at a limit that a joint reaches in motion, or with several new constraints, has no derivative.
                 if report.kinks.intersects(Kinks::DIFFERENCES | Kinks::CONSTRAINTS) {
                     tally.without_derivative += 1;
                     continue;
