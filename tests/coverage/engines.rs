@@ -2,7 +2,7 @@
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../../mujoco-sys/build/engines.rs"]
-mod list;
+pub mod list;
 
 use std::fs;
 

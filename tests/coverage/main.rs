@@ -5,6 +5,7 @@
 
 mod element_views;
 mod engine_calls;
+mod engine_cfg;
 mod engines;
 mod field_docs;
 mod fields;

@@ -1,5 +1,6 @@
 //! Copies, state vectors, keyframes, resets and rows of batches against the C API, on models of all attributes of the engine's schema.
 
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use mujoco_safe::rollout::Batch;
@@ -74,6 +75,11 @@ fn same(what: &str, data: &mut Data, raw: &Raw) {
     }
 }
 
+/// Compares an array of a model after a keyframe was set. A function, since the code of hundreds of fields takes minutes to compile.
+fn same_field(what: &str, name: &str, ours: &dyn Debug, engine: &dyn Debug) {
+    assert!(format!("{ours:?}") == format!("{engine:?}"), "{what}: {name} after set_keyframe");
+}
+
 /// Compares all calls on one model.
 fn check(what: &str, model: Model, random: &mut Xoshiro256PlusPlus) {
     let model = Arc::new(model);
@@ -119,10 +125,9 @@ fn check(what: &str, model: Model, random: &mut Xoshiro256PlusPlus) {
         let expected = Model::clone(&model);
         c!(mj_setKeyframe(expected.as_ptr().cast_mut(), data.as_ptr(), key as _));
         macro_rules! equal {
-            ($($field:ident)*) => { $(
-                let (ours, engine) = (format!("{:?}", stored.model().$field()), format!("{:?}", expected.$field()));
-                assert!(ours == engine, "{what}: {} after set_keyframe", stringify!($field));
-            )* };
+            ($($field:ident)*) => {
+                $(same_field(what, stringify!($field), &stored.model().$field(), &expected.$field());)*
+            };
         }
         model_readers! { equal }
         let raw = twin(&other);

@@ -1,0 +1,106 @@
+//! Tests that are left out with an engine, read from their `cfg` and `cfg_attr(…, ignore)` attributes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A version of the engine.
+pub type Version = [u32; 3];
+
+pub fn version(text: &str) -> Version {
+    let mut parts = text.split('.').map(|part| part.parse().unwrap_or_else(|error| panic!("{text}: {error}")));
+    [(); 3].map(|()| parts.next().expect("three parts"))
+}
+
+/// Evaluates the predicate of a `cfg` for an engine. Predicates that do not concern the engine are true.
+fn holds(predicate: &str, engine: Version) -> bool {
+    let predicate = predicate.trim();
+    let inside = |name: &str| predicate.strip_prefix(name).and_then(|rest| rest.strip_prefix('(')?.strip_suffix(')'));
+    if let Some(inner) = inside("not") {
+        return !holds(inner, engine);
+    }
+    if let Some(inner) = inside("all") {
+        return arguments(inner).iter().all(|part| holds(part, engine));
+    }
+    if let Some(inner) = inside("any") {
+        return arguments(inner).iter().any(|part| holds(part, engine));
+    }
+    match predicate.split_once('=') {
+        Some((name, value)) if name.trim() == "engine_since" => engine >= version(value.trim().trim_matches('"')),
+        // The build script sets it for the engines whose binary models are validated.
+        None if predicate == "validates_binaries" => [[2, 2, 2], [3, 5, 0]].contains(&engine),
+        _ => true,
+    }
+}
+
+/// Splits a list at the commas outside of parentheses and quotes.
+fn arguments(list: &str) -> Vec<&str> {
+    let (mut parts, mut depth, mut is_quoted, mut start) = (Vec::new(), 0, false, 0);
+    for (at, character) in list.char_indices() {
+        match character {
+            '"' => is_quoted = !is_quoted,
+            '(' if !is_quoted => depth += 1,
+            ')' if !is_quoted => depth -= 1,
+            ',' if !is_quoted && depth == 0 => {
+                parts.push(&list[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&list[start..]);
+    parts
+}
+
+/// Returns `true` if an attribute leaves its item out with an engine.
+fn leaves_out(attribute: &str, engine: Version) -> bool {
+    let inner = |name: &str| attribute.strip_prefix(name).and_then(|rest| rest.strip_suffix(")]"));
+    if let Some(predicate) = inner("#[cfg(") {
+        return !holds(predicate, engine);
+    }
+    inner("#[cfg_attr(").is_some_and(|inner| {
+        let parts = arguments(inner);
+        parts[1..].iter().any(|part| part.trim().starts_with("ignore")) && holds(parts[0], engine)
+    })
+}
+
+/// Returns the tests and modules of a file, each with `true` if some item of this name is compiled and not ignored.
+fn items(file: &Path, engine: Version) -> BTreeMap<String, bool> {
+    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let mut items = BTreeMap::new();
+    let mut attributes: Vec<&str> = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if line.starts_with("#[") {
+            attributes.push(line);
+            continue;
+        }
+        let words = line.trim_start_matches("pub(crate) ").trim_start_matches("pub ");
+        let name = words.strip_prefix("fn ").filter(|_| attributes.contains(&"#[test]"));
+        if let Some(name) = name.or_else(|| words.strip_prefix("mod ")) {
+            let name = name.split(['(', ';', ' ']).next().unwrap_or_default().to_owned();
+            let is_kept = !attributes.iter().any(|attribute| leaves_out(attribute, engine));
+            *items.entry(name).or_insert(false) |= is_kept;
+        }
+        if !line.starts_with("//") {
+            attributes.clear();
+        }
+    }
+    items
+}
+
+/// Returns the tests and modules of a file that one engine runs and the other does not.
+pub fn left_out(file: &Path, with: Version, without: Version) -> Vec<String> {
+    let other = items(file, without);
+    items(file, with).into_iter().filter(|(name, is_kept)| *is_kept && !other[name]).map(|(name, _)| name).collect()
+}
+
+#[test]
+fn predicates_are_evaluated() {
+    let leaves_out = |attribute, engine| leaves_out(attribute, version(engine));
+    assert!(leaves_out(r#"#[cfg(engine_since = "3.5.0")]"#, "2.2.2"));
+    assert!(!leaves_out(r#"#[cfg(engine_since = "3.5.0")]"#, "3.17.0"));
+    assert!(leaves_out(r#"#[cfg_attr(engine_since = "2.3.0", ignore = "a, reason")]"#, "4.0.0"));
+    assert!(!leaves_out(r#"#[cfg_attr(engine_since = "2.3.0", allow(dead_code))]"#, "4.0.0"));
+    assert!(leaves_out(r#"#[cfg(any(not(engine_since = "2.3.0"), all(unix, engine_since = "3.5.0")))]"#, "3.3.7"));
+    assert!(!leaves_out("#[cfg(unix)]", "2.2.2"));
+    assert!(leaves_out("#[cfg(validates_binaries)]", "4.0.0"));
+}
