@@ -4,7 +4,7 @@ use std::ffi::c_int;
 
 use mujoco_sys::{mjDYN_FILTEREXACT, mjMINVAL, mjSENS_ACTUATORFRC};
 
-use super::kinks::{self, sides};
+use super::kinks::{self, Scale, sides};
 use super::linear_algebra::add;
 use super::method::{Kinks, Step};
 use super::perturbation::{Input, PerturbedData, Settings};
@@ -16,24 +16,27 @@ use crate::model::{DisableFlags, Model};
 /// Derivatives with respect to the controls and activations at the base point.
 #[derive(Clone, Debug)]
 pub(super) struct Actuation {
-    by_control: ActuatorDerivatives,
-    by_activation: ActuatorDerivatives,
+    by_control: ActuatorValues,
+    by_activation: ActuatorValues,
+    /// Values at the base point, and the sums of the values to its right and to its left.
+    base: ActuatorValues,
+    sum: ActuatorValues,
     /// `(na)`: activations after a step from the base point, before clamping.
     next_activations: Vec<f64>,
 }
 
-/// Derivatives of each actuator with respect to its own control, or its own activation.
+/// Quantities of each actuator, or their derivatives with respect to its own control or its own activation.
 #[derive(Clone, Debug)]
-struct ActuatorDerivatives {
-    /// `(nu)`: derivatives of the force.
+struct ActuatorValues {
+    /// `(nu)`: force.
     force: Vec<f64>,
-    /// `(nu)`: derivatives of the activation after the step; zero for actuators without activation.
+    /// `(nu)`: activation after the step; zero for actuators without activation.
     activation: Vec<f64>,
-    /// `(nsensordata)`: derivatives of the actuator force sensors.
+    /// `(nsensordata)`: readings, of which those of the actuator force sensors are used.
     sensors: Vec<f64>,
 }
 
-impl ActuatorDerivatives {
+impl ActuatorValues {
     fn zeros(model: &Model) -> Self {
         let nu = model.nu();
         Self { force: vec![0.0; nu], activation: vec![0.0; nu], sensors: vec![0.0; model.nsensordata()] }
@@ -44,26 +47,44 @@ impl ActuatorDerivatives {
             values.fill(0.0);
         }
     }
+
+    /// Adds a multiple of the quantities at the present state.
+    fn add(&mut self, data: &Data, factor: f64) {
+        let model = data.model();
+        add(&mut self.force, data.actuator_force(), factor);
+        add(&mut self.sensors, data.sensordata(), factor);
+        for (actuator, value) in self.activation.iter_mut().enumerate() {
+            if let Some(activation) = model.activation_of(actuator) {
+                *value += factor * next_activation(model, data, actuator, activation);
+            }
+        }
+    }
 }
 
 impl Actuation {
     pub(super) fn zeros(model: &Model) -> Self {
-        let zeros = ActuatorDerivatives::zeros(model);
-        Self { by_control: zeros.clone(), by_activation: zeros, next_activations: vec![0.0; model.na()] }
+        let zeros = ActuatorValues::zeros(model);
+        let [by_control, by_activation, base, sum] = [zeros.clone(), zeros.clone(), zeros.clone(), zeros];
+        Self { by_control, by_activation, base, sum, next_activations: vec![0.0; model.na()] }
     }
 
-    /// Computes the derivatives by central differences, one-sided at kinks, and returns these.
+    /// Computes the derivatives by central differences, one-sided at kinks of controls and
+    /// activations. Returns these kinks, and [`Kinks::DIFFERENCES`] if both sides disagree, such as
+    /// for a force at the end of its range.
     ///
     /// An actuator depends only on its own control and activation, so one difference perturbs all actuators at once.
     pub(super) fn differentiate(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         let Settings { model, wanted, step, .. } = settings;
         let central = Step { differences: Differences::Central, ..step };
-        let Self { by_control, by_activation, next_activations: next } = self;
+        let Self { by_control, by_activation, base, sum, next_activations: next } = self;
         next_activations(model, &point.data, next);
-        let kinks = kinks::of_inputs(&point.data, Some(next));
+        let mut kinks = kinks::of_inputs(&point.data, Some(next));
+        base.clear();
+        base.add(&point.data, 1.0);
         for controls in [true, false] {
             let derivatives = if controls { &mut *by_control } else { &mut *by_activation };
             derivatives.clear();
+            sum.clear();
             if model.nu() == 0 || (!controls && model.na() == 0) {
                 continue;
             }
@@ -92,13 +113,8 @@ impl Actuation {
                     point.data.inv_constraint()?;
                     point.data.sensor_acc()?;
                 }
-                add(&mut derivatives.force, point.data.actuator_force(), sign);
-                add(&mut derivatives.sensors, point.data.sensordata(), sign);
-                for actuator in 0..model.nu() {
-                    let Some(activation) = model.activation_of(actuator) else { continue };
-                    derivatives.activation[actuator] +=
-                        sign * next_activation(model, &point.data, actuator, activation);
-                }
+                derivatives.add(&point.data, sign);
+                sum.add(&point.data, 1.0);
                 point.restore()?;
             }
             // Divides by the width of the perturbation, which is one-sided at kinks.
@@ -113,10 +129,20 @@ impl Actuation {
                     u8::from(right) + u8::from(left)
                 });
                 let factor = if sides == 0 { 0.0 } else { 1.0 / (f64::from(sides) * step.eps) };
-                derivatives.force[actuator] *= factor;
-                derivatives.activation[actuator] *= factor;
-                for sensor in force_sensors(model, actuator) {
-                    derivatives.sensors[sensor] *= factor;
+                let mut divide = |derivative: &mut f64, base: f64, sum: f64| {
+                    *derivative *= factor;
+                    let disagreement = (sum - 2.0 * base) / step.eps;
+                    if sides == 2 && Scale::of([*derivative].into_iter()).disagreement(disagreement, *derivative) > 1.0
+                    {
+                        kinks |= Kinks::DIFFERENCES;
+                    }
+                };
+                divide(&mut derivatives.force[actuator], base.force[actuator], sum.force[actuator]);
+                divide(&mut derivatives.activation[actuator], base.activation[actuator], sum.activation[actuator]);
+                if wanted.sensors {
+                    for sensor in force_sensors(model, actuator) {
+                        divide(&mut derivatives.sensors[sensor], base.sensors[sensor], sum.sensors[sensor]);
+                    }
                 }
             }
         }

@@ -210,7 +210,7 @@ bitflags! {
         const FORCES = 1 << 3;
         /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the distance equals the margin, or the force
         /// is zero. The method `Analytic` gives the derivative for the constraints that act at present. The others report
-        /// [`DIFFERENCES`](Self::DIFFERENCES).
+        /// [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
         const CONSTRAINTS = 1 << 4;
         /// Differences to the right and to the left disagree by more than 2 %, with each step that was tried, so that some entries are not derivatives. Either
         /// there is a kink, of which central differences give the mean slope of the sides, or they do not converge because the result
@@ -218,6 +218,10 @@ bitflags! {
         /// Without a step in the [options](super::TransitionOptions::eps), differences that disagree are repeated with steps that are 10 and 100
         /// times larger. Only [central](super::Differences::Central) differences can be checked, and not those of the method `Engine`.
         const DIFFERENCES = 1 << 5;
+        /// The length of a tendon is at an end of the range in which its spring is slack
+        /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The others
+        /// report [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
+        const SPRINGS = 1 << 6;
     }
 }
 

@@ -104,6 +104,11 @@ pub(super) fn is_sensor_covered(model: &Model, sensor: usize) -> bool {
     sensors::is_covered(model, sensor)
 }
 
+/// Returns the kinks of constraints and springs after inverse dynamics, as far as positions determine them.
+pub(super) fn kinks_of_positions(data: &Data) -> Kinks {
+    constraint::kinks_of_state(data, &[]) | passive::kinks(data)
+}
+
 impl Analytic {
     pub(super) fn new(model: &Model) -> Self {
         let tree = Tree::new(model);
@@ -188,9 +193,11 @@ impl Analytic {
             return Ok(Err(Fallback::SpatialTendon));
         }
         passive::differentiate(data, tendons, row, derivative);
-        *kinks = Kinks::empty();
+        *kinks = passive::kinks(data);
         if has_actuators {
-            *kinks |= actuators::differentiate(data, tree, tendons, derivative, next_activation);
+            let found = actuators::differentiate(data, tree, tendons, derivative, next_activation);
+            // Inverse dynamics is not differentiated by controls and activations.
+            *kinks |= if inverse.is_some() { found & Kinks::FORCES } else { found };
         }
         let differenced =
             constraints.differentiate(data, tree, tendons, wants_sensors, derivative, (&newton.jar, kinks))?;

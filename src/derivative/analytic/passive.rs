@@ -1,13 +1,27 @@
 //! Derivatives of the passive forces: springs and dampers of joints and tendons.
 
+use super::super::kinks::{is_at, is_inside};
 use super::super::linear_algebra::add;
-use super::tendon::{Tendons, stretch};
+use super::super::method::Kinks;
+use super::tendon::Tendons;
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::DisableFlags;
+
+/// Returns the kinks of the springs of tendons: lengths at which they become slack.
+pub(super) fn kinks(data: &Data) -> Kinks {
+    let model = data.model();
+    let disabled = DisableFlags::from_bits_retain(model.raw().opt.disableflags as u32);
+    let has_springs = !disabled.contains(DisableFlags::PASSIVE) && !disabled.contains(DisableFlags::SPRING);
+    let is_at_end = |tendon: usize| {
+        let ([low, high], length) = (model.tendon_rest_length(tendon), data.ten_length()[tendon]);
+        low < high && model.tendon_stiffness()[tendon] != 0.0 && (is_at(length, low) || is_at(length, high))
+    };
+    if has_springs && (0..model.ntendon()).any(is_at_end) { Kinks::SPRINGS } else { Kinks::empty() }
+}
 
 /// Subtracts the derivatives of the passive forces, at constant moment arms, from those of the residual.
 pub(super) fn differentiate(data: &Data, tendons: &Tendons, row: &mut [f64], residual: &mut Matrix) {
@@ -25,8 +39,8 @@ pub(super) fn differentiate(data: &Data, tendons: &Tendons, row: &mut [f64], res
         }
     }
     for tendon in 0..model.ntendon() {
-        let [low, high] = model.tendon_rest_length(tendon);
-        let is_slack = low < high && stretch(data, tendon) == 0.0;
+        let range @ [low, high] = model.tendon_rest_length(tendon);
+        let is_slack = low < high && is_inside(data.ten_length()[tendon], range);
         let stiffness = if is_slack { 0.0 } else { model.tendon_stiffness()[tendon] };
         let damping = model.tendon_damping()[tendon];
         if stiffness != 0.0 || damping != 0.0 {

@@ -1,11 +1,11 @@
 //! Derivatives of inverse dynamics by a lineariser.
 
 use super::{InverseForce, InverseJacobians, InverseOutputs};
-use crate::data::{Data, StateSpec};
-use crate::derivative::Lineariser;
+use crate::data::{Data, SensorUpdate, Stage, StateSpec};
 use crate::derivative::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod};
 use crate::derivative::perturbation::BasePoint;
 use crate::derivative::worker::Worker;
+use crate::derivative::{Lineariser, analytic};
 use crate::enums::Integrator;
 use crate::error::Result;
 
@@ -25,7 +25,14 @@ impl Lineariser {
     /// In closed form, the forces of the constraints are explicit functions of positions, velocities and accelerations, and those of
     /// the bodies have the derivatives of the recursive Newton–Euler algorithm (J. Carpentier and N. Mansard, "Analytical derivatives of
     /// rigid body dynamics algorithms", RSS 2018). Sensors without a formula ([`differenced_sensors`](Self::differenced_sensors)) are
-    /// differenced. At a kink, for example where two geoms begin to touch, the derivatives are those of the present side.
+    /// differenced.
+    ///
+    /// At a kink, for example where two geoms begin to touch, closed forms are the derivatives of the
+    /// present side, and differences those to the right. The report names
+    /// [`CONSTRAINTS`](crate::derivative::Kinks::CONSTRAINTS) and
+    /// [`SPRINGS`](crate::derivative::Kinks::SPRINGS) with both methods, and
+    /// [`FORCES`](crate::derivative::Kinks::FORCES) with the closed form. Other kinks of differences are
+    /// not reported.
     ///
     /// # Errors
     ///
@@ -76,10 +83,10 @@ impl Lineariser {
         data.model().check_without_sleep("inverse_jacobians")?;
         let requested = self.options().method;
         let eps = self.options().eps.unwrap_or(EPS);
-        let differences = |reason| LinearisationReport::new(TransitionMethod::Engine, reason);
         if data.has_callbacks() {
+            let reason = (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks);
             data.inverse_fd_into(eps, force, outputs)?;
-            return Ok(differences((requested != TransitionMethod::Engine).then_some(Fallback::Callbacks)));
+            return Ok(report(data, reason));
         }
         let obstacle = self.obstacles.to_inverse(force);
         let worker = self.set_first_base(data)?;
@@ -89,15 +96,11 @@ impl Lineariser {
         }
         worker.point.data.qacc_mut().copy_from_slice(data.qacc());
         if requested != TransitionMethod::Analytic {
-            worker.point.data.inverse_fd_into(eps, force, outputs)?;
-            return Ok(differences(None));
+            return by_differences(&mut worker.point.data, eps, force, outputs, None);
         }
         match obstacle {
             None => differentiate(worker, eps, force, &mut outputs),
-            Some(reason) => {
-                worker.point.data.inverse_fd_into(eps, force, outputs)?;
-                Ok(differences(Some(reason)))
-            }
+            Some(_) => by_differences(&mut worker.point.data, eps, force, outputs, obstacle),
         }
     }
 
@@ -108,6 +111,34 @@ impl Lineariser {
         worker.point.move_to(BasePoint { integration: &self.base, knot: None })?;
         Ok(worker)
     }
+}
+
+/// Differences inverse dynamics of a simulation whose computed quantities are not known.
+fn by_differences(
+    data: &mut Data,
+    eps: f64,
+    force: InverseForce,
+    outputs: InverseOutputs<'_>,
+    reason: Option<Fallback>,
+) -> Result<LinearisationReport> {
+    compute_actuation(data)?;
+    data.inverse_fd_into(eps, force, outputs)?;
+    Ok(report(data, reason))
+}
+
+/// Computes the forces of actuators, which inverse dynamics does not compute, but which sensors read.
+fn compute_actuation(data: &mut Data) -> Result<()> {
+    if data.model().nactuator() > 0 && data.model().nsensor() > 0 {
+        data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;
+        data.fwd_actuation()?;
+    }
+    Ok(())
+}
+
+/// Returns the report of differences that were just computed.
+fn report(data: &Data, reason: Option<Fallback>) -> LinearisationReport {
+    let kinks = analytic::kinks_of_positions(data);
+    LinearisationReport { kinks, ..LinearisationReport::new(TransitionMethod::Engine, reason) }
 }
 
 /// Differentiates inverse dynamics in closed form, as far as there are formulas.
@@ -122,15 +153,13 @@ fn differentiate(
     let wants_sensors = outputs.ds_dq.is_some() || outputs.ds_dv.is_some() || outputs.ds_da.is_some();
     let mut differenced = match analytic.differentiate_inverse(data, force, wants_sensors)? {
         Ok(differenced) => differenced,
-        Err(reason) => {
-            data.inverse_fd_into(eps, force, outputs.reborrow())?;
-            return Ok(LinearisationReport::new(TransitionMethod::Engine, Some(reason)));
-        }
+        Err(reason) => return by_differences(data, eps, force, outputs.reborrow(), Some(reason)),
     };
     // Differences of all sensors first, which the closed forms overwrite.
     if wants_sensors && !analytic.has_all_inverse_sensors() {
         differenced |= DifferencedTerms::SENSORS;
         let InverseOutputs { ds_dq, ds_dv, ds_da, .. } = outputs.reborrow();
+        compute_actuation(data)?;
         data.inverse_fd_into(eps, force, InverseOutputs { ds_dq, ds_dv, ds_da, ..Default::default() })?;
     }
     analytic.write_inverse(data, outputs);

@@ -1,6 +1,6 @@
 //! States where a step has a kink: each method takes the documented side, or the report names the kink.
 
-use mujoco_safe::derivative::{Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{InverseForce, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Differences, Lineariser, StateSpace, math};
 
 use super::analytic::model;
@@ -282,6 +282,101 @@ fn a_force_at_the_end_of_its_range_is_reported() {
 }
 
 #[test]
+fn a_force_at_the_end_of_its_range_is_reported_for_the_control_alone() {
+    // The force does not depend on the state, or on the activation alone.
+    let limits = r#"forcelimited="true" forcerange="-1 2""#;
+    let motor = format!(r#"<motor joint="j" gear="3" {limits}/>"#);
+    let filter = format!(r#"<general joint="j" dyntype="filter" dynprm="0.1" gear="3" {limits}/>"#);
+    for (actuator, end) in [(&motor, -1.0), (&motor, 2.0), (&filter, -1.0), (&filter, 2.0)] {
+        let mut data = slide("", "", actuator);
+        data.ctrl_mut()[0] = end;
+        data.act_mut().fill(end);
+        let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, Kinks::FORCES), "{actuator} {end}");
+        // Inside the range: the time step times the gear over the mass.
+        let slope = if data.model().na() > 0 { system.a[(1, 2)] } else { system.b[(1, 0)] };
+        assert!((slope - 0.01 * 3.0 / 2.0).abs() < 1e-12, "{actuator} {end}: {slope}");
+        for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
+            assert_eq!(linearise(&mut data, method).1.kinks, Kinks::DIFFERENCES, "{actuator} {end} {method:?}");
+        }
+        data.ctrl_mut()[0] *= 0.99;
+        data.act_mut().iter_mut().for_each(|act| *act *= 0.99);
+        for method in METHODS {
+            assert_eq!(linearise(&mut data, method).1.kinks, Kinks::empty(), "{actuator} {end} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_spring_of_a_tendon_that_becomes_slack_is_reported() {
+    let mut data = model(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
+             <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body></worldbody>
+             <tendon><fixed stiffness="30" springlength="0.25 0.5"><joint joint="j" coef="1"/></fixed></tendon></mujoco>"#,
+    );
+    let inverse = |data: &mut Data, method| {
+        let options = TransitionOptions::default().with_method(method);
+        let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+        lineariser.inverse_jacobians(data, InverseForce::Total).unwrap()
+    };
+    for (qpos, stiffness) in [(0.2, 30.0), (0.25, 0.0), (0.4, 0.0), (0.5, 0.0), (0.6, 30.0)] {
+        data.qpos_mut()[0] = qpos;
+        let is_kink = [0.25, 0.5].contains(&qpos);
+        let kinks = |kind: Kinks| if is_kink { kind } else { Kinks::empty() };
+        let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, kinks(Kinks::SPRINGS)), "{qpos}");
+        assert!((system.a[(1, 0)] + 0.01 * stiffness / 2.0).abs() < 1e-12, "{qpos}: {system:?}");
+        for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
+            assert_eq!(linearise(&mut data, method).1.kinks, kinks(Kinks::DIFFERENCES), "{qpos} {method:?}");
+        }
+        let (jacobians, report) = inverse(&mut data, TransitionMethod::Analytic);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, kinks(Kinks::SPRINGS)), "{qpos}");
+        assert!((jacobians.df_dq[(0, 0)] - stiffness).abs() < 1e-12, "{qpos}: {jacobians:?}");
+        // Differences to the right.
+        let right = if qpos == 0.5 { 30.0 } else { stiffness };
+        let (jacobians, report) = inverse(&mut data, TransitionMethod::Engine);
+        assert_eq!((report.method, report.kinks), (TransitionMethod::Engine, kinks(Kinks::SPRINGS)), "{qpos}");
+        assert!((jacobians.df_dq[(0, 0)] - right).abs() < 1e-4, "{qpos}: {jacobians:?}");
+    }
+}
+
+/// Features of newer engines, of which differences are the only method.
+#[test]
+fn kinks_of_newer_engines_are_reported() {
+    if cfg!(not(engine_since = "3.5.0")) {
+        return;
+    }
+    let of_joint =
+        slide("", r#"actuatorfrcrange="-0.9 0.6" actuatorfrclimited="true""#, r#"<motor joint="j" gear="3"/>"#);
+    let of_early = r#"<general joint="j" dyntype="integrator" actearly="true" gear="3" forcelimited="true" forcerange="-0.3 0.2"/>"#;
+    // The force of the next activation is at the end of its range.
+    for (mut data, ctrl) in [(of_joint, 0.2), (slide("", "", of_early), 20.0)] {
+        data.ctrl_mut()[0] = ctrl;
+        for method in WITH_SIDES {
+            assert_eq!(linearise(&mut data, method).1.kinks, Kinks::DIFFERENCES, "{ctrl} {method:?}");
+        }
+        data.ctrl_mut()[0] = 0.9 * ctrl;
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            let by_control = if data.model().na() == 0 { 0.01 * 3.0 / 2.0 } else { 0.01 * 0.01 * 3.0 / 2.0 };
+            assert_eq!(report.kinks, Kinks::empty(), "{ctrl} {method:?}");
+            assert!((system.b[(1, 0)] - by_control).abs() < 1e-7, "{ctrl} {method:?}: {system:?}");
+        }
+    }
+    // Damping of higher order is smooth at rest, where it vanishes.
+    if let Ok(model) = mujoco_safe::Model::from_xml_str(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body><joint type="slide" damping="0 3 2"/><geom size="0.1" mass="2"/></body></worldbody></mujoco>"#,
+    ) {
+        let mut data = Data::new(model).unwrap();
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            assert_eq!(report.kinks, Kinks::empty(), "{method:?}");
+            assert!((system.a[(1, 1)] - 1.0).abs() < 1e-5, "{method:?}: {system:?}");
+        }
+    }
+}
+
+#[test]
 fn limits_and_contacts_that_begin_are_reported() {
     let limited = slide("", r#"limited="true" range="-0.5 0.25""#, "");
     let with_margin = slide("", r#"limited="true" range="-0.5 0.5" margin="0.25""#, "");
@@ -321,6 +416,12 @@ fn limits_and_contacts_that_begin_are_reported() {
         for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
             let report = linearise(&mut data, method).1;
             assert!(report.kinks.contains(Kinks::DIFFERENCES), "{what} {method:?}");
+        }
+        for method in [TransitionMethod::Engine, TransitionMethod::Analytic] {
+            let options = TransitionOptions::default().with_method(method);
+            let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+            let (_, report) = lineariser.inverse_jacobians(&mut data, InverseForce::Total).unwrap();
+            assert_eq!((report.method, report.kinks), (method, Kinks::CONSTRAINTS), "inverse dynamics, {what}");
         }
     }
     // Near them there is no kink.

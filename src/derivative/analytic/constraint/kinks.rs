@@ -11,8 +11,9 @@ use crate::ffi;
 use crate::math;
 use crate::model::{DisableFlags, Model};
 
-/// Returns the kinks of constraints at the present state: distances that equal the margin, and rows with the residual zero (`jar`).
-pub(super) fn of_state(data: &Data, jar: &[f64]) -> Kinks {
+/// Returns the kinks of constraints at the present state: distances that equal the margin, and rows
+/// whose residual is zero, if the residuals `jar` are known.
+pub(in crate::derivative::analytic) fn of_state(data: &Data, jar: &[f64]) -> Kinks {
     let model = data.model();
     let disabled = DisableFlags::from_bits_retain(model.raw().opt.disableflags as u32);
     if disabled.contains(DisableFlags::CONSTRAINT) {

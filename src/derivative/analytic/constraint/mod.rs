@@ -26,6 +26,7 @@ pub(super) use self::chains::Chains;
 use self::contact_geometry::ContactGeometry;
 pub(super) use self::force_sensors::ForceSensors;
 pub(super) use self::interactions::Interactions;
+pub(super) use self::kinks::of_state as kinks_of_state;
 use self::rows::Rows;
 use super::tendon::Tendons;
 use super::tree::Tree;
