@@ -54,6 +54,7 @@ use self::implicit_step::ImplicitStep;
 pub(super) use self::implicit_step::is_obstacle as has_implicit_step_obstacle;
 use self::inverse::Inverse;
 use self::rigid_body::RigidBodies;
+pub(super) use self::sensors::reads_tendons;
 use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
 use self::tree::Tree;

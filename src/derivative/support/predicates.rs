@@ -56,11 +56,8 @@ enumerations! {
 }
 
 /// Sensors whose rows are differences of inverse dynamics, which are also those that are differenced beside closed forms.
-///
-/// In newer engines the forces of spatial tendons at their sites are part of the readings of force and torque sensors.
 pub(super) fn sensors_by_differences(model: &Model) -> Option<Fallback> {
-    let is_spatial = |&wrap: &i32| WrapType::from_raw(wrap) == Some(WrapType::Site);
-    let pulls = cfg!(engine_since = "2.3.0") && model.wrap_type().iter().any(is_spatial);
+    let pulls = analytic::reads_tendons(model);
     let reads = |raw: i32| matches!(SensorType::from_raw(raw), Some(SensorType::Force | SensorType::Torque));
     sensor(model).or_else(|| find("sensor_type", model.sensor_type(), |raw| !(pulls && reads(raw))))
 }

@@ -294,3 +294,56 @@ fn wrong_shapes_and_other_models_are_rejected() {
     let error = lineariser.inverse_jacobians(&mut other, InverseForce::Total).unwrap_err();
     assert!(matches!(error, mujoco_safe::Error::OtherModel { .. }), "{error}");
 }
+
+#[test]
+fn sensors_of_subtrees_follow_masses_that_were_edited() {
+    let mut data = model(
+        r#"<mujoco><worldbody><body name="a"><joint axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/>
+             <body pos="0.4 0 0"><joint axis="0 0 1"/><geom size="0.1" pos="0.2 0 0.1"/>
+               <body pos="0.3 0 0"><joint axis="1 0 0"/><geom size="0.1" pos="0.1 0.2 0"/></body></body></body></worldbody>
+           <sensor><subtreeangmom body="a"/><subtreecom body="a"/><subtreelinvel body="a"/></sensor></mujoco>"#,
+    );
+    // The masses of the subtrees are constants that no call updates here.
+    data.edit_model(|model| model.body_mass_mut()[2] *= 3.0).unwrap();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    for _ in 0..3 {
+        randomise(&mut data, &mut random);
+        let (jacobians, report) = analytic(&mut data, InverseForce::Total);
+        assert_eq!((report.method, report.differenced), (TransitionMethod::Analytic, DifferencedTerms::SENSORS));
+        let expected = Oracle::new(&data, InverseForce::Total).jacobians(1e-5, 1e-3);
+        for (ours, theirs) in [(&jacobians.ds_dq, &expected.ds_dq), (&jacobians.ds_dv, &expected.ds_dv)] {
+            let error = error(ours, theirs, 0..9);
+            assert!(error < 1e-5, "{error:e}");
+        }
+    }
+}
+
+/// In newer engines, force sensors read the forces of tendons, which contain those of actuators.
+#[test]
+fn sensors_read_the_forces_of_actuators_at_the_present_state() {
+    for spring in ["", r#"stiffness="3" damping="0.5""#] {
+        let mut data = model(&format!(
+            r#"<mujoco><worldbody><site name="w" pos="0 0.1 1"/><body><joint axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/>
+                 <body pos="0.4 0 0"><joint axis="0 0 1"/><geom size="0.1" pos="0.2 0 0.1"/><site name="s" pos="0.1 0.1 0"/></body></body></worldbody>
+               <tendon><spatial name="t" {spring}><site site="w"/><site site="s"/></spatial></tendon>
+               <actuator><motor tendon="t" gear="5"/></actuator>
+               <sensor><force site="s"/><torque site="s"/></sensor></mujoco>"#
+        ));
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+        randomise(&mut data, &mut random);
+        data.ctrl_mut()[0] = 3.0;
+        for method in [TransitionMethod::Analytic, TransitionMethod::Engine] {
+            let options = TransitionOptions::default().with_method(method);
+            let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+            // The result does not depend on earlier calls.
+            for _ in 0..2 {
+                let (jacobians, _) = lineariser.inverse_jacobians(&mut data, InverseForce::Total).unwrap();
+                let expected = Oracle::new(&data, InverseForce::Total).jacobians(1e-5, 1e-3);
+                for (ours, theirs) in [(&jacobians.ds_dq, &expected.ds_dq), (&jacobians.ds_dv, &expected.ds_dv)] {
+                    let error = error(ours, theirs, 0..6);
+                    assert!(error < 1e-4, "{spring} {method:?}: {error:e}");
+                }
+            }
+        }
+    }
+}

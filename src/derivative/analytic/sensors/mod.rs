@@ -40,7 +40,7 @@ use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::TransitionOutputs;
-use crate::enums::SensorType;
+use crate::enums::{SensorType, WrapType};
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
@@ -88,6 +88,13 @@ pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
     formula(model, sensor).is_some()
 }
 
+/// Returns `true` if the readings of force and torque sensors contain the forces of spatial tendons at
+/// their sites, as in newer engines.
+pub(in crate::derivative) fn reads_tendons(model: &Model) -> bool {
+    let is_site = |&wrap: &i32| WrapType::from_raw(wrap) == Some(WrapType::Site);
+    cfg!(engine_since = "2.3.0") && model.wrap_type().iter().any(is_site)
+}
+
 /// Returns the formula of a sensor.
 fn formula(model: &Model, sensor: usize) -> Option<Formula> {
     let is_disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
@@ -131,10 +138,15 @@ fn formula(model: &Model, sensor: usize) -> Option<Formula> {
             (Formula::Ray, is_site && model.sensor_dim()[sensor] == 1)
         }
         // The bodies below the world have different reference points.
-        SensorType::Force | SensorType::Torque => (Formula::Interaction, has_pose() && model.site_bodyid()[object] > 0),
+        SensorType::Force | SensorType::Torque => {
+            (Formula::Interaction, has_pose() && model.site_bodyid()[object] > 0 && !reads_tendons(model))
+        }
         // The engine has other formulas for a subtree without mass.
-        SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum => {
+        SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity => {
             (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL)
+        }
+        SensorType::SubtreeAngularMomentum => {
+            (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL && subtree::has_sums(model, object))
         }
         _ => return None,
     };

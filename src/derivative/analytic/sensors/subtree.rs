@@ -72,6 +72,21 @@ pub(super) fn differentiate(point: Point<'_>, sensor: usize, momenta: &[Spatial]
     }
 }
 
+/// Largest deviation of the mass of a subtree from the sum of masses, relative to the sum.
+const MASS_TOLERANCE: f64 = 1e-12;
+
+/// Returns `true` if the masses of the subtrees below a body are sums of masses. After an edit of
+/// masses they are not, until the constants are updated. The engine computes angular momenta from
+/// both.
+pub(super) fn has_sums(model: &Model, root: usize) -> bool {
+    let (masses, subtrees, parents) = (model.body_mass(), model.body_subtreemass(), model.body_parentid());
+    let children = |body: usize| (body + 1..model.nbody()).filter(move |&child| ffi::size(parents[child]) == body);
+    (root..model.nbody()).filter(|&body| is_below(model, body, root)).all(|body| {
+        let sum = masses[body] + children(body).map(|child| subtrees[child]).sum::<f64>();
+        (subtrees[body] - sum).abs() <= MASS_TOLERANCE * sum.abs()
+    })
+}
+
 /// Returns `true` if a body is in the subtree of another.
 fn is_below(model: &Model, mut body: usize, root: usize) -> bool {
     // Parents have smaller indices.
