@@ -70,7 +70,7 @@ pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
         || options.viscosity > 0.0
         || has_muscle
         || (0..model.ntendon()).any(|tendon| is_spatial(tendon) && model.tendon_damping()[tendon] > 0.0)
-        || (0..model.nu())
+        || (0..model.nactuator())
             .any(|actuator| tendon_of(model, actuator).is_some_and(is_spatial) || site_of(model, actuator).is_some());
     is_used(model) && has_terms
 }

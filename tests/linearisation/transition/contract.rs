@@ -7,7 +7,7 @@ use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions, Tra
 use mujoco_safe::enums::Integrator;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use mujoco_safe::{
-    Data, Differences, Error, Lineariser, Matrix, Model, ModelMut, Options, StateSpace, StateSpec, sample,
+    Data, Differences, Error, Lineariser, Matrix, Model, ModelMut, Options, StateSpace, StateSpec, math, sample,
 };
 
 use super::{assert_near, deviation, oracle, standing};
@@ -377,6 +377,60 @@ fn models_without_joints_or_actuators_have_empty_systems() {
             assert_eq!(by(&mut data, TransitionMethod::Columns, threads), engine);
             assert_near(xml, &by(&mut data, TransitionMethod::Implicit, threads), &engine, 1e-7);
             assert_near(xml, &by(&mut data, TransitionMethod::Analytic, threads), &engine, 1e-7);
+        }
+    }
+}
+
+#[test]
+fn quaternions_of_any_length_forces_and_inactive_constraints_agree_with_differences() {
+    let xml = r#"<mujoco><option timestep="0.004"/><worldbody>
+        <body name="target" mocap="true" pos="0.3 0.1 0.5"/>
+        <body pos="0 0 0.5"><joint type="ball" damping="0.2" stiffness="3"/><geom type="box" size="0.1 0.05 0.07" pos="0.2 0 0"/>
+          <body name="hand" pos="0.4 0 0"><joint axis="0 1 0" damping="0.1"/><geom size="0.05" pos="0.1 0 0"/><site name="s" pos="0.1 0 0"/></body></body>
+        <body pos="0 1 0.3"><freejoint/><geom type="box" size="0.1 0.2 0.1"/></body></worldbody>
+        <equality><weld body1="hand" body2="target" solref="0.1 1"/></equality>
+        <actuator><motor site="s" gear="1 0.3 0 0.2 0 0.1"/></actuator>
+        <sensor><framequat objtype="site" objname="s"/><accelerometer site="s"/></sensor></mujoco>"#;
+    let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
+    for integrator in [Integrator::Euler, Integrator::Implicit, Integrator::Rk4] {
+        for (is_active, scale) in [(true, 1.0), (true, 0.8), (false, 1.3)] {
+            data.edit_model(|model| {
+                model.equality_mut(0).unwrap().set_active(is_active);
+                model.edit_options(|options| options.integrator = integrator)
+            })
+            .unwrap();
+            data.reset().unwrap();
+            let quat = math::axis_angle2quat(&[0.6, 0.0, 0.8], 0.4).map(|value| scale * value);
+            data.qpos_mut()[..4].copy_from_slice(&quat);
+            data.qpos_mut()[8..].copy_from_slice(&quat);
+            data.mocap_quat_mut()[0] = quat;
+            data.qvel_mut().iter_mut().enumerate().for_each(|(dof, value)| *value = 0.3 * (dof as f64).cos());
+            data.ctrl_mut()[0] = 0.4;
+            data.xfrc_applied_mut()[3] = [0.3, -0.2, 0.4, 0.03, 0.02, -0.05];
+            data.qfrc_applied_mut().fill(0.1);
+            let expected = oracle::linear_system(&data);
+            for method in METHODS.into_iter().filter(|&method| method != TransitionMethod::Engine) {
+                let what = format!("{integrator:?}, active {is_active}, scale {scale}, {method:?}");
+                assert_near(&what, &by(&mut data, method, 1), &expected, 1e-5);
+            }
+        }
+    }
+}
+
+/// Newer engines have actuators with several controls.
+#[test]
+fn models_with_more_controls_than_actuators_agree_with_differences() {
+    let xml = r#"<mujoco><worldbody><body><joint name="j" damping="0.1"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
+        <actuator><pid joint="j" kp="5" kv="0.5" input="pos vel"/><motor joint="j"/></actuator></mujoco>"#;
+    let Ok(model) = Model::from_xml_str(xml) else { return };
+    assert!(model.nu() > model.nactuator());
+    let mut data = Data::new(model).unwrap();
+    data.ctrl_mut().copy_from_slice(&[0.3, -0.2, 0.1]);
+    for integrator in [Integrator::Euler, Integrator::Implicit, Integrator::Rk4, Integrator::ImplicitFast] {
+        data = with_options(data, |options| options.integrator = integrator);
+        let expected = oracle::linear_system(&data);
+        for method in METHODS.into_iter().filter(|&method| method != TransitionMethod::Engine) {
+            assert_near(&format!("{integrator:?} {method:?}"), &by(&mut data, method, 1), &expected, 1e-5);
         }
     }
 }

@@ -43,7 +43,7 @@ pub(in crate::derivative) fn obstacle(model: &Model) -> Option<Fallback> {
     };
     // Without actuation, the engine leaves the derivatives of activations as they were.
     let stale = model.na() > 0 && actuation_is_disabled(model);
-    (stale || !(0..model.nu()).all(is_covered)).then_some(Fallback::Actuator)
+    (stale || !(0..model.nactuator()).all(is_covered)).then_some(Fallback::Actuator)
 }
 
 fn actuation_is_disabled(model: &Model) -> bool {
