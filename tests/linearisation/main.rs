@@ -6,5 +6,7 @@ mod fields;
 
 mod differential;
 mod inverse_fd;
+#[path = "../common/schema_models/mod.rs"]
+mod schema_models;
 mod support;
 mod transition;

@@ -102,6 +102,7 @@ fn compare_arrays(states: usize, only_new: bool) -> Tally {
             compare_model(model, number as u64, states, &mut tally);
             total.compared += tally.compared;
             total.noisy += tally.noisy;
+            total.reported += tally.reported;
             total.failures.extend(tally.failures.iter().map(|failure| format!("base {base}, {name}: {failure}")));
         }
     }
@@ -129,6 +130,7 @@ fn each_array_of_newer_engines_is_linearised() {
 fn each_array_is_linearised() {
     let states = std::env::var("STATES").map_or(5, |text| text.parse().expect("STATES is a number"));
     let total = compare_arrays(states, false);
-    println!("{} entries compared, {} noisy, {} blocks wrong", total.compared, total.noisy, total.failures.len());
+    let Tally { compared, noisy, reported, failures, .. } = &total;
+    println!("{compared} entries compared, {noisy} noisy, {reported} reported, {} blocks wrong", failures.len());
     assert!(total.failures.is_empty(), "{:#?}", total.failures);
 }

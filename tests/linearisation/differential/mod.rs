@@ -5,6 +5,7 @@
 
 mod arrays;
 mod features;
+mod schema;
 
 use std::fmt::Debug;
 
@@ -20,6 +21,9 @@ use super::transition::oracle::linear_system_by;
 /// Steps of the differences.
 const WIDTHS: [f64; 4] = [2e-5, 2e-4, 2e-6, 2e-3];
 
+/// Steps of differences for entries that differ.
+const FINER_WIDTHS: [f64; 2] = [1e-6, 4e-7];
+
 /// Steps of the differences of inverse dynamics.
 const INVERSE_WIDTHS: [f64; 3] = [1e-6, 1e-5, 1e-7];
 
@@ -31,13 +35,22 @@ type Block<T> = (&'static str, fn(&T) -> &Matrix);
 pub(crate) struct Tally {
     pub(crate) compared: usize,
     pub(crate) noisy: usize,
+    /// Entries that differ from central differences, of systems whose report names kinks.
+    pub(crate) reported: usize,
     pub(crate) failures: Vec<String>,
     pub(crate) reports: Vec<LinearisationReport>,
 }
 
 impl Tally {
-    /// Compares a matrix with its estimates by differences.
-    fn compare(&mut self, what: &dyn Debug, ours: &Matrix, estimates: &[&Matrix], relative: f64) {
+    /// Compares a matrix with its estimates by differences. `finer` returns estimates by smaller steps, for entries that differ.
+    fn compare(
+        &mut self,
+        (name, subject, report): (&str, &dyn Debug, LinearisationReport),
+        ours: &Matrix,
+        estimates: &[&Matrix],
+        finer: &mut dyn FnMut() -> Vec<Matrix>,
+        relative: f64,
+    ) {
         let mut worst: Option<(f64, String)> = None;
         let largest =
             |matrix: &Matrix| matrix.as_slice().iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -58,11 +71,24 @@ impl Tally {
                 let value = ours[(row, column)];
                 let deviation = (value - values[first]).abs().min((value - values[second]).abs());
                 let deviation = if deviation.is_nan() { f64::INFINITY } else { deviation };
-                if deviation > relative * scale + 10.0 * noise
-                    && worst.as_ref().is_none_or(|(worst, _)| deviation > *worst)
-                {
-                    let text =
-                        format!("{what:?}[{row}, {column}] is {value:e} instead of {values:?}, scale {scale:.1e}");
+                if deviation <= relative * scale + 10.0 * noise {
+                    continue;
+                }
+                // Beside a kink, larger steps agree on the slope behind it.
+                let finer = finer();
+                let agrees = |finer: &Matrix| (finer[(row, column)] - value).abs() <= 1e-3 * scale;
+                if !finer.is_empty() && finer.iter().all(agrees) {
+                    continue;
+                }
+                // At a kink, central differences are means of two sides, or do not converge.
+                if !report.kinks.is_empty() {
+                    self.reported += 1;
+                    continue;
+                }
+                if worst.as_ref().is_none_or(|(worst, _)| deviation > *worst) {
+                    let text = format!(
+                        "{name} {subject:?} {report:?}[{row}, {column}] is {value:e} instead of {values:?}, scale {scale:.1e}"
+                    );
                     worst = Some((deviation, text));
                 }
             }
@@ -83,7 +109,7 @@ pub(crate) fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
 
 /// Compares the default method and the implicit method with differences of steps at the present state.
 pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
-    let mut estimates = None;
+    let (mut estimates, mut finer) = (None, None);
     for method in [TransitionMethod::Analytic, TransitionMethod::Implicit] {
         let options = TransitionOptions::default().with_method(method);
         let (ours, report) = match Lineariser::new(data.model(), options).unwrap().linear_system(data) {
@@ -97,7 +123,11 @@ pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
             let estimates = estimates.get_or_insert_with(|| WIDTHS.map(|width| linear_system_by(data, width, width)));
             let estimates = [0, 1, 2, 3].map(|at| block(&estimates[at]));
             let relative = if report.method == TransitionMethod::Columns { 1e-3 } else { 1e-4 };
-            tally.compare(&(name, method, report), block(&ours), &estimates, relative);
+            let mut finer = || {
+                let finer = finer.get_or_insert_with(|| FINER_WIDTHS.map(|width| linear_system_by(data, width, width)));
+                finer.iter().map(|system| block(system).clone()).collect()
+            };
+            tally.compare((name, &method, report), block(&ours), &estimates, &mut finer, relative);
         }
     }
 }
@@ -111,7 +141,11 @@ pub(crate) fn compare_inverse(data: &mut Data, random: &mut Xoshiro256PlusPlus, 
     for force in [InverseForce::Total, InverseForce::WithoutActuators] {
         data.qacc_mut().copy_from_slice(&qacc);
         let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
-        let (ours, report) = lineariser.inverse_jacobians(data, force).unwrap();
+        let (ours, report) = match lineariser.inverse_jacobians(data, force) {
+            // A model with the option `sleep`, or inverse dynamics in discrete time with the integrator RK4.
+            Err(Error::Unsupported(_) | Error::Engine { .. }) => return,
+            result => result.unwrap(),
+        };
         tally.reports.push(report);
         let estimates = INVERSE_WIDTHS.map(|eps| {
             data.qacc_mut().copy_from_slice(&qacc);
@@ -128,7 +162,7 @@ pub(crate) fn compare_inverse(data: &mut Data, random: &mut Xoshiro256PlusPlus, 
         ];
         for (name, block) in blocks {
             let estimates = [0, 1, 2].map(|at| block(&estimates[at]));
-            tally.compare(&(name, force, report), block(&ours), &estimates, 1e-3);
+            tally.compare((name, &force, report), block(&ours), &estimates, &mut Vec::new, 1e-3);
         }
     }
 }

@@ -7,7 +7,7 @@ mod disabled;
 pub(crate) mod features;
 mod kinks;
 pub(crate) mod oracle;
-mod special_states;
+pub(crate) mod special_states;
 
 use mujoco_safe::{Data, Matrix, StateSpace, sample};
 
