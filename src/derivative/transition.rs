@@ -86,8 +86,10 @@ impl Data {
         Ok(system)
     }
 
-    /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's matrices, any of which may be omitted.
-    /// Allocates nothing, except a copy of the controls if the simulation has [callbacks](crate::callback).
+    /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's
+    /// matrices, any of which may be omitted. Allocates nothing, except a copy of the controls if
+    /// the simulation has [callbacks](crate::callback), and of a part of the model if an actuator
+    /// has several controls.
     ///
     /// # Errors
     ///
@@ -140,11 +142,14 @@ impl Data {
                 data.ctrl_mut().copy_from_slice(ctrl);
             }
         };
+        let model = self.model().clone();
         let mut call = |a, b, c, d| {
-            let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |model, data| {
+            let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |_, data| {
                 // SAFETY: the model and the data belong together, and each output is NULL or has the shape that the engine
                 // writes.
-                unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
+                model.with_type_per_control(|model| unsafe {
+                    guard::mjd_transition_fd(model, data, eps, central, a, b, c, d)
+                })
             });
             restore_ctrl(self);
             result

@@ -92,6 +92,22 @@ impl Model {
         call(self.as_ptr())
     }
 
+    /// Passes the model to the engine with a type of transmission for each control, of which there
+    /// can be more than actuators. The step of `mjd_transitionFD` reads as many when it searches
+    /// for actuators with damping.
+    pub(crate) fn with_type_per_control<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
+        #[cfg(engine_since = "3.17.0")]
+        if self.nu() > self.nactuator() {
+            let mut types = self.actuator_trntype().to_vec();
+            types.resize(self.nu(), mujoco_sys::mjTRN_UNDEFINED as i32);
+            // SAFETY: as in `with_compiled_sizes`. The list of types outlives the call too.
+            let mut copy = Box::new(unsafe { std::ptr::read(self.as_ptr()) });
+            copy.actuator_trntype = types.as_mut_ptr();
+            return call(&raw const *copy);
+        }
+        call(self.as_ptr())
+    }
+
     /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the
     /// polygon is convex. The compiler merges faces of convex hulls, but a binary model may have any polygons. Without the option `multiccd` the
     /// engine clips none.

@@ -142,6 +142,49 @@ fn the_linear_system_is_that_of_the_engine() {
     assert!(matches!(PdController::new(&model, 1.0, 0.0).control(&mut data), Err(Error::Unsupported(_))));
 }
 
+/// The engine's step of `mjd_transitionFD` searches for damping of actuators by the number of
+/// controls, beyond arrays of one number per actuator. Behind the end of these arrays are a type
+/// and an address that lead it outside of the process's memory.
+#[test]
+fn a_linear_system_reads_no_actuator_beyond_the_last() {
+    let text = MODEL.replace(" damping=\".1\"", "");
+    let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+    let expected = data.transition_fd(1e-6, Differences::Central).unwrap();
+    let model = data.model().clone();
+    let raw = model.as_ptr().cast_mut();
+    let mut types = model.actuator_trntype().to_vec();
+    types.resize(model.nu(), sys::mjTRN_JOINT as i32);
+    // SAFETY: the array has a number for each actuator.
+    let mut outputs = unsafe { std::slice::from_raw_parts((*raw).actuator_outadr, model.nactuator()) }.to_vec();
+    outputs.resize(model.nu(), i32::MAX);
+    // SAFETY: nothing else uses the model, and the arrays live until the original ones are in their
+    // places again.
+    let originals = unsafe {
+        let (types, outputs) = (types.as_mut_ptr(), outputs.as_mut_ptr());
+        (
+            std::mem::replace(&mut (*raw).actuator_trntype, types),
+            std::mem::replace(&mut (*raw).actuator_outadr, outputs),
+        )
+    };
+    let system = data.transition_fd(1e-6, Differences::Central);
+    // SAFETY: as above.
+    unsafe { ((*raw).actuator_trntype, (*raw).actuator_outadr) = originals };
+    assert_eq!(system.unwrap(), expected);
+}
+
+/// The check of the integrator counted controls instead of actuators.
+#[test]
+fn a_lineariser_of_the_implicit_integrator_accepts_several_controls() {
+    let text = MODEL.replace("<option ", "<option integrator=\"implicit\" ");
+    let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+    let expected = data.transition_fd(1e-6, Differences::Central).unwrap();
+    let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
+    let (system, report) = lineariser.linear_system(&mut data).unwrap();
+    assert!(report.fallback.is_some());
+    let (ours, engine) = (system.b.as_slice(), expected.b.as_slice());
+    assert!(ours.iter().zip(engine).all(|(ours, engine)| (ours - engine).abs() < 1e-4));
+}
+
 #[test]
 fn a_batch_and_the_text_of_the_model_keep_all_controls() {
     let mut model = model();

@@ -167,7 +167,7 @@ impl ImplicitStep {
                 }
             }
         }
-        for actuator in 0..model.nu() {
+        for actuator in 0..model.nactuator() {
             let slope = velocity_gain(data, actuator).total;
             if slope != 0.0 {
                 data.moment_row(actuator).write_into(&mut self.velocity);
@@ -193,7 +193,7 @@ fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut 
 fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], moment: &mut [f64], sum: &mut Matrix) {
     let model = data.model();
     let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
-    for actuator in 0..model.nu() {
+    for actuator in 0..model.nactuator() {
         let by_input = velocity_gain(data, actuator).by_input;
         if by_input == 0.0 {
             continue;

@@ -258,7 +258,7 @@ pub(super) fn differentiate(
     if actuation_is_disabled(model) {
         return Kinks::empty();
     }
-    for actuator in 0..model.nu() {
+    for actuator in 0..model.nactuator() {
         if let Some(activation) = model.activation_of(actuator) {
             next[activation] = next_activation(data, actuator, activation, &mut kinks);
         }
