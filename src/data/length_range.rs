@@ -231,7 +231,9 @@ impl ModelMut<'_> {
 fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
     data.reset()?;
     let nv = data.model().nv();
-    let decay = (-data.model().timestep() / options.timeconst.max(0.01)).exp();
+    // As in the engine, a time constant that is NaN remains.
+    let timeconst = if options.timeconst < 0.01 { 0.01 } else { options.timeconst };
+    let decay = (-data.model().timestep() / timeconst).exp();
     let (mut moment, mut unit) = (vec![0.0; nv], vec![0.0; nv]);
     // SAFETY: in both calls below, the argument is a vector of nv numbers.
     let norm = |vector: &[f64]| unsafe { sys::mju_norm(vector.as_ptr(), nv as i32) }.max(sys::mjMINVAL);
@@ -262,11 +264,17 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
 }
 
 /// Settings of a text for the simulations in which the compiler computes length ranges.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MuscleSimulation {
     pub(crate) options: LengthRangeOptions,
     /// Time step, s; that of the model if it is not positive.
     pub(crate) timestep: f64,
+}
+
+impl Default for MuscleSimulation {
+    fn default() -> Self {
+        Self { options: LengthRangeOptions::default(), timestep: 0.01 }
+    }
 }
 
 impl MuscleSimulation {

@@ -232,6 +232,7 @@ fn a_length_range_that_does_not_converge_is_rejected() {
         ("accel='1e12'", "unstable"),
         ("accel='1e300'", "unstable"),
         ("accel='nan'", "unstable"),
+        ("timeconst='nan'", "unstable"),
         ("inttotal='1e300'", "steps"),
         ("inttotal='inf'", "steps"),
         ("timestep='1e-9'", "steps"),
@@ -255,6 +256,24 @@ fn a_length_range_that_does_not_converge_is_rejected() {
     assert_eq!(Model::from_xml_path(&path).unwrap().actuator_lengthrange(), model.actuator_lengthrange());
     std::fs::remove_file(&path).unwrap();
     assert!(error.to_string().contains("unstable"), "{error}");
+}
+
+/// The compiler simulates muscles with a time step of 0.01 s, whatever the step of the model is.
+#[test]
+fn a_length_range_is_checked_with_the_time_step_of_the_compiler() {
+    let with = |lengthrange: &str| {
+        format!(
+            "<mujoco><compiler>{lengthrange}</compiler><option timestep='.001'/><worldbody>
+             <body><joint name='m' type='slide' range='-1 1' limited='true'/><geom size='.1'/></body>
+             <body pos='1 0 0'><joint name='s' type='slide'/><geom size='.1'/></body></worldbody>
+             <equality><joint joint1='s' solref='-100000 -1' polycoef='.1 0 0 0 0'/></equality>
+             <actuator><muscle joint='m'/></actuator></mujoco>"
+        )
+    };
+    let error = Model::from_xml_str(&with("")).unwrap_err().to_string();
+    assert!(error.contains("unstable"), "{error}");
+    let [low, high] = Model::from_xml_str(&with("<lengthrange timestep='0'/>")).unwrap().actuator_lengthrange()[0];
+    assert!((low + 1.0).abs() < 0.1 && (high - 1.0).abs() < 0.1, "{low} {high}");
 }
 
 /// The inputs are described in `tests/regressions/README.md`.
