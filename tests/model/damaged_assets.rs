@@ -210,6 +210,13 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         let open = counts.iter().map(|count| format!("<replicate count='{count}'>")).collect::<Vec<_>>().concat();
         format!("<worldbody>{open}<geom size='.1'/>{}</worldbody>", "</replicate>".repeat(counts.len()))
     };
+    // On a flex without an active layer the compiler crashes.
+    let flex = |layers: &str| {
+        format!(
+            "<worldbody><body name='b'><geom size='.1'/></body></worldbody><deformable><flex name='f' dim='3' body='b' element='0 1 2 3'
+             vertex='0 0 0  1 0 0  0 1 0  0 0 1'><contact activelayers='{layers}'/></flex></deformable>"
+        )
+    };
     for (xml, expected) in [
         (nested(&["1000000000"]), "1000000 elements"),
         (nested(&["99999999999"]), "1000000 elements"),
@@ -227,6 +234,9 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         ("<sensor><contact num='2000000000'/></sensor>".to_owned(), "num must be"),
         ("<actuator><motor nsample='2000000000'/></actuator>".to_owned(), "nsample must be"),
         ("<size nuserdata='2000000000'/>".to_owned(), "nuserdata must be"),
+        (flex("-1"), "activelayers must be"),
+        (flex("0"), "activelayers must be"),
+        (flex("1e15"), "activelayers must be"),
     ] {
         let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
         assert!(error.to_string().contains(expected), "{xml:.60}: {error}");

@@ -70,6 +70,10 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         b"contact" | b"rangefinder" if size(tag, b"num", 0) > MOST_VALUES => too_many("num", MOST_VALUES),
         _ if size(tag, b"nsample", 0) > MOST_VALUES => too_many("nsample", MOST_VALUES),
         _ if size(tag, b"actdim", 0) > MOST_VALUES => too_many("actdim", MOST_VALUES),
+        // The compiler reads beyond the layers of a flex if none is active.
+        _ if !(1..=i32::MAX as u64).contains(&size(tag, b"activelayers", 1)) => {
+            Some("activelayers must be an integer from 1".to_owned())
+        }
         b"texture" => {
             let width = size(tag, b"width", 0);
             // A cube map is six squares.
