@@ -12,6 +12,8 @@ mod print_all;
 #[macro_use]
 #[path = "../common/fields.rs"]
 mod fields;
+#[path = "../common/random_text.rs"]
+mod random_text;
 #[path = "../common/same_models.rs"]
 mod same_models;
 #[path = "../common/scene_options.rs"]

@@ -37,8 +37,10 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
         "body" | "frame" | "geom" | "site" | "camera" => {
             if let Some(ends) = classes::effective(tree, index, "fromto").map(str::to_owned) {
                 let shape = classes::effective(tree, index, "type").unwrap_or("sphere");
-                // The compiler chooses the rotation about the axis, which would be another one for boxes and ellipsoids.
-                if is_turned && !matches!(shape, "capsule" | "cylinder") {
+                // The compiler chooses the rotation about the axis, which would be another one. Older engines have no frames to keep it,
+                // and it has no effect on the motion of capsules and cylinders.
+                let is_round = matches!(shape, "capsule" | "cylinder");
+                if is_turned && (cfg!(engine_since = "3.2.0") || !is_round) {
                     return Ok(false);
                 }
                 let ends = parsed(tree, index, "fromto", &ends)?;

@@ -181,6 +181,12 @@ impl Search<'_> {
         let name = &self.attribute.name;
         let node = specimen.find(&mut document, path);
         let Some(default) = self.attribute.element.strip_prefix("default/") else {
+            // Newer compilers accept several transmissions and ignore all but the last one.
+            if self.attribute.element.starts_with("actuator/") && TRANSMISSIONS.contains(&&name[..]) {
+                for other in TRANSMISSIONS {
+                    node.remove(other);
+                }
+            }
             node.set(name, value);
             return document.text();
         };
@@ -201,6 +207,9 @@ impl Search<'_> {
         document.text()
     }
 }
+
+/// Attributes of the transmission of an actuator, which has one of them.
+const TRANSMISSIONS: [&str; 6] = ["joint", "jointinparent", "tendon", "cranksite", "site", "body"];
 
 /// Attributes without which the compiler rejects some elements of a class.
 const REQUIRED: [&str; 5] = ["ctrlrange", "resistance", "motorconst", "role", "texture"];

@@ -152,6 +152,16 @@ impl RawSpec {
         }
     }
 
+    /// Attaches another spec to a site.
+    pub(super) fn attach_to_site(&self, child: &Self, prefix: &str, site: &CStr) -> bool {
+        let prefix = CString::new(prefix).unwrap();
+        // SAFETY: valid specs, an element of one, and names that end with NUL.
+        unsafe {
+            let site = sys::mjs_findElement(self.0, sys::mjOBJ_SITE as _, site.as_ptr());
+            !sys::mjs_attach(site, (*child.0).element, prefix.as_ptr(), c"".as_ptr()).is_null()
+        }
+    }
+
     /// Removes the element of a type with a name.
     pub(super) fn remove(&self, kind: u32, name: &str) -> bool {
         let name = CString::new(name).unwrap();

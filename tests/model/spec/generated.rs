@@ -6,28 +6,17 @@
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-type Rng = Xoshiro256PlusPlus;
+use crate::random_text::RandomText;
 
-fn pick<'a>(rng: &mut Rng, items: &[&'a str]) -> &'a str {
-    items[rng.random_range(0..items.len())]
-}
+type Rng = Xoshiro256PlusPlus;
 
 fn chance(rng: &mut Rng, percent: u32) -> bool {
     rng.random_range(0..100) < percent
 }
 
-fn numbers(rng: &mut Rng, count: usize) -> String {
-    let words: Vec<String> = (0..count).map(|_| format!("{:.2}", rng.random_range(-1.0..1.0_f64))).collect();
-    words.join(" ")
-}
-
 /// Returns an attribute with a probability in percent.
-fn maybe(rng: &mut Rng, percent: u32, attribute: &str, value: impl FnOnce(&mut Rng) -> String) -> String {
-    if chance(rng, percent) { format!(" {attribute}='{}'", value(rng)) } else { String::new() }
-}
-
 fn word(rng: &mut Rng, percent: u32, attribute: &str, words: &[&str]) -> String {
-    maybe(rng, percent, attribute, |rng| pick(rng, words).to_owned())
+    rng.maybe(f64::from(percent) / 100.0, attribute, |rng| rng.one_of(words).to_owned())
 }
 
 fn orientation(rng: &mut Rng, percent: u32) -> String {
@@ -35,11 +24,11 @@ fn orientation(rng: &mut Rng, percent: u32) -> String {
         return String::new();
     }
     match rng.random_range(0..5) {
-        0 => format!(" quat='{}'", numbers(rng, 4)),
-        1 => format!(" euler='{}'", numbers(rng, 3)),
-        2 => format!(" axisangle='{} {}'", pick(rng, &["1 0 0", "0 1 1"]), numbers(rng, 1)),
-        3 => format!(" xyaxes='{}'", pick(rng, &["0 1 0 -1 0 0", "1 1 0 0 0 1"])),
-        _ => format!(" zaxis='{}'", numbers(rng, 3)),
+        0 => format!(" quat='{}'", rng.numbers::<4>(-1.0, 1.0)),
+        1 => format!(" euler='{}'", rng.numbers::<3>(-1.0, 1.0)),
+        2 => format!(" axisangle='{} {}'", rng.one_of(&["1 0 0", "0 1 1"]), rng.numbers::<1>(-1.0, 1.0)),
+        3 => format!(" xyaxes='{}'", rng.one_of(&["0 1 0 -1 0 0", "1 1 0 0 0 1"])),
+        _ => format!(" zaxis='{}'", rng.numbers::<3>(-1.0, 1.0)),
     }
 }
 
@@ -51,12 +40,12 @@ fn joint_numbers(rng: &mut Rng) -> String {
         6..10 => format!(" range='0 .4'{}", word(rng, 50, "limited", &["true", "auto", "false"])),
         10 => " range='0 0'".to_owned(),
         11 => " limited='false'".to_owned(),
-        12..15 => format!(" type='{}'", pick(rng, &["hinge", "slide"])),
+        12..15 => format!(" type='{}'", rng.one_of(&["hinge", "slide"])),
         15 => " type='ball'".to_owned(),
         _ => String::new(),
     };
-    text += &maybe(rng, 30, "ref", |rng| numbers(rng, 1));
-    text += &maybe(rng, 30, "springref", |rng| numbers(rng, 1));
+    text += &rng.maybe(0.3, "ref", |rng| rng.numbers::<1>(-1.0, 1.0));
+    text += &rng.maybe(0.3, "springref", |rng| rng.numbers::<1>(-1.0, 1.0));
     text += &word(rng, 20, "stiffness", &["1", "2"]);
     text += &word(rng, 20, "margin", &[".1"]);
     #[cfg(engine_since = "4.0.0")]
@@ -73,7 +62,7 @@ fn joint_numbers(rng: &mut Rng) -> String {
 
 fn geom_numbers(rng: &mut Rng) -> String {
     let mut text = orientation(rng, 40);
-    text += &maybe(rng, 30, "pos", |rng| numbers(rng, 3));
+    text += &rng.maybe(0.3, "pos", |rng| rng.numbers::<3>(-1.0, 1.0));
     text += &word(rng, 30, "type", &["sphere", "capsule", "box", "ellipsoid", "cylinder"]);
     text += &word(rng, 20, "size", &[".1 .2 .3", ".3 .2 .1"]);
     text += &word(rng, 20, "friction", &["1 .1 .1", ".5"]);
@@ -144,7 +133,7 @@ fn body(rng: &mut Rng, names: &mut Names, depth: usize) -> String {
     let mut text = format!(
         "<body name='{name}'{}{}{}>",
         orientation(rng, 50),
-        maybe(rng, 70, "pos", |rng| numbers(rng, 3)),
+        rng.maybe(0.7, "pos", |rng| rng.numbers::<3>(-1.0, 1.0)),
         word(rng, 30, "childclass", &CLASSES)
     );
     if chance(rng, 20) {
@@ -183,7 +172,7 @@ fn elements(rng: &mut Rng, names: &mut Names) -> String {
         text += &format!(
             "<site name='{site}'{}{}{}/>",
             orientation(rng, 40),
-            maybe(rng, 50, "pos", |rng| numbers(rng, 3)),
+            rng.maybe(0.5, "pos", |rng| rng.numbers::<3>(-1.0, 1.0)),
             word(rng, 30, "class", &CLASSES)
         );
         names.sites.push(site);
@@ -192,16 +181,20 @@ fn elements(rng: &mut Rng, names: &mut Names) -> String {
         text += &format!("<camera{}{}/>", orientation(rng, 40), word(rng, 30, "class", &CLASSES));
     }
     if chance(rng, 20) {
-        text += &format!("<light pos='{}' dir='{}' cutoff='30'/>", numbers(rng, 3), numbers(rng, 3));
+        text += &format!(
+            "<light pos='{}' dir='{}' cutoff='30'/>",
+            rng.numbers::<3>(-1.0, 1.0),
+            rng.numbers::<3>(-1.0, 1.0)
+        );
     }
     if chance(rng, 20) {
-        text += &format!("<geom type='capsule' size='.1' fromto='{}'/>", numbers(rng, 6));
+        text += &format!("<geom type='capsule' size='.1' fromto='{}'/>", rng.numbers::<6>(-1.0, 1.0));
     }
     #[cfg(engine_since = "3.5.0")]
     if chance(rng, 20) {
         text += &format!(
             "<frame pos='{}'{}{}>{}</frame>",
-            numbers(rng, 3),
+            rng.numbers::<3>(-1.0, 1.0),
             orientation(rng, 60),
             word(rng, 30, "childclass", &CLASSES),
             elements(rng, names)
@@ -240,7 +233,7 @@ pub(super) fn text(rng: &mut Rng) -> String {
             let joint = one(rng, &names.joints);
             rest += &format!(
                 "<actuator><{} name='{name}' joint='{joint}'{}{}/></actuator>",
-                pick(rng, &["motor", "position", "velocity"]),
+                rng.one_of(&["motor", "position", "velocity"]),
                 word(rng, 30, "ctrlrange", &["-1 1", "0 0"]),
                 word(rng, 30, "class", &CLASSES)
             );
@@ -273,7 +266,7 @@ pub(super) fn text(rng: &mut Rng) -> String {
     if first != second {
         rest += &format!(
             "<contact><exclude body1='{first}' body2='{second}'/></contact><equality><weld body1='{first}'{}/></equality>",
-            maybe(rng, 50, "body2", |_| second.clone())
+            rng.maybe(0.5, "body2", |_| second.clone())
         );
     }
     rest +=

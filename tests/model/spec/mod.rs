@@ -3,19 +3,21 @@
 mod angles;
 mod attach;
 mod building;
+mod counts;
 mod defaults;
 mod editing;
 mod engine_spec;
 mod generated;
 mod kept;
 mod names;
+mod operations;
 mod oracle;
 mod random;
 mod reading;
 mod text;
 
 use mujoco_safe::Model;
-use mujoco_safe::spec::Spec;
+use mujoco_safe::spec::{Any, ElementId, Spec};
 
 /// Checks that a spec compiles to the same bytes as a text.
 #[track_caller]
@@ -27,4 +29,15 @@ fn same(spec: &Spec, text: &str) {
 
 fn parse(text: &str) -> Spec {
     Spec::from_xml_str(text).unwrap()
+}
+
+/// Returns all elements.
+fn elements(spec: &Spec) -> Vec<ElementId<Any>> {
+    let mut found = Vec::new();
+    let mut open = vec![spec.element(spec.world()).parent().unwrap()];
+    while let Some(id) = open.pop() {
+        found.push(id);
+        open.extend(spec.element(id).children());
+    }
+    found
 }

@@ -1,9 +1,11 @@
 //! Random changes of specs: no panic, and the text reads as the same spec.
 
 use mujoco_safe::kind::{Body, Joint, Site};
-use mujoco_safe::spec::{Any, ElementId, Mount, Spec};
+use mujoco_safe::spec::{Mount, Spec};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+
+use super::elements;
 
 const TAGS: [&str; 14] = [
     "body", "joint", "geom", "site", "camera", "default", "mesh", "motor", "fixed", "framepos", "weld", "exclude",
@@ -36,17 +38,6 @@ type Choices = (u8, u8, u8, u8);
 
 fn pick<T: Copy>(items: &[T], choice: u8) -> Option<T> {
     items.get(usize::from(choice) % items.len().max(1)).copied()
-}
-
-/// Returns all elements in the order of the text.
-fn elements(spec: &Spec) -> Vec<ElementId<Any>> {
-    let mut found = Vec::new();
-    let mut open = vec![spec.element(spec.world()).parent().unwrap()];
-    while let Some(id) = open.pop() {
-        found.push(id);
-        open.extend(spec.element(id).children());
-    }
-    found
 }
 
 fn apply(spec: &mut Spec, other: &Spec, (operation, a, b, c): Choices) {
