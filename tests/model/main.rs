@@ -7,6 +7,8 @@ mod assets;
 #[cfg(validates_binaries)]
 #[path = "../common/mutate.rs"]
 mod mutate;
+#[path = "../common/parameter_edits.rs"]
+mod parameter_edits;
 #[path = "../common/print_all.rs"]
 mod print_all;
 #[macro_use]

@@ -17,6 +17,8 @@ mod parameters;
 mod schedules;
 mod sizes;
 
+#[path = "../common/parameter_edits.rs"]
+mod parameter_edits;
 #[path = "../common/trouble.rs"]
 mod trouble;
 

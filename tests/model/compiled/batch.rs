@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
-use mujoco_safe::{Data, Model, ModelMut, StateSpec};
+use mujoco_safe::{Data, Model, StateSpec};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::generator;
+use crate::parameter_edits::edit;
 
 /// Returns a random parameter of the model.
 fn parameter(model: &Model, random: &mut Xoshiro256PlusPlus) -> Parameter {
@@ -34,34 +35,6 @@ fn parameter(model: &Model, random: &mut Xoshiro256PlusPlus) -> Parameter {
     }
 }
 
-/// Writes a value as the documentation of the parameter says.
-fn edit(parameter: Parameter, value: f64, edit: &mut ModelMut<'_>) -> mujoco_safe::Result<()> {
-    match parameter {
-        Parameter::Gravity(axis) => return edit.edit_options(|options| options.gravity[axis] = value),
-        Parameter::MassFactor(body) => edit.body_mut(body).scale_mass(value)?,
-        Parameter::CentreOfMass(body, axis) => edit.body_mut(body).ipos_mut()[axis] = value,
-        Parameter::JointStiffness(joint) => edit.joint_mut(joint).set_stiffness(value),
-        Parameter::JointDamping(joint) => edit.joint_mut(joint).damping_mut().fill(value),
-        Parameter::JointFrictionLoss(joint) => edit.joint_mut(joint).frictionloss_mut().fill(value),
-        Parameter::JointArmature(joint) => edit.joint_mut(joint).armature_mut().fill(value),
-        Parameter::ActuatorGain(actuator, at) => edit.actuator_mut(actuator).gainprm_mut()[at] = value,
-        Parameter::ActuatorBias(actuator, at) => edit.actuator_mut(actuator).biasprm_mut()[at] = value,
-        Parameter::ActuatorGear(actuator) => edit.actuator_mut(actuator).gear_mut()[0] = value,
-        Parameter::GeomFriction(geom, at) => edit.geom_mut(geom).friction_mut()[at] = value,
-        Parameter::GeomSize(geom, at) => edit.geom_mut(geom).size_mut()[at] = value,
-        other => panic!("no edit for {other:?}"),
-    }
-    let is_derived_from = matches!(
-        parameter,
-        Parameter::MassFactor(_)
-            | Parameter::CentreOfMass(..)
-            | Parameter::JointArmature(_)
-            | Parameter::GeomSize(..)
-            | Parameter::ActuatorGear(_)
-    );
-    if is_derived_from { edit.update_constants() } else { Ok(()) }
-}
-
 /// Compares batches of random models with edited simulations. Returns the numbers of compared rows and of errors in both.
 fn campaign(first_seed: u64, rows: usize) -> [usize; 2] {
     let mut count = [0; 2];
@@ -76,7 +49,8 @@ fn campaign(first_seed: u64, rows: usize) -> [usize; 2] {
             let value = random.random_range(0.05..1.5);
             let written = batch.set_parameters(|index| index == row, |_, values| values[0] = value);
             let mut single = Data::new(&model).unwrap();
-            let edited = single.edit_model(|model| edit(parameter, value, model));
+            let edited = single
+                .edit_model(|copy| if edit(parameter, value, &model, copy) { copy.update_constants() } else { Ok(()) });
             assert_eq!(written.is_ok(), edited.is_ok(), "seed {seed}, {parameter:?} {value}: {written:?}, {edited:?}");
             if written.is_err() {
                 count[1] += 1;
