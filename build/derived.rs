@@ -28,7 +28,7 @@ pub(super) fn documentation(array: &str) -> String {
     let Some([updated_by, derived, not_updated]) = columns(array) else { return String::new() };
     let constants = "[`update_constants`](crate::ModelMut::update_constants)";
     let names = |list: &str| {
-        if !list.contains(['.', '_']) || list.contains(" of ") {
+        if !list.split(' ').all(|name| name.contains(['.', '_'])) {
             return list.to_owned();
         }
         list.split(' ').map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")

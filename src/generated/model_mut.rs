@@ -30,7 +30,7 @@ impl ModelMut<'_> {
 
     /// Returns [`body_pos`](crate::Model::body_pos) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_pos of a simulation.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_pos of a simulation, the rest shapes and the stiffness of flexes.
     #[inline]
     pub fn body_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -942,6 +942,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`tendon_stiffness`](crate::Model::tendon_stiffness) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `tree_sleep_policy`. Not updated: the sleep policy of trees that the tendon kept awake.
     #[inline]
     pub fn tendon_stiffness_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -951,6 +953,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`tendon_damping`](crate::Model::tendon_damping) for writing.
+    ///
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `tree_sleep_policy`. Not updated: the sleep policy of trees that the tendon kept awake.
     #[inline]
     pub fn tendon_damping_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -970,7 +974,7 @@ impl ModelMut<'_> {
 
     /// Returns [`tendon_lengthspring`](crate::Model::tendon_lengthspring) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `the`, `length`, `in`, `qpos_spring`, `for`, `-1`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: the length in qpos_spring for -1.
     #[inline]
     pub fn tendon_lengthspring_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();

@@ -116,13 +116,12 @@ impl ModelMut<'_> {
         let nodes = self.nodes(body);
         // A child follows its parent.
         for node in nodes.clone().rev() {
-            let aabb = match usize::try_from(self.bvh_nodeid()[node]) {
-                Ok(geom) => self.box_of(geom),
-                Err(_) => {
-                    let [first, second] =
-                        self.bvh_child()[node].map(|child| self.bvh_aabb()[nodes.start + ffi::size(child)]);
-                    union(&first, &second)
-                }
+            let aabb = if let Ok(geom) = usize::try_from(self.bvh_nodeid()[node]) {
+                self.box_of(geom)
+            } else {
+                let [first, second] =
+                    self.bvh_child()[node].map(|child| self.bvh_aabb()[nodes.start + ffi::size(child)]);
+                union(&first, &second)
             };
             write!(self.bvh_aabb[node] = aabb);
         }

@@ -137,8 +137,9 @@ impl<'m> ModelMut<'m> {
     /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
     /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
     /// frames and of bodies that move independently (`body_sameframe`, `body_simple` and the like), which speed up the engine.
-    /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`,
-    /// and `meansize`, `extent` and `center` keep their values.
+    /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`, except
+    /// values of the user, and `meaninertia` of a model with armature of tendons. `meansize`, `extent` and `center` keep their values.
+    /// Trees that an edited stiffness or damping of a tendon couples do not sleep afterwards, unless the user has set their policy.
     ///
     /// Computes the bounds by which the engine skips pairs of geoms in collision detection, for spheres, capsules, cylinders, ellipsoids and
     /// boxes: bounding spheres and boxes, and with newer engines the hierarchies of boxes, margins and masks of bodies. Until this call the
@@ -179,6 +180,8 @@ impl<'m> ModelMut<'m> {
         self.check_addresses()?;
         #[cfg(engine_since = "2.3.0")]
         self.check_simple_bodies()?;
+        #[cfg(engine_since = "3.17.0")]
+        let means = self.means();
         let mut scratch = ptr::null_mut();
         // SAFETY: a valid model, and a pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
@@ -211,18 +214,49 @@ impl<'m> ModelMut<'m> {
         // SAFETY: created above, and not used any more.
         unsafe { sys::mj_deleteData(scratch) };
         #[cfg(engine_since = "3.17.0")]
-        self.update_means();
+        self.update_means(means);
+        #[cfg(engine_since = "3.5.0")]
+        self.keep_coupled_trees_awake();
         result
     }
 
-    /// Recomputes the means of masses and inertias, because newer engines leave the statistics to the compiler.
+    /// Keeps trees awake that a tendon with stiffness or damping connects, as the compiler does if the user sets no policy. The compiler
+    /// does not let the trees of a tendon along more than two trees sleep in any case.
+    #[cfg(engine_since = "3.5.0")]
+    fn keep_coupled_trees_awake(&mut self) {
+        let acts = |tendon: &usize| self.tendon_stiffness()[*tendon] != 0.0 || self.tendon_damping()[*tendon] != 0.0;
+        let pairs = (0..self.ntendon()).filter(|&tendon| self.tendon_treenum()[tendon] == 2);
+        let trees: Vec<i32> = pairs.filter(acts).flat_map(|tendon| self.tendon_treeid()[tendon]).collect();
+        let (length, policies) = (self.ntree(), self.raw_mut().tree_sleep_policy);
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        let policies = unsafe { ffi::array_mut(policies, length) };
+        for tree in trees {
+            let policy = &mut policies[ffi::size(tree)];
+            if *policy == sys::mjSLEEP_AUTO_ALLOWED as i32 {
+                *policy = sys::mjSLEEP_AUTO_NEVER as i32;
+            }
+        }
+    }
+
+    /// Returns the means of masses and inertias that the last computation of constants left, if there are bodies and degrees of freedom.
     #[cfg(engine_since = "3.17.0")]
-    fn update_means(&mut self) {
-        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-        let (mass, inertia) = (mean(&self.body_mass()[1..]), mean(self.dof_M0()));
+    fn means(&self) -> [Option<f64>; 2] {
+        let mean = |sum: f64, count: usize| (count > 0).then(|| sum / count as f64);
+        [mean(self.body_subtreemass()[0], self.nbody() - 1), mean(self.dof_M0().iter().sum(), self.nv())]
+    }
+
+    /// Recomputes the means of masses and inertias, because newer engines leave the statistics to the compiler. A statistic that was not
+    /// the mean before is that of the user, or contains the armature of tendons, and stays.
+    #[cfg(engine_since = "3.17.0")]
+    fn update_means(&mut self, before: [Option<f64>; 2]) {
+        let new = |old: f64, [before, mean]: [Option<f64>; 2]| match (before, mean) {
+            (Some(before), Some(mean)) if (old - before).abs() <= 1e-9 * before.abs() => mean,
+            _ => old,
+        };
+        let [mass, inertia] = self.means();
         let statistics = &mut self.raw_mut().stat;
-        statistics.meanmass = mass.unwrap_or(statistics.meanmass);
-        statistics.meaninertia = inertia.unwrap_or(statistics.meaninertia);
+        statistics.meanmass = new(statistics.meanmass, [before[0], mass]);
+        statistics.meaninertia = new(statistics.meaninertia, [before[1], inertia]);
     }
 
     /// Rejects bodies that move and have no mass or no inertia, by the rule of the XML compiler.

@@ -73,6 +73,7 @@ impl Model {
         };
         let elements: usize = (0..self.nactuator()).map(row).sum();
         let raw = self.raw_mut();
+        #[allow(clippy::useless_conversion, reason = "the type depends on the engine")]
         let compiled = i64::from(raw.nJmom);
         raw.nJmom = raw.nJmom.max(elements as _);
         self.compiled_moments = compiled;

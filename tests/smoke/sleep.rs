@@ -278,3 +278,29 @@ fn a_body_that_sleeps_initially_is_rejected() {
     let error = Model::from_xml_str(&xml).unwrap_err().to_string();
     assert!(error.contains("'far' sleeps initially"), "{error}");
 }
+
+#[test]
+fn trees_that_an_edited_tendon_couples_stay_awake() {
+    let text = |stiffness: &str, damping: &str| {
+        let tendon = format!(
+            r#"<tendon><spatial stiffness="{stiffness}" damping="{damping}"><site site="one"/><site site="two"/></spatial></tendon>"#
+        );
+        let site = |text: &str, body: &str, name: &str| {
+            let box_of_body = format!(r#"<body name="{body}""#);
+            let (head, rest) = text.split_once(&box_of_body).unwrap();
+            let (start, rest) = rest.split_once("<freejoint/>").unwrap();
+            format!(r#"{head}{box_of_body}{start}<freejoint/><site name="{name}"/>{rest}"#)
+        };
+        site(&site(MODEL, "low", "one"), "far", "two").replace("<actuator>", &format!("{tendon}<actuator>"))
+    };
+    let compiled = |stiffness: &str, damping: &str| Model::from_xml_str(&text(stiffness, damping)).unwrap();
+    for (stiffness, damping) in [(3.0, 0.0), (0.0, 2.0)] {
+        let mut edited = compiled("0", "0");
+        edited.edit().tendon_stiffness_mut()[0] = stiffness;
+        edited.edit().tendon_damping_mut()[0] = damping;
+        edited.edit().update_constants().unwrap();
+        let expected = compiled(&stiffness.to_string(), &damping.to_string());
+        assert_ne!(expected.tree_sleep_policy(), compiled("0", "0").tree_sleep_policy());
+        assert_eq!(edited.tree_sleep_policy(), expected.tree_sleep_policy());
+    }
+}

@@ -3,6 +3,7 @@
 //!
 //! The second model is compiled from the text of the first one with another value in one attribute.
 
+mod attributes;
 mod batch;
 mod generator;
 mod outcome;
@@ -90,7 +91,10 @@ fn all_fields(model: &Model) -> BTreeMap<&'static str, Vec<f64>> {
     model_readers! { read }
     let statistics = model.statistics();
     all.insert("stat.meanmass", vec![statistics.meanmass]);
-    all.insert("stat.meaninertia", vec![statistics.meaninertia]);
+    // Edits do not know the part of tendons with armature.
+    if all.get("tendon_armature").is_none_or(|armature| armature.iter().all(|&value| value == 0.0)) {
+        all.insert("stat.meaninertia", vec![statistics.meaninertia]);
+    }
     all
 }
 
@@ -160,12 +164,22 @@ fn write_switches(edit: &mut ModelMut<'_>, target: &Model) -> Vec<&'static str> 
         "eq_active": equalities equality_mut active set_active;
         "eq_active0": equalities equality_mut active set_active;
     }
+    // The setter is for the first control of an actuator.
+    if edit.actuator_ctrllimited() != target.actuator_ctrllimited() {
+        written.retain(|field| *field != "actuator_ctrllimited");
+    }
     written
 }
 
 /// Compares an edit with the compilation of the same values.
 fn compare(first: &Model, second: &Model, seed: u64) -> Outcome {
     let (before, target) = (all_fields(first), all_fields(second));
+    let differs =
+        |field: &&&'static str| target.get(**field).is_some_and(|values| values.len() != before[**field].len());
+    let resized: Vec<_> = before.keys().filter(differs).copied().collect();
+    if !resized.is_empty() {
+        return Outcome::Structure(Vec::new(), resized);
+    }
     let mut edited = first.clone();
     let mut edit = edited.edit();
     let mut written = write_arrays(&mut edit, second);
@@ -176,8 +190,9 @@ fn compare(first: &Model, second: &Model, seed: u64) -> Outcome {
     if let Err(error) = settings {
         return Outcome::Rejected(written, error.to_string());
     }
-    if let Some(field) = texts::structural(&before, &target, &written) {
-        return Outcome::Structure(field);
+    let others = texts::structural(&before, &target, &written);
+    if !others.is_empty() {
+        return Outcome::Structure(written, others);
     }
     if written.iter().all(|field| WITHOUT_UPDATE.contains(field))
         && !written.is_empty()
@@ -209,6 +224,8 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
         data.forward().unwrap();
         outcome::contacts(&data)
     };
+    // With a negative margin, the compiler's bounds hide contacts that the engine detects, and loose bounds do not.
+    let is_hidden = second.geom_margin().iter().chain(second.geom_gap()).any(|&distance| distance < 0.0);
     let mut simulation = Data::new(first.clone()).unwrap();
     simulation
         .edit_model(|edit| {
@@ -224,7 +241,11 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
         ("its own", found(Data::new(edited))),
         ("edited simulation", found(Ok(simulation))),
     ];
-    let wrong = ways.into_iter().find(|(_, contacts)| *contacts != expected)?;
+    let is_right = |way: &str, contacts: &[(String, f64)]| match way {
+        "shared" | "saved" if is_hidden => outcome::contains(contacts, &expected),
+        _ => outcome::contains(contacts, &expected) && outcome::contains(&expected, contacts),
+    };
+    let wrong = ways.into_iter().find(|(way, contacts)| !is_right(way, contacts))?;
     Some(format!("{wrong:?} instead of {expected:?}"))
 }
 
@@ -233,7 +254,7 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
 struct Report {
     equal: usize,
     fields: BTreeMap<&'static str, usize>,
-    structures: BTreeMap<&'static str, usize>,
+    structures: BTreeMap<String, usize>,
     rejected: BTreeMap<String, usize>,
     failures: Vec<String>,
 }
@@ -247,7 +268,9 @@ impl Report {
                     *self.fields.entry(field).or_default() += 1;
                 }
             }
-            Outcome::Structure(field) => *self.structures.entry(field).or_default() += 1,
+            Outcome::Structure(fields, others) => {
+                *self.structures.entry(format!("{others:?} with {fields:?}")).or_default() += 1;
+            }
             Outcome::Rejected(fields, error) => {
                 *self.rejected.entry(format!("{fields:?}: {error}")).or_default() += 1;
             }
@@ -259,7 +282,7 @@ impl Report {
 
     fn print(&self) {
         println!("{} edits equal the compiled model; edited fields: {:?}", self.equal, self.fields);
-        println!("not possible as an edit: {:?}", self.structures);
+        println!("not possible as an edit: {:#?}", self.structures);
         println!("rejected: {:#?}", self.rejected);
         let cut = |text: &String| text.chars().take(600).collect::<String>();
         self.failures.iter().take(40).for_each(|failure| println!("FAILURE {}", cut(failure)));

@@ -87,12 +87,13 @@ const FOLLOWING: [&str; 25] = [
     "stat.meaninertia",
 ];
 
-/// Returns the first field that differs and that an edit cannot set.
+/// Returns the fields that differ and that an edit cannot set.
 pub(super) fn structural(
     before: &BTreeMap<&'static str, Vec<f64>>,
     target: &BTreeMap<&'static str, Vec<f64>>,
     written: &[&'static str],
-) -> Option<&'static str> {
+) -> Vec<&'static str> {
     let can_differ = |field| written.contains(&field) || FOLLOWING.contains(&field) || super::DERIVED.contains(&field);
-    before.iter().find(|(field, values)| !can_differ(**field) && target[*field] != **values).map(|(field, _)| *field)
+    let differing = before.iter().filter(|(field, values)| !can_differ(**field) && target.get(*field) != Some(*values));
+    differing.map(|(field, _)| *field).collect()
 }
