@@ -189,11 +189,12 @@ impl ModelMut<'_> {
         options: &LengthRangeOptions,
     ) -> Result<[f64; 2]> {
         let index = actuator.id(&**self)?.index();
+        let output = self.first_output(index);
         options.check(self.timestep())?;
         if self.is_excluded(index, options.mode) {
-            return Ok(self.actuator_lengthrange()[index]);
+            return Ok(self.actuator_lengthrange()[output]);
         }
-        let [low, high] = self.actuator_lengthrange()[index];
+        let [low, high] = self.actuator_lengthrange()[output];
         if options.useexisting && low < high {
             return Ok([low, high]);
         }
@@ -201,7 +202,7 @@ impl ModelMut<'_> {
             Some(limit) => limit,
             None => self.simulated_range(index, options)?,
         };
-        self.actuator_lengthrange_mut()[index] = range;
+        self.actuator_lengthrange_mut()[output] = range;
         Ok(range)
     }
 
@@ -230,7 +231,7 @@ impl ModelMut<'_> {
 /// interval.
 fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
     data.reset()?;
-    let nv = data.model().nv();
+    let (nv, output) = (data.model().nv(), data.model().first_output(index));
     // As in the engine, a time constant that is NaN remains.
     let timeconst = if options.timeconst < 0.01 { 0.01 } else { options.timeconst };
     let decay = (-data.model().timestep() / timeconst).exp();
@@ -242,7 +243,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
         data.qvel_mut().iter_mut().for_each(|velocity| *velocity *= decay);
         data.step1()?;
         // Compute the force that results in the acceleration `accel`.
-        data.moment_row(index).write_into(&mut moment);
+        data.moment_row(output).write_into(&mut moment);
         data.solve_m_into(&moment, &mut unit)?;
         let scale = sign * options.accel / norm(&unit);
         let force = data.qfrc_applied_mut();
@@ -254,7 +255,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
             }
         }
         data.step2()?;
-        let length = data.actuator_length()[index];
+        let length = data.actuator_length()[output];
         if data.time() > options.inttotal - options.inteval {
             let [low, high] = lengths.unwrap_or([length; 2]);
             lengths = Some([low.min(length), high.max(length)]);

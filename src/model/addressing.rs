@@ -49,8 +49,13 @@ impl Model {
         if self.eq_type()[equality] as u32 != mjEQ_FLEXSTRAIN {
             return Ok(());
         }
-        let cells = self.flex_cellnum()[crate::ffi::size(self.eq_obj1id()[equality])];
-        for (axis, (&cell, count)) in self.eq_data()[equality].iter().zip(cells).enumerate() {
+        let flex = crate::ffi::size(self.eq_obj1id()[equality]);
+        let cells = self.flex_cellnum()[flex];
+        let [x, y, z] = cells;
+        // The cells of a shell are the faces of the grid.
+        let faces = [2 * (x * y + y * z + z * x)];
+        let counts = if self.flex_interp()[flex] < 0 { &faces[..] } else { &cells[..] };
+        for (axis, (&cell, &count)) in self.eq_data()[equality].iter().zip(counts).enumerate() {
             if !((0.0..f64::from(count)).contains(&cell) && cell.fract() == 0.0) {
                 let constraint = self.described(Kind::Equality, equality);
                 let what = format!("eq_data[{equality}][{axis}], an index of the cell that {constraint} strains,");

@@ -95,6 +95,27 @@ fn the_cell_of_a_strain_constraint_stays_inside_its_flex() {
     data.step().unwrap();
 }
 
+/// The strain constraints of a shell concern the faces of the grid of cells.
+#[test]
+fn strain_constraints_of_a_shell_have_the_indices_of_its_faces() {
+    for (cells, dof) in [([2, 2, 2], "trilinear"), ([3, 1, 1], "quadratic")] {
+        let [x, y, z] = cells;
+        let text = format!(
+            r#"<mujoco><worldbody><flexcomp name="f" type="grid" dim="3" count="3 3 3" spacing=".1 .1 .1" dof="{dof}" cellcount="{x} {y} {z}" mass="1" radius=".01">
+                 <edge equality="strain"/><elasticity elastic2d="both" thickness=".01"/><contact selfcollide="none"/>
+               </flexcomp></worldbody></mujoco>"#
+        );
+        let compiled = model(&text);
+        let faces = 2 * (x * y + y * z + z * x);
+        // The compiler makes a constraint for each face.
+        assert_eq!(compiled.neq(), faces);
+        Data::new(compiled).unwrap().step().unwrap();
+        for value in [-1.0, faces as f64, 0.5, f64::NAN] {
+            is_rejected(&text, |model| model.eq_data_mut()[0][0] = value, "a whole number from 0 to");
+        }
+    }
+}
+
 #[test]
 fn a_model_whose_actuators_ask_for_other_activations_than_they_have_is_rejected() {
     let compiled = model(ACTUATORS);

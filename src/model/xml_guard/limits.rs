@@ -55,6 +55,12 @@ pub(super) fn product(tag: &Tag<'_>, name: &[u8], more: u64) -> u64 {
         .fold(1, u64::saturating_mul)
 }
 
+/// Returns the number of nodes of the cells of a flex. A quadratic cell has twice the nodes of a trilinear one along each axis.
+fn nodes(tag: &Tag<'_>) -> u64 {
+    let is_quadratic = tag.attribute(b"dof").as_deref() == Some(b"quadratic");
+    product(tag, b"cellcount", 1).saturating_mul(if is_quadratic { 8 } else { 1 })
+}
+
 /// Returns the reason to reject a tag: sizes whose product overflows in the compiler or exhausts memory, or faces of a mesh with
 /// nonexistent vertices. `composite` is the count of the composite that contains the tag.
 pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
@@ -74,6 +80,11 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         _ if !(1..=i32::MAX as u64).contains(&size(tag, b"activelayers", 1)) => {
             Some("activelayers must be an integer from 1".to_owned())
         }
+        // 3.17.0 crashes if a flex has no cells.
+        _ if numbers(&tag.attribute(b"cellcount").unwrap_or_default()).any(|count| count == Some(0)) => {
+            Some("cellcount must not be 0".to_owned())
+        }
+        _ if nodes(tag) > MOST_NODES => Some("a flex is too large".to_owned()),
         b"texture" => {
             let width = size(tag, b"width", 0);
             // A cube map is six squares.
@@ -113,11 +124,8 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
                 .then(|| format!("a custom numeric has more than {MOST_CUSTOM} numbers"))
         }
-        b"flexcomp" if is_interpolated(tag) => {
-            // A quadratic cell has twice the nodes of a trilinear one along each axis.
-            let is_quadratic = tag.attribute(b"dof").as_deref() == Some(b"quadratic");
-            let nodes = product(tag, b"cellcount", 1).saturating_mul(if is_quadratic { 8 } else { 1 });
-            (product(tag, b"count", 0) > MOST_VERTICES || nodes > MOST_NODES).then(|| "a flex is too large".to_owned())
+        b"flexcomp" if is_interpolated(tag) && product(tag, b"count", 0) > MOST_VERTICES => {
+            Some("a flex is too large".to_owned())
         }
         b"skin" if !composite.is_empty() => {
             let subgrid = size(tag, b"subgrid", 0).min(MOST_SKIN);

@@ -79,6 +79,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         has_adhesion: false,
         is_in_file_mesh: false,
         is_in_flex: false,
+        is_in_other_flex: false,
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
@@ -123,6 +124,8 @@ struct Check<'f> {
     is_in_file_mesh: bool,
     /// `true` inside a `flexcomp`. The engine crashes if it has a plugin without a name.
     is_in_flex: bool,
+    /// `true` inside a `flexcomp` whose points are not a grid.
+    is_in_other_flex: bool,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
     /// Directories that may contain assets.
@@ -184,6 +187,7 @@ impl<'f> Check<'f> {
             if tag.closes {
                 self.is_in_file_mesh &= tag.name != b"mesh";
                 self.is_in_flex &= tag.name != b"flexcomp";
+                self.is_in_other_flex &= tag.name != b"flexcomp";
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
                 self.fusion.end(outer + depth);
@@ -203,7 +207,18 @@ impl<'f> Check<'f> {
             }
             match tag.name {
                 b"mesh" => self.is_in_file_mesh = !tag.empty && file.is_some(),
-                b"flexcomp" => self.is_in_flex = !tag.empty,
+                b"flexcomp" => {
+                    self.is_in_flex = !tag.empty;
+                    self.is_in_other_flex =
+                        !tag.empty && tag.attribute(b"type").is_some_and(|kind| kind.as_ref() != b"grid");
+                }
+                // Compilers before 4.0 mark the points of a grid that the flex does not have, beyond the end of an array.
+                b"pin" if self.is_in_other_flex && cfg!(not(engine_since = "4.0.0")) => {
+                    if ["grid", "gridrange"].iter().any(|name| !is_empty(&tag, name.as_bytes())) {
+                        let why = "the grid or gridrange of a pin needs a flexcomp of type grid; use id or range";
+                        return reject(tag.position, why);
+                    }
+                }
                 b"plugin" if self.is_in_file_mesh => {
                     return reject(tag.position, "a mesh has either a file or a plugin");
                 }

@@ -41,6 +41,15 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         ("<flexcomp count='1000 1000 1'/>", "32766 bodies"),
         ("<flexcomp count='3 3 46341' dof='trilinear'/>", "a flex is too large"),
         ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
+        ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must not be 0"),
+        ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
+        #[cfg(not(engine_since = "4.0.0"))]
+        ("<flexcomp type='box' dof='trilinear'><pin gridrange='0 0 0 9 9 9'/></flexcomp>", "flexcomp of type grid"),
+        #[cfg(not(engine_since = "4.0.0"))]
+        (
+            "<flexcomp type='mesh' dof='trilinear'>\n<pin id='0' grid='1 1 1'/></flexcomp>",
+            "type grid; use id or range, line 2",
+        ),
         ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
         ("<mesh file='a.stl'><plugin/></mesh>", "either a file or a plugin"),
         (
@@ -75,6 +84,8 @@ fn valid_texts_are_accepted() {
         "<hfield nrow='3' ncol='2'/><rangefinder/>",
         "<mesh file='a.stl'/><plugin/><mesh file='a.stl'></mesh><plugin/><mesh name='m'><plugin/></mesh>",
         "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
+        "<flexcomp type='box'><pin id='0'/></flexcomp><flexcomp type='grid'><pin grid='1 1 1'/></flexcomp>",
+        "<flexcomp dof='trilinear' cellcount='2 1 1'/>",
         "<compiler meshdir='parts'/><hfield file='a'/>",
         "<texture file='&#97;.png'/>",
         "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",

@@ -83,6 +83,33 @@ fn length_ranges_equal_c() {
     assert!(ranges.iter().filter(|[low, high]| low < high).count() == 5);
 }
 
+/// An actuator with four controls does not change the length range of the next.
+#[cfg(engine_since = "3.17.0")]
+#[test]
+fn length_ranges_behind_an_actuator_with_several_lengths_equal_those_without_it() {
+    let text = |first: &str| {
+        format!(
+            r#"<mujoco><option timestep="0.005"/><worldbody>
+                 <body><joint name="b" type="ball"/><geom size=".1"/></body>
+                 <body pos="1 0 0"><joint name="s" type="slide" axis="1 0 0" range="-1 2" limited="true" damping="1"/><geom size=".1"/></body>
+               </worldbody><actuator>{first}<motor name="m" joint="s" gear="2"/></actuator></mujoco>"#
+        )
+    };
+    let compute = |first: &str, uselimit| {
+        let mut model = Model::from_xml_str(&text(first)).unwrap();
+        let options = LengthRangeOptions::default().with_mode(LengthRangeMode::All).with_uselimit(uselimit);
+        let id = model.actuator("m").unwrap().id();
+        let range = model.edit().set_length_range(id, &options).unwrap();
+        assert_same("the stored range", model.actuator("m").unwrap().lengthrange(), &range);
+        assert_eq!(model.edit().set_length_range(id, &options.with_useexisting(true)).unwrap(), range);
+        range
+    };
+    let orientation = r#"<orientation name="o" joint="b" kp="1"/>"#;
+    assert_same("the limits of the joint", &compute(orientation, true), &[-1.0, 2.0]);
+    // The engine computes the same without the first actuator (`length_ranges_equal_c`).
+    assert_same("a simulated range", &compute(orientation, false), &compute("", false));
+}
+
 #[test]
 fn the_default_options_equal_c() {
     let ours = LengthRangeOptions::default();
