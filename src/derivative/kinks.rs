@@ -8,7 +8,7 @@ use super::Differences;
 use super::method::{Kinks, Step};
 use super::perturbation::{Input, Settings};
 use crate::data::Data;
-use crate::enums::ActuatorDynamics;
+use crate::enums::{ActuatorDynamics, ActuatorGain, Integrator};
 use crate::error::Result;
 use crate::model::{DisableFlags, Model};
 
@@ -135,6 +135,18 @@ fn control_range(model: &Model, control: usize, actuator: usize) -> [f64; 2] {
     if is_muscle(model, actuator) { [low.max(0.0), high.min(1.0)] } else { [low, high] }
 }
 
+/// Returns `true` if a step depends on a control beyond its range: before 3.17 the implicit integrators multiply the derivative of a gain by
+/// the control as it is.
+fn is_read_unclamped(model: &Model, actuator: usize) -> bool {
+    let is_implicit =
+        matches!(Integrator::of_field(model.raw().opt.integrator), Integrator::Implicit | Integrator::ImplicitFast);
+    cfg!(not(engine_since = "3.17.0"))
+        && is_implicit
+        && model.actuator_dyntype()[actuator] == ActuatorDynamics::None.raw()
+        && model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw()
+        && model.actuator_gainprm()[actuator][2] != 0.0
+}
+
 /// Returns the end of the range of an activation, if the next activation, before clamping, has reached it: `Right` for the upper end.
 fn reached_end(model: &Model, actuator: usize, next: f64) -> Option<Side> {
     let [low, high] = model.actuator_actrange()[actuator];
@@ -158,8 +170,13 @@ pub(super) fn sides(data: &Data, input: Input, step: Step, next: &[f64]) -> (boo
         Input::Position(_) | Input::Velocity(_) => return (true, central),
         Input::Control(control) => {
             let actuator = model.actuator_of_control(control);
-            let range @ [low, high] = control_range(model, control, actuator);
             let ctrl = data.ctrl()[control];
+            let mut range = control_range(model, control, actuator);
+            if !is_inside(ctrl, range) && is_read_unclamped(model, actuator) {
+                let [low, high] = range;
+                range = if ctrl > high { [high, f64::INFINITY] } else { [f64::NEG_INFINITY, low] };
+            }
+            let [low, high] = range;
             let is_free = is_inside(ctrl, range);
             let preferred = Path::of(model, actuator).and_then(|path| {
                 let of_control = |sides: MuscleSides| if sides.of_control { Side::Right } else { Side::Left };

@@ -156,6 +156,21 @@ fn reports_name_the_field_and_the_element() {
     assert_eq!(text, "the method does not understand the value of jnt_actfrclimited, element 1");
 }
 
+/// The engine cannot evaluate a touch sensor on a mesh: each step is an error, so the linearisation is too.
+#[cfg(engine_since = "3.17.0")]
+#[test]
+fn a_touch_sensor_that_the_engine_cannot_evaluate_is_an_error() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><asset><mesh name="m" vertex="0 0 0 .3 0 0 0 .3 0 0 0 .3"/></asset><worldbody><geom type="plane" size="1 1 1"/>
+             <body pos="0 0 .09"><freejoint/><geom size=".1"/><site name="s" type="mesh" mesh="m"/></body></worldbody>
+             <sensor><touch site="s"/></sensor></mujoco>"#,
+    );
+    let mut data = Data::new(model.unwrap()).unwrap();
+    assert!(matches!(data.clone().step(), Err(mujoco_safe::Error::Engine { .. })));
+    let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
+    assert!(matches!(lineariser.linear_system(&mut data), Err(mujoco_safe::Error::Engine { .. })));
+}
+
 #[test]
 fn an_edit_is_examined_again() {
     let mut data = Data::new(Model::from_xml_str(&pendulum("", "", "")).unwrap()).unwrap();

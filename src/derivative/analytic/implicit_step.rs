@@ -56,6 +56,12 @@ pub(super) fn is_used(model: &Model) -> bool {
     Integrator::of_field(model.raw().opt.integrator) == Integrator::Implicit
 }
 
+/// Returns the damping of a tendon in Q. 2.2.2 does not have a negative one there.
+fn tendon_damping(model: &Model, tendon: usize) -> f64 {
+    let damping = model.tendon_damping()[tendon];
+    if cfg!(engine_since = "3.5.0") { damping } else { damping.max(0.0) }
+}
+
 /// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
 /// formula: forces of a medium, muscles, spatial tendons, and actuators on sites.
 pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
@@ -69,7 +75,7 @@ pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
     let has_terms = options.density > 0.0
         || options.viscosity > 0.0
         || has_muscle
-        || (0..model.ntendon()).any(|tendon| is_spatial(tendon) && model.tendon_damping()[tendon] > 0.0)
+        || (0..model.ntendon()).any(|tendon| is_spatial(tendon) && tendon_damping(model, tendon) != 0.0)
         || (0..model.nactuator())
             .any(|actuator| tendon_of(model, actuator).is_some_and(is_spatial) || site_of(model, actuator).is_some());
     is_used(model) && has_terms
@@ -160,8 +166,8 @@ impl ImplicitStep {
         }
         if has_passive {
             for tendon in 0..model.ntendon() {
-                let damping = model.tendon_damping()[tendon];
-                if damping > 0.0 {
+                let damping = tendon_damping(model, tendon);
+                if damping != 0.0 {
                     data.tendon_row(tendon).write_into(&mut self.velocity);
                     add_product_on_chains(tree, &self.velocity, -damping, &mut self.forces);
                 }

@@ -8,6 +8,7 @@ use mujoco_sys::guard;
 
 use super::{InverseForce, InverseOutputs};
 use crate::data::{Data, SensorUpdate, Stage};
+use crate::derivative::implicit::has_kinetic_energy;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::matrix::Matrix;
@@ -135,11 +136,14 @@ impl<'a> InversePerturbation<'a> {
                 self.record(dof, df_da, ds_da);
             }
         }
+        // The engine evaluates the kinetic energy with the sensors of positions.
+        let has_energy = ds_dv.is_some() && has_kinetic_energy(self.data.model());
+        let of_velocities = if has_energy { Stage::Nothing } else { Stage::Position };
         for dof in 0..nv {
             if df_dv.is_some() || ds_dv.is_some() {
                 let qvel = self.data.qvel()[dof];
                 self.data.qvel_mut()[dof] = qvel + self.eps;
-                self.evaluate(Stage::Position, SensorUpdate::needed(ds_dv.is_some()))?;
+                self.evaluate(of_velocities, SensorUpdate::needed(ds_dv.is_some()))?;
                 self.data.qvel_mut()[dof] = qvel;
                 self.record(dof, df_dv, ds_dv);
             }

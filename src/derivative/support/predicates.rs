@@ -4,7 +4,7 @@
 use crate::derivative::analytic;
 use crate::derivative::method::Fallback;
 use crate::enums::{
-    ActuatorBias, ActuatorDynamics, ActuatorGain, Cone, EqualityType, Integrator, JacobianStorage, JointType,
+    ActuatorBias, ActuatorDynamics, ActuatorGain, Cone, EqualityType, GeomType, Integrator, JacobianStorage, JointType,
     SensorType, Solver, TransmissionType, WrapType,
 };
 use crate::model::{DisableFlags, EnableFlags, FIRST_ABSENT_FLAG, Model};
@@ -60,6 +60,19 @@ pub(super) fn sensors_by_differences(model: &Model) -> Option<Fallback> {
     let pulls = analytic::reads_tendons(model);
     let reads = |raw: i32| matches!(SensorType::from_raw(raw), Some(SensorType::Force | SensorType::Torque));
     sensor(model).or_else(|| find("sensor_type", model.sensor_type(), |raw| !(pulls && reads(raw))))
+}
+
+/// Sites on which touch sensors measure. On a mesh the engine raises an error in each step.
+pub(super) fn touched_sites(model: &Model) -> Option<Fallback> {
+    use GeomType::{Box, Capsule, Cylinder, Ellipsoid, Sphere};
+    let touch = SensorType::Touch.raw();
+    let sensors = model.sensor_type().iter().zip(model.sensor_objid()).filter(|(kind, _)| **kind == touch);
+    let mut sites = sensors.map(|(_, &site)| crate::ffi::size(site));
+    let is_solid = |site: usize| {
+        matches!(GeomType::from_raw(model.site_type()[site]), Some(Sphere | Capsule | Ellipsoid | Cylinder | Box))
+    };
+    let element = sites.find(|&site| !is_solid(site))?;
+    Some(Fallback::NotUnderstood { field: "site_type", element })
 }
 
 #[cfg_attr(not(engine_since = "3.2.0"), allow(dead_code, reason = "older engines have no array"))]

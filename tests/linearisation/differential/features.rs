@@ -85,7 +85,8 @@ const GEOMS: [&str; 6] = [
 
 /// Actuators.
 #[rustfmt::skip]
-const ACTUATORS: [&str; 25] = [
+const ACTUATORS: [&str; 26] = [
+    r#"<general joint="j" gaintype="affine" gainprm="2 0.5 -3" ctrlrange="-.2 .2" ctrllimited="true"/>"#,
     r#"<motor joint="j" damping=".5" gear="2"/>"#,
     r#"<motor joint="j" damping=".5 .3 .2" gear="2"/>"#,
     r#"<motor joint="j" armature=".5" gear="2"/>"#,
@@ -115,7 +116,8 @@ const ACTUATORS: [&str; 25] = [
 
 /// Attributes of tendons.
 #[rustfmt::skip]
-const TENDONS: [&str; 8] = [
+const TENDONS: [&str; 9] = [
+    r#"damping="-0.4""#,
     r#"armature="0.5""#,
     r#"actuatorfrcrange="-.1 .1""#,
     r#"stiffness="3 2 1""#,
@@ -304,9 +306,12 @@ pub(super) fn bases() -> Vec<String> {
     vec![euler, implicit]
 }
 
-/// Features that were silently wrong: with the implicit integrator limits of actuator forces and sensors that depend on controls, by the implicit
-/// method damping of higher order, damping and armature of actuators, with the discrete integrator inverse dynamics.
-const REGRESSIONS: [&str; 9] = [
+/// Features that were silently wrong: with the implicit integrators controls beyond their range and negative damping of tendons, and
+/// limits of actuator forces and sensors that depend on controls; by the implicit method damping of higher order, damping and armature of
+/// actuators; with the discrete integrator inverse dynamics.
+const REGRESSIONS: [&str; 11] = [
+    r#"<general joint="j" gaintype="affine""#,
+    r#"damping="-0.4""#,
     r#"actuatorfrcrange="-.1 .1""#,
     "<sensor><jointactuatorfrc",
     "<sensor><tendonactuatorfrc",

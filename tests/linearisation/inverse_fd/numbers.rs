@@ -1,5 +1,9 @@
 //! Numerical results.
 
+#[cfg(engine_since = "3.5.0")]
+use mujoco_safe::Lineariser;
+#[cfg(engine_since = "3.5.0")]
+use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::derivative::{InverseForce, InverseJacobians};
 use mujoco_safe::model::DisableFlags;
 use mujoco_safe::{Data, Matrix, Model, StateSpec, sample, sys};
@@ -179,6 +183,28 @@ fn rows_correspond_to_inputs() {
     let by_sliding = [2.0 * 2.0 * 0.5 * 3.0, 0.0];
     assert_near("by ω", found.row(0), &by_turning, 1e-5);
     assert_near("by ṙ", found.row(1), &by_sliding, 1e-5);
+}
+
+/// The derivative of the kinetic energy by velocities is the momentum.
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn the_derivative_of_the_kinetic_energy_by_velocities_is_the_momentum() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><worldbody><body><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
+             <body pos=".3 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/></body></body></worldbody>
+             <sensor><e_kinetic/></sensor></mujoco>"#,
+    );
+    let mut data = Data::new(model.unwrap()).unwrap();
+    data.qvel_mut().copy_from_slice(&[1.5, -0.7]);
+    data.forward().unwrap();
+    let mut momentum = [0.0; 2];
+    data.mul_m_into(&[1.5, -0.7], &mut momentum).unwrap();
+    let options = TransitionOptions::default();
+    let (system, _) =
+        Lineariser::new(data.model(), options).unwrap().inverse_jacobians(&mut data, InverseForce::Total).unwrap();
+    assert_near("a Lineariser", system.ds_dv.as_slice(), &momentum, 1e-5);
+    let system = data.inverse_fd(EPS, InverseForce::Total).unwrap();
+    assert_near("inverse_fd", system.ds_dv.as_slice(), &momentum, 1e-5);
 }
 
 #[test]
