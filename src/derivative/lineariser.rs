@@ -85,9 +85,9 @@ impl Lineariser {
     /// that their rows of C and D are differenced. These are force and torque sensors of sites of the
     /// world (of all sites in models with spatial tendons, with engines after 2.2.2), user sensors,
     /// velocities of limits of ball joints, lengths of actuators of ball and free joints, frames of
-    /// cameras that track or face a body, sensors that 2.2.2 does not have, angular momenta of subtrees
-    /// after an edit of masses without [`update_constants`](crate::ModelMut::update_constants), and all
-    /// sensors with a cutoff.
+    /// cameras that track or face a body, sensors that 2.2.2 does not have, sensors of subtrees after an
+    /// edit of masses without [`update_constants`](crate::ModelMut::update_constants), and all sensors
+    /// with a cutoff.
     ///
     /// A sensor at a state where its derivative is not finite is also differenced, and so is a rangefinder that meets a mesh, a height
     /// field or a signed distance field.

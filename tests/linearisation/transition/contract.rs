@@ -396,7 +396,11 @@ fn quaternions_of_any_length_forces_and_inactive_constraints_agree_with_differen
         for (is_active, scale) in [(true, 1.0), (true, 0.8), (false, 1.3)] {
             data.edit_model(|model| {
                 model.equality_mut(0).unwrap().set_active(is_active);
-                model.edit_options(|options| options.integrator = integrator)
+                model.edit_options(|options| {
+                    // The differences of steps have the accuracy of the solver.
+                    (options.tolerance, options.iterations) = (0.0, 200);
+                    options.integrator = integrator;
+                })
             })
             .unwrap();
             data.reset().unwrap();
@@ -411,7 +415,7 @@ fn quaternions_of_any_length_forces_and_inactive_constraints_agree_with_differen
             let expected = oracle::linear_system(&data);
             for method in METHODS.into_iter().filter(|&method| method != TransitionMethod::Engine) {
                 let what = format!("{integrator:?}, active {is_active}, scale {scale}, {method:?}");
-                assert_near(&what, &by(&mut data, method, 1), &expected, 1e-5);
+                assert_near(&what, &by(&mut data, method, 1), &expected, 1e-4);
             }
         }
     }

@@ -309,6 +309,10 @@ fn a_force_at_the_end_of_its_range_is_reported_for_the_control_alone() {
 
 #[test]
 fn a_spring_of_a_tendon_that_becomes_slack_is_reported() {
+    // 2.2.2 has one length at rest.
+    if cfg!(not(engine_since = "3.5.0")) {
+        return;
+    }
     let mut data = model(
         r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
              <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body></worldbody>

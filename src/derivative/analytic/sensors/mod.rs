@@ -142,10 +142,7 @@ fn formula(model: &Model, sensor: usize) -> Option<Formula> {
             (Formula::Interaction, has_pose() && model.site_bodyid()[object] > 0 && !reads_tendons(model))
         }
         // The engine has other formulas for a subtree without mass.
-        SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity => {
-            (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL)
-        }
-        SensorType::SubtreeAngularMomentum => {
+        SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum => {
             (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL && subtree::has_sums(model, object))
         }
         _ => return None,

@@ -77,7 +77,7 @@ const MASS_TOLERANCE: f64 = 1e-12;
 
 /// Returns `true` if the masses of the subtrees below a body are sums of masses. After an edit of
 /// masses they are not, until the constants are updated. The engine computes angular momenta from
-/// both.
+/// both, and 2.2.2 also centres of mass.
 pub(super) fn has_sums(model: &Model, root: usize) -> bool {
     let (masses, subtrees, parents) = (model.body_mass(), model.body_subtreemass(), model.body_parentid());
     let children = |body: usize| (body + 1..model.nbody()).filter(move |&child| ffi::size(parents[child]) == body);
