@@ -124,7 +124,7 @@ pub(crate) unsafe fn differences(ours: &Model, theirs: *const mjModel, tolerance
     let raw = unsafe { &*theirs };
     let mut found = Vec::new();
     // Sizes of buffers follow from the other sizes. The size of the names and their map depend on the names.
-    let ignored = ["nnames", "nbuffer", "npaths", "names_map"];
+    let ignored = ["nnames", "nnames_map", "nbuffer", "npaths", "names_map"];
     for only_sizes in [true, false] {
         for Field { name, ours, theirs } in fields(ours, raw, only_sizes) {
             // Addresses of names depend on the names.
