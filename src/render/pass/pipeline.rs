@@ -232,7 +232,7 @@ impl Pipelines {
                 PassKind::MirrorOpaque { clip: true } | PassKind::MirrorTransparent { clip: true }
             ),
         };
-        if !shader.is_lit() {
+        if !shader.has_lights() {
             shader.lights = &[];
         }
         let device = gpu.device();

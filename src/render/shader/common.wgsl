@@ -1,6 +1,6 @@
 // Declarations shared by all shaders.
 
-//#if LIT
+//#if HAS_LIGHTS
 // Light. `view/uniform.rs` declares the same structure.
 struct Light {
     // Position; for a directional light the direction towards it.

@@ -50,6 +50,17 @@ impl LightingCode {
         code
     }
 
+    /// Generates the code of lines, which add their own colour for each shadow map.
+    pub(super) fn of_line(lights: &[LightFeatures]) -> Self {
+        let mut code = Self::default();
+        for (index, &light) in lights.iter().filter(|light| light.shadow).enumerate() {
+            code.add_map(index);
+            let _ = writeln!(code.fragment_shadow, "    let shadow_{index} = {};", projected(index, "in.world"));
+            code.add_test(index, light, "", "in.rgba.rgb");
+        }
+        code
+    }
+
     /// Returns the replacements of the preprocessor.
     pub(super) fn inserts(&self) -> [(&'static str, &str); 4] {
         [
@@ -70,19 +81,18 @@ impl LightingCode {
         shading: Shading,
         is_textured: bool,
     ) {
-        let _ = writeln!(self.functions, "@group(0) @binding({}) var shadow_map_{index}: texture_2d<f32>;", index + 1);
-        let projected = |world: &str| format!("view.shadows[{index}].texels * vec4f({world}, 1.0)");
+        self.add_map(index);
         let has_varying = count <= MAX_SHADOW_VARYINGS;
         if has_varying {
             let _ = writeln!(self.varyings, "    @location({}) shadow_{index}: vec4f,", SHADOW_LOCATION + index);
-            let _ = writeln!(self.vertex_shadow, "    out.shadow_{index} = {};", projected("world"));
+            let _ = writeln!(self.vertex_shadow, "    out.shadow_{index} = {};", projected(index, "world"));
             let _ = writeln!(self.fragment_shadow, "    let shadow_{index} = in.shadow_{index};");
         } else {
             if index == 0 && shading == Shading::Vertex {
                 let _ = writeln!(self.varyings, "    @location({WORLD_LOCATION}) world: vec3f,");
                 self.vertex_shadow.push_str("    out.world = world;\n");
             }
-            let _ = writeln!(self.fragment_shadow, "    let shadow_{index} = {};", projected("in.world"));
+            let _ = writeln!(self.fragment_shadow, "    let shadow_{index} = {};", projected(index, "in.world"));
         }
         let lit = format!("clamp(light_{light}(point), vec3f(0.0), vec3f(1.0))");
         let lit = if shading == Shading::Vertex {
@@ -95,17 +105,32 @@ impl LightingCode {
         } else {
             lit
         };
+        let opaque = if is_textured { " && texel.a >= 0.99" } else { "" };
+        self.add_test(index, features, opaque, &lit);
+    }
+
+    /// Declares a shadow map.
+    fn add_map(&mut self, index: usize) {
+        let _ = writeln!(self.functions, "@group(0) @binding({}) var shadow_map_{index}: texture_2d<f32>;", index + 1);
+    }
+
+    /// Adds the colour `lit` where a shadow map and another condition have the light shine.
+    fn add_test(&mut self, index: usize, features: LightFeatures, condition: &str, lit: &str) {
         // The projection of a directional light is orthographic.
         let divided = if features.directional { "xyz".to_owned() } else { format!("xyz / shadow_{index}.w") };
-        let opaque = if is_textured { " && texel.a >= 0.99" } else { "" };
         let _ = write!(
             self.fragment_shadow,
             "    let at_{index} = shadow_{index}.{divided};\n    \
              let texel_{index} = vec2i(clamp(at_{index}.xy, vec2f(0.0), view.shadows[{index}].last.xy));\n    \
-             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r{opaque} {{\n        \
+             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r{condition} {{\n        \
              color += {lit};\n    }}\n"
         );
     }
+}
+
+/// Returns the coordinates of a point in a shadow map, before the division.
+fn projected(index: usize, world: &str) -> String {
+    format!("view.shadows[{index}].texels * vec4f({world}, 1.0)")
 }
 
 /// Generates the function of a light: OpenGL's lighting model, which is Blinn–Phong with a local viewer.

@@ -7,6 +7,9 @@ struct Varyings {
     @location(1) depth: f32,
     @location(2) side: f32,
     @location(3) @interpolate(flat) id: u32,
+//#if SHADOWS
+    @location(4) world: vec3f,
+//#end
 }
 
 @vertex
@@ -32,6 +35,9 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     out.depth = dot(view.depth, vec4f(world, 1.0));
     out.side = dot(view.plane, vec4f(world, 1.0));
     out.id = instance.id;
+//#if SHADOWS
+    out.world = world;
+//#end
     return out;
 }
 
@@ -50,6 +56,7 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     }
 //#end
     var color = in.rgba.rgb;
+//#fragment_shadow
 //#if FOG
     color = apply_fog(color, in.depth);
 //#end

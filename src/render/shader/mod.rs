@@ -76,6 +76,18 @@ impl ShaderVariant<'_> {
         self.kind == ShaderKind::Surface && self.output == Output::Color && self.shading != Shading::None
     }
 
+    /// Returns `true` if each shadow map adds the colour of a line once more where its light shines,
+    /// as in the engine's images: it draws opaque geoms once more for each shadow map, and does not
+    /// light lines.
+    fn adds_lines(&self) -> bool {
+        self.kind == ShaderKind::Line && self.output == Output::Color && !self.blended
+    }
+
+    /// Returns `true` if the shader reads the lights of the view.
+    pub(crate) fn has_lights(&self) -> bool {
+        self.is_lit() || self.adds_lines()
+    }
+
     /// Returns `true` if the shader reads an attribute of the instance that serves the given output. Lines read all
     /// attributes.
     fn reads_instance(&self, output: Output) -> bool {
@@ -102,7 +114,8 @@ impl ShaderVariant<'_> {
     /// Generates the WGSL source.
     pub(crate) fn source(&self) -> String {
         let is_lit = self.is_lit();
-        let shadows = if is_lit { self.lights.iter().filter(|light| light.shadow).count() } else { 0 };
+        let has_lights = self.has_lights();
+        let shadows = if has_lights { self.lights.iter().filter(|light| light.shadow).count() } else { 0 };
         let shading = self.shading;
         let file = match self.kind {
             ShaderKind::Surface => include_str!("surface.wgsl"),
@@ -119,7 +132,8 @@ impl ShaderVariant<'_> {
             ("INSTANCE_ID", self.reads_instance(Output::Ids)),
             ("LIT", is_lit),
             ("UNLIT", !is_lit),
-            ("LIGHTS", is_lit && !self.lights.is_empty()),
+            ("HAS_LIGHTS", has_lights),
+            ("LIGHTS", has_lights && !self.lights.is_empty()),
             ("SHADOWS", shadows > 0),
             ("VERTEX_LIGHT", is_lit && shading == Shading::Vertex),
             ("PIXEL_LIGHT", is_lit && shading == Shading::Pixel),
@@ -136,8 +150,13 @@ impl ShaderVariant<'_> {
             ("HAZE", self.kind == ShaderKind::Sky { haze: true }),
         ];
         let is_textured = self.texture_kind == TextureKind::D2;
-        let lighting =
-            if is_lit { LightingCode::new(self.lights, shading, is_textured) } else { LightingCode::default() };
+        let lighting = if is_lit {
+            LightingCode::new(self.lights, shading, is_textured)
+        } else if has_lights {
+            LightingCode::of_line(self.lights)
+        } else {
+            LightingCode::default()
+        };
         let mut source = preprocess(&[include_str!("common.wgsl"), file], &flags, &lighting.inserts());
         source.push_str(&lighting.functions);
         source.replace("LIGHT_COUNT", &self.lights.len().to_string()).replace("SHADOW_COUNT", &shadows.to_string())
