@@ -11,6 +11,8 @@ mod primitive;
 mod shadow_caster;
 mod texture_map;
 
+use std::collections::HashMap;
+
 use self::instance::Appearance;
 pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
 use self::level_of_detail::Detail;
@@ -49,6 +51,8 @@ pub(crate) struct DrawList {
     /// Distances and index ranges of pending transparent instances.
     transparent_order: Vec<(f32, u32, u32)>,
     parts: Vec<Part>,
+    /// Number of opaque geoms with a pose.
+    poses: HashMap<[u32; 12], u64>,
 }
 
 /// Infinite plane, which forms the horizon.
@@ -170,8 +174,9 @@ impl DrawList {
                 reflector_instances = last - first;
                 self.opaque_order.extend((first..last).map(|pending| (REFLECTOR_SORT_KEY, pending)));
             } else {
-                let keys = (first..last).map(|pending| (sort_key(&self.pending[pending as usize], is_plane), pending));
-                self.opaque_order.extend(keys);
+                let rank = self.rank(geom);
+                let key = |pending: u32| sort_key(&self.pending[pending as usize], is_plane, rank);
+                self.opaque_order.extend((first..last).map(|pending| (key(pending), pending)));
             }
         }
         self.shadow_bounds = casters.into_bounds();
@@ -186,6 +191,7 @@ impl DrawList {
         self.pending.clear();
         self.opaque_order.clear();
         self.transparent_order.clear();
+        self.poses.clear();
         (self.mirror, self.horizon, self.front_to_back) = (None, None, 0);
         self.nearest_depth = f64::INFINITY;
     }
@@ -206,6 +212,16 @@ impl DrawList {
             self.mirror = Mirror::new(geom, camera, inputs.shapes);
         }
         Some(index)
+    }
+
+    /// Counts the opaque geoms with the pose of a geom so far. Their surfaces may coincide, and the last one is visible, as in the engine's images.
+    fn rank(&mut self, geom: SceneGeom<'_>) -> u64 {
+        let (pos, mat) = (geom.pos(), geom.mat());
+        // Zeros of both signs are one pose.
+        let bits = |index: usize| (if index < 3 { pos[index] } else { mat[index - 3] } + 0.0).to_bits();
+        let count = self.poses.entry(std::array::from_fn(bits)).or_insert(0);
+        *count += 1;
+        *count - 1
     }
 
     /// Computes the visibility of a bounding volume in the frustum and in the mirror.
@@ -278,8 +294,9 @@ fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, pending: &Pendi
 /// Sort key of the reflector, less than all others.
 const REFLECTOR_SORT_KEY: u64 = 0;
 
-/// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes are last, because much of them is hidden.
-fn sort_key(pending: &PendingInstance, is_plane: bool) -> u64 {
+/// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes are last, because much of them is hidden. Up to
+/// eight geoms with the same pose have the order of the scene.
+fn sort_key(pending: &PendingInstance, is_plane: bool, rank: u64) -> u64 {
     let BatchKey { shape, texture_kind, texture, line, back_faces, unshadowed } = pending.key;
     let Visibility { in_frustum, mirror_side, shadow_mask } = pending.visibility;
     let flags = [line, back_faces, !in_frustum, unshadowed]
@@ -288,9 +305,10 @@ fn sort_key(pending: &PendingInstance, is_plane: bool) -> u64 {
     let texture = (texture_kind as u64) << 32 | u64::from(texture & 0xFFFF) << 16;
     1 << 63
         | u64::from(is_plane) << 62
-        | u64::from(shadow_mask) << 54
-        | u64::from(shape >> 16 & 0xFF) << 46
-        | flags << 40
+        | rank.min(7) << 59
+        | u64::from(shadow_mask) << 51
+        | u64::from(shape >> 16 & 0xFF) << 43
+        | flags << 37
         | texture
         | u64::from(shape & 0xFFFF)
 }
