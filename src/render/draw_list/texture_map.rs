@@ -33,7 +33,7 @@ impl TextureMap {
         match kind {
             TextureKind::None => Self::NONE,
             // Texture coordinates are two-dimensional and do not apply to cube textures.
-            TextureKind::Cube if geom.texcoord() => Self::NONE,
+            TextureKind::Cube if geom.texcoord() || is_skin_with_texcoords(geom.geom_type()) => Self::NONE,
             TextureKind::Cube => Self { scale: if geom.texuniform() { geom.size() } else { [1.0; 3] }, ..map },
             TextureKind::D2 if geom.texcoord() || has_texcoords(geom.geom_type()) => {
                 let [x, y] = if SHAPES_HAVE_TEXCOORDS { repetitions(geom) } else { [1.0; 2] };
@@ -86,22 +86,29 @@ impl TextureMap {
     }
 }
 
+/// Returns `true` for a skin with engines from 3.12, which draw even one without texture coordinates as if it had some. They are zero, unless the
+/// image has shadow maps: then they are those of what the engine drew before.
+fn is_skin_with_texcoords(geom_type: SceneGeomType) -> bool {
+    SHAPES_HAVE_TEXCOORDS && geom_type == SceneGeomType::Skin
+}
+
 /// Returns `true` if the unit shapes of a geom type have texture coordinates that the engine uses. Those of planes follow from their positions.
 fn has_texcoords(geom_type: SceneGeomType) -> bool {
     use SceneGeomType as Type;
-    SHAPES_HAVE_TEXCOORDS
-        && matches!(
-            geom_type,
-            Type::Sphere
-                | Type::Ellipsoid
-                | Type::Box
-                | Type::Cylinder
-                | Type::Capsule
-                | Type::Arrow
-                | Type::Arrow1
-                | Type::Arrow2
-                | Type::Triangle
-        )
+    is_skin_with_texcoords(geom_type)
+        || SHAPES_HAVE_TEXCOORDS
+            && matches!(
+                geom_type,
+                Type::Sphere
+                    | Type::Ellipsoid
+                    | Type::Box
+                    | Type::Cylinder
+                    | Type::Capsule
+                    | Type::Arrow
+                    | Type::Arrow1
+                    | Type::Arrow2
+                    | Type::Triangle
+            )
 }
 
 /// Returns the number of repetitions of texture coordinates from 0 to 1, with engines from 3.12.
