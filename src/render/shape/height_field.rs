@@ -31,7 +31,13 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
     let y = |row: usize| half_y * (2.0 * row as f64 / (rows - 1) as f64 - 1.0) as f32;
     let top = |[row, column]: [usize; 2]| [x(column), y(row), elevations[row * columns + column] * height];
     let base = |[row, column]: [usize; 2]| [x(column), y(row), -depth];
-    let mut triangle = |corners, parities: [f32; 3]| triangles.flat(corners, parities.map(|parity| [parity, 0.0]));
+    let mut triangle = |corners, parities: [f32; 3]| {
+        let first = triangles.vertices.len();
+        triangles.flat(corners, [[0.0; 2]; 3]);
+        for (vertex, parity) in triangles.vertices[first..].iter_mut().zip(parities) {
+            vertex.parity = parity;
+        }
+    };
 
     // The diagonal of each cell connects the corners of least and of greatest x and y, as in collision detection.
     for row in 0..rows - 1 {
@@ -60,6 +66,7 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
 
 #[cfg(test)]
 mod tests {
+    use super::super::Vertex;
     use super::super::test_support::{assert_closed, assert_finite, assert_normals_agree, volume};
     use super::height_field;
     use crate::Model;
@@ -99,6 +106,24 @@ mod tests {
             }
             assert!((volume(&[&shape]) - expected).abs() < 1e-4 * expected, "{rows} x {columns}");
         }
+    }
+
+    /// The engine draws the sides as quadrilaterals, and the other faces as triangles.
+    #[test]
+    fn only_the_sides_have_diagonals_without_lines() {
+        let (model, id) = model(4, 7, |index| ((index * 7) % 5) as f32 / 4.0);
+        let shape = height_field(&model, id, usize::MAX).unwrap();
+        assert!(shape.has_quads);
+        let mut hidden = 0;
+        for corners in shape.indices.as_chunks::<3>().0 {
+            let [a, b, c] = corners.map(|index| &shape.vertices[index as usize]);
+            let edges = [[a, b], [b, c], [c, a]];
+            let is_hidden = |[one, other]: &&[&Vertex; 2]| one.parity.abs() == 1.0 && one.parity == other.parity;
+            let diagonals = edges.iter().filter(is_hidden).count();
+            assert_eq!(diagonals, usize::from(a.normal[2] == 0.0));
+            hidden += diagonals;
+        }
+        assert_eq!(hidden, 2 * 2 * (3 + 6));
     }
 
     #[test]
