@@ -33,9 +33,15 @@ pub struct SceneLight {
     /// Enables shadows of this light.
     pub castshadow: bool,
     /// `false` for a light that neither the engine's OpenGL renderer nor this crate's draws: a point light or an image light, with engines from
-    /// 3.3.3.
+    /// 3.3.3. Those from 3.5 and before 3.17 draw it as a light without a place, which shines along the view.
     pub drawn: bool,
+    /// Marks a light that the engine's renderer neither places nor directs.
+    #[cfg(feature = "renderer")]
+    pub(crate) shines_along_view: bool,
 }
+
+/// The engine's renderer draws point and image lights, without setting their places and directions: those of OpenGL's initial state remain.
+const DRAWS_UNPLACED_LIGHTS: bool = cfg!(all(engine_since = "3.5.0", not(engine_since = "3.17.0")));
 
 impl SceneLight {
     fn new(raw: &mjvLight) -> Self {
@@ -54,7 +60,9 @@ impl SceneLight {
             headlight: raw.headlight != 0,
             directional: kind == 1,
             castshadow: raw.castshadow != 0,
-            drawn: kind < 2,
+            drawn: kind < 2 || DRAWS_UNPLACED_LIGHTS,
+            #[cfg(feature = "renderer")]
+            shines_along_view: kind >= 2,
         }
     }
 }

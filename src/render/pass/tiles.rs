@@ -199,6 +199,7 @@ mod tests {
             directional,
             castshadow: false,
             drawn: true,
+            shines_along_view: false,
         };
         let features = LightFeatures { directional, spot: cutoff <= 90.0, specular: true, ..LightFeatures::default() };
         ActiveLight { features, light, shadow: None }

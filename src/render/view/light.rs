@@ -9,6 +9,10 @@ use crate::scene::{RenderFlags, Scene, SceneLight};
 /// shader stage.
 pub(crate) const MAX_SHADOWS: usize = 8;
 
+/// A headlight follows the viewpoints and the transform that a program sets after an update, as in the images of engines before 3.2. From 3.2 on it
+/// remains where the update or [`Scene::update_lights`] has put it.
+const HEADLIGHT_FOLLOWS: bool = cfg!(not(engine_since = "3.2.0"));
+
 /// Features of a light for which the shader is specialised, instead of branching at run time.
 #[allow(clippy::struct_excessive_bools, reason = "each is an independent switch")]
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -55,9 +59,13 @@ impl Lights {
         let mut shadows = 0;
         let mut active = Vec::new();
         for (index, mut light) in scene.lights().enumerate().take(max_lights.unwrap_or(usize::MAX)) {
-            if index == 0 && light.headlight {
+            if HEADLIGHT_FOLLOWS && index == 0 && light.headlight {
                 light.pos = frustum.position.map(|coordinate| coordinate as f32);
                 light.dir = frustum.forward.map(|coordinate| coordinate as f32);
+            }
+            if light.shines_along_view {
+                light.dir = frustum.forward.map(|coordinate| coordinate as f32);
+                (light.directional, light.castshadow) = (true, false);
             }
             let Some(mut features) = sanitise(&mut light).filter(|_| light.drawn) else { continue };
             let mut shadow = None;
