@@ -50,9 +50,8 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
                 tree.node_mut(index).set("fromto", (&moved[..]).text().into_owned());
                 return Ok(true);
             }
-            // A quaternion does not replace these attributes of a class.
-            let of_class =
-                |name: &&str| tree.attribute(index, name).is_none() && classes::effective(tree, index, name).is_some();
+            // A quaternion does not replace these attributes of a class, also where the element has replaced them by its own.
+            let of_class = |name: &&str| classes::of_class(tree, index, name).is_some();
             if is_turned && (competes(tree, index) || ORIENTATIONS[1..].iter().any(of_class)) {
                 return Ok(false);
             }

@@ -273,6 +273,7 @@ fn elements_that_only_the_compiler_can_turn_are_put_into_frames_or_rejected() {
         "<geom name='a_slab' type='box' size='.1' fromto='0 0 0 1 0 0'/>",
         "<geom name='a_slab' type='box' size='1 2 3' class='turned'/>",
         "<geom name='a_slab' type='box' size='1 2 3' class='turned' quat='1 0 1 0'/>",
+        "<geom name='a_slab' type='box' size='1 2 3' class='turned' euler='30 0 0'/>",
     ] {
         let default = "<default><default class='turned'><geom euler='10 20 30'/></default></default>";
         let mut spec = parse("<mujoco/>");
