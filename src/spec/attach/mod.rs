@@ -74,7 +74,7 @@ impl Spec {
     /// written, also if the position or the type is that of a class, and for joints that are added later. If this spec has defaults in `main`,
     /// they move to a class of their own, which its elements get, also those that are added later. References to the world become references to
     /// the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied. The settings of `compiler`
-    /// that concern the model as a whole, such as `fusestatic` and `discardvisual`, are those of this spec.
+    /// that concern the model as a whole, such as `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
     ///
     /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
     /// those of the first one that is attached.

@@ -138,10 +138,12 @@ fn attach_to_empty(name: &str, spec: &Spec, reference: &RawModel, counts: &mut C
         let has_list = elements(spec).into_iter().any(|id| matches!(spec.element(id).tag(), "flex" | "tuple"));
         let prefix = if has_list { prefix.trim() } else { prefix };
         let attached = outer.attach(spec, mount, prefix).and_then(|_| outer.compile());
-        // Attachments do not copy settings of the visualiser. The compiler stores its near plane for cameras without intrinsics.
-        let has_map = elements(spec).into_iter().any(|id| spec.element(id).tag() == "map");
-        let camera: &[&str] = if has_map { &["cam_intrinsic"] } else { &[] };
-        let except = [&KEYS[..], &CORRECTED, camera].concat();
+        // Attachments do not copy settings of the visualiser, whose near plane the compiler stores for cameras without intrinsics, and those
+        // for the computation of ranges of lengths.
+        let has = |tag: &str| elements(spec).into_iter().any(|id| spec.element(id).tag() == tag);
+        let mut except = [&KEYS[..], &CORRECTED].concat();
+        except.extend(has("map").then_some("cam_intrinsic"));
+        except.extend(has("lengthrange").then_some("actuator_lengthrange"));
         counts.compare(&format!("attach {number} {name}"), attached, reference, 1e-9, &except);
     }
 }
