@@ -90,18 +90,26 @@
 //! # Engine versions
 //!
 //! Images equal those of the renderer of the linked engine. With engines from 3.0, a camera has its own width of the image (`focal`, `sensorsize`); from
-//! 3.0.1, decoration casts no shadows; from 3.2, cameras can be orthographic; from 3.3, all faces cast shadows; from 3.3.3, textures in the sRGB
+//! 3.0.1, decoration casts no shadows; from 3.2, cameras can be orthographic, and a headlight remains where the last update of the scene has put it;
+//! from 3.3, all faces cast shadows; from 3.3.3, textures in the sRGB
 //! colour space are converted to linear colours; from 3.12, 2D textures follow the surface of spheres, boxes, cylinders and capsules instead of a projection along
 //! z, and repeat on meshes, skins and flexes, too; from 3.17, textures can be in files that the model refers to; from 4.0, geoms have `castshadow`.
 //!
+//! Lines are not lit. If they are opaque, each light that casts shadows adds their colour once more where it shines, as in the engine's images.
+//! Of opaque geoms with the same pose whose surfaces coincide, the last one is visible, as in the engine's images; the engine then adds a light that
+//! casts shadows once for each of them. With engines from 3.12, a skin without texture coordinates has the colour in the corner of its 2D texture, and
+//! no cube texture; with shadows its colour in the engine's images depends on what the engine drew before.
+//!
 //! As in the engine's OpenGL renderer, these have no effect, and a renderer that is created for a model that uses them logs their names: point
 //! lights and image lights, `bulbradius`, `intensity`, `range` and `softness` of lights, `metallic` and `roughness` of materials, and textures in other
-//! roles than the base colour. Textures with one or two channels are white. A renderer also logs the fields and constants of an engine that
+//! roles than the base colour. (Engines from 3.5 and before 3.17 draw point and image lights, which shine along the view.) Textures with one or two channels are white. A renderer also logs the fields and constants of an engine that
 //! this crate does not know.
 //!
-//! In the last full comparison with the official bindings of 4.0.0, at most 0.7 % of the pixels differed in 316 of 344 scenes with 320 × 240
-//! pixels, in colours, depths (by more than 1 %) and segmentations. Of the others, scenes with labels (another font) differ by up to 5 %, lines
-//! on an edge of the image or of a texture by up to 7 %, and thousands of adjacent lines by 2.1 %.
+//! In a comparison with the official bindings of 4.0.0, at most 0.7 % of the pixels differed in 519 of 535 scenes with 320 × 240 pixels, in colours,
+//! depths and segmentations. The bindings of 3.17.0 draw the same images as those of 4.0.0. Of the others, scenes with labels (another font) differ by
+//! up to 5 %; lines exactly on the near plane by 1.9 %; wireframes of a mirror, which the engine adds once for each polygon that shares a line, by
+//! 6.8 %; thousands of adjacent lines by 2.1 %; lit floors near the edges of shadow maps of directional lights, where the engine's have shadows of
+//! themselves, by 2.8 %; wide lines in segmentations, which OpenGL draws wide along x or y instead of across, by 1.4 %.
 //!
 //! # Drivers
 //!

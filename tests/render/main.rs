@@ -17,6 +17,7 @@ mod pinhole;
 mod quiet;
 mod rays;
 mod record;
+mod row;
 mod skins;
 mod snapshots;
 mod stage;

@@ -20,13 +20,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-WIDTH, HEIGHT = 320, 240
-RECORDED_SIZE = 160, 120
+SIZE = [320, 240]
+RECORDED_SIZE = [160, 120]
 RECORDED = (
     "camera_ortho_2.0 camera_ortho_free_3.0 camera_intrinsic_principal camera_intrinsic_square texture_2d_sphere_false_2.5_3 texture_2d_box_true_2.5_3 "
     "texture_2d_capsule_false_2.5_3 texture_2d_cylinder_false_2.5_3 texture_2d_plane_true_2.5_3 texture_2d_mesh_uv_false_2.5_3 texture_skin_3 "
     "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum islands flex_3_edges shadow_in_transparent visual_many light_type_point_false "
-    "light_shadows_7 shadow_off_geoms"
+    "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog wireframe_hfield texture_2d_skin_plain "
+    "texture_cube_skin_plain transform_small tendon_active_0.3"
 ).split()
 VERSION = tuple(int(part) for part in mujoco.__version__.split(".")[:3])
 
@@ -53,13 +54,14 @@ SCENES = []
 
 
 def scene(name, text, since=(2, 2, 2), camera=None, free=(140.0, -25.0, 3.0), visual="", no_visual="", render="", no_render="", steps=0,
-          label="NONE", frame="NONE", layer=0, depth=0, lookat=(0.0, 0.0, 0.0)):
+          label="NONE", frame="NONE", layer=0, depth=0, lookat=(0.0, 0.0, 0.0), **more):
     if VERSION >= since:
         azimuth, elevation, distance = free
         SCENES.append({
             "name": name, "xml": text, "camera": camera, "azimuth": azimuth, "elevation": elevation, "distance": distance,
             "lookat": list(lookat), "visual": visual.split(), "no_visual": no_visual.split(), "render": render.split(),
             "no_render": no_render.split(), "steps": steps, "label": label, "frame": frame, "flex_layer": layer, "bvh_depth": depth,
+            **more,
         })
 
 
@@ -295,6 +297,9 @@ def decoration():
     scene("visual_frustum_ortho", xml(LIGHT + FLOOR + BODIES + f'<camera name="c" pos="-1 -1 .5" xyaxes="1 -1 0 .2 .2 1" {projection} fovy=".5" resolution="320 240"/>',
           visual='<scale frustum="1.2"/>'), visual="CAMERA", since=(3, 1, 0))
     scene("visual_frustum_inside", xml(LIGHT + FLOOR + BODIES + '<camera name="c" pos="-1 -1 .5" xyaxes="1 -1 0 .2 .2 1" fovy="60" resolution="320 240"/>'), camera="c", visual="CAMERA", since=(3, 1, 0))
+    # The same lines, but not exactly on the near plane of the viewpoint: they are equal.
+    scene("visual_frustum_behind", xml(LIGHT + FLOOR + BODIES + "".join(f'<camera name="{name}" pos="{pos}" xyaxes="1 -1 0 .2 .2 1" fovy="60" '
+          'resolution="320 240"/>' for name, pos in (("c", "-1 -1 .5"), ("d", "-1.068 -1.068 .527")))), camera="d", visual="CAMERA", since=(3, 1, 0))
     pile = "".join(f'<body pos="{(k % 4) * .45 - .7} {(k // 4) * .6 - .3} {-.48 + .01 * k}"><freejoint/><geom type="box" size=".12 .12 .12"/></body>'
                    f'<body pos="{(k % 4) * .45 - .7} {(k // 4) * .6 - .3} {-.22 + .01 * k}"><freejoint/><geom size=".12"/></body>' for k in range(8))
     if VERSION >= (3, 0, 0):
@@ -320,6 +325,8 @@ def effects():
         scene(f"render_no_{flag.lower()}", sky, no_render=flag)
     for flag in ("WIREFRAME", "ADDITIVE", "FOG", "SEGMENT"):
         scene(f"render_{flag.lower()}", sky, render=flag, no_render="SHADOW" if flag == "WIREFRAME" else "")
+    # The reflector is added to its mirror image once for each of the polygons that share an edge, if rounding does not hide the second: without a mirror the lines are equal.
+    scene("render_matt_wireframe", sky.replace('reflectance=".3"', ""), render="WIREFRAME", no_render="SHADOW")
     scene("render_idcolor", sky, render="SEGMENT IDCOLOR")
     scene("mirror_transparent", xml(LIGHT + BODIES + '<geom size=".3" pos="0 0 .5" rgba=".3 .9 .3 .5"/><geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/>',
           asset='<material name="m" reflectance=".6"/>'))
@@ -327,6 +334,217 @@ def effects():
           asset='<material name="m" reflectance=".6"/>'), since=(3, 3, 3))
     scene("plane_from_behind", xml(LIGHT + BODIES + FLOOR), free=(140.0, 30.0, 3.0))
     scene("sdf", xml(LIGHT + FLOOR + '<geom type="sdf" mesh="plain" rgba=".8 .4 .2 1"/>', asset=MESHES), since=(3, 3, 0))
+
+
+def sources():
+    """Textures of every kind on every shape, and their images."""
+    fields = HFIELD if VERSION >= (3, 0, 0) else ""
+    for shape in ("sphere", "box", "plane", "infinite_plane", "mesh_uv", "mesh", "hfield", "capsule", "sites"):
+        if shape != "hfield" or fields:
+            scene(f"skybox_on_{shape}", xml(LIGHT + SHAPES[shape], asset=MESHES + fields + SKY + '<material name="m" texture="sky" texrepeat="2 3"/>'))
+    material = '<material name="m" texture="t" texrepeat="2 2"/>'
+    scene("texture_cube_skin", skin_xml(asset=GRADIENT + material, material='material="m"', texcoord=True))
+    # In shadow maps the engine draws a skin without coordinates with those of what it drew before.
+    plain = lambda asset: skin_xml(asset=asset + material, material='material="m"').replace('castshadow="true"', 'castshadow="false"')
+    scene("texture_cube_skin_plain", plain(GRADIENT))
+    scene("texture_2d_skin_plain", plain(CHECKER))
+    for dim in (1, 2, 3):
+        for kind, asset in {"2d": CHECKER, "cube": GRADIENT}.items():
+            scene(f"texture_{kind}_flex_{dim}", flex_xml(dim, asset=asset + material, material='material="m"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
+    file = lambda kind, more: f'<texture name="t" type="{kind}" {more}/>'
+    for name, texture in {
+        "flips": file("2d", 'file="channels3.png" hflip="true"'), "vflip": file("2d", 'file="channels3.png" vflip="true"'),
+        "cube": file("cube", 'file="channels3.png"'),
+        "cube_sides": file("cube", 'fileright="channels3.png" fileup="channels1.png" rgb1=".2 .5 .3"'),
+        "grid": file("cube", 'file="channels3.png" gridsize="2 2" gridlayout="RLUD"'),
+        "random": file("2d", 'builtin="flat" mark="random" random=".1" width="32" height="32" rgb1=".3 .5 .7" markrgb="1 0 0"'),
+        "edge": file("2d", 'builtin="gradient" mark="edge" width="31" height="17" rgb1=".3 .5 .7" rgb2=".9 .2 .2" markrgb="1 1 0"'),
+        "cube_flat": file("cube", 'builtin="flat" mark="edge" width="32" height="192" rgb1=".3 .5 .7" rgb2=".9 .2 .2" markrgb="1 1 0"'),
+        "tiny": file("2d", 'builtin="checker" width="2" height="2" rgb1=".3 .5 .7" rgb2=".9 .2 .2"'),
+        "cube_srgb": file("cube", 'file="channels3.png" colorspace="sRGB"'),
+    }.items():
+        scene(f"texture_file_{name}", xml(LIGHT + SHAPES["box"] + '<geom type="plane" size="2 2 .1" pos="0 0 -.7" material="m"/>', asset=texture + '<material name="m" texture="t"/>'))
+    scene("texture_alpha_shadow", xml(LIGHT + FLOOR + '<geom type="box" size=".3 .3 .3" material="m"/>', asset=file("2d", 'file="channels4.png" nchannel="4"')
+          + '<material name="m" texture="t" rgba="1 1 1 .9"/>'), since=(3, 2, 0))
+    scene("skybox_file", xml(LIGHT + BODIES, asset='<texture type="skybox" file="channels3.png"/>'))
+    scene("skybox_marked", xml(LIGHT + BODIES, asset='<texture type="skybox" builtin="checker" rgb1=".2 .3 .4" rgb2=".4 .6 .8" mark="cross" markrgb="1 1 1" width="32" height="192"/>'), free=(40.0, 20.0, 3.0))
+    scene("skybox_ortho", xml(LIGHT + BODIES, asset=SKY, visual='<global orthographic="true" fovy="3"/>'), since=(3, 1, 0), free=(40.0, -5.0, 3.0))
+    scene("skybox_wide", xml(LIGHT + BODIES, asset=SKY, visual='<global fovy="120"/>'), free=(40.0, 30.0, 3.0))
+
+
+HFIELD = '<hfield name="h" nrow="8" ncol="9" size=".8 .7 .4 .1" elevation="{}"/>'.format(" ".join(str((x * x + 3 * y) % 7) for x in range(9) for y in range(8)))
+TENDONS = (
+    '<site name="a" pos="-.9 0 .6"/><site name="b" pos=".3 0 .1"/><site name="e" pos="1 0 -.1"/><site name="side" pos="0 0 .9"/><site name="f" pos=".4 .5 .3"/>'
+    '<geom name="w" size=".25" pos="-.2 0 .4" rgba=".4 .7 .4 .5"/><geom name="v" type="cylinder" size=".15 .3" pos=".6 0 .05" euler="90 0 0" rgba=".4 .4 .8 1"/>'
+    '<body name="s" pos="0 .7 .2"><joint name="sl" type="slide" axis="0 0 1" range="-.2 .2" limited="true"/><geom size=".1"/><site name="g" pos="-.1 0 0"/></body>'
+)
+
+
+def tendons():
+    strings = lambda more, less="": (
+        f'<tendon><spatial name="wrap" width=".02" rgba=".9 .3 .1 1" {more}><site site="a"/><geom geom="w" sidesite="side"/><site site="b"/><geom geom="v"/><site site="e"/></spatial>'
+        f'<spatial name="pulley" width=".015" {less}><site site="a"/><site site="f"/><pulley divisor="2"/><site site="f"/><site site="g"/><pulley divisor="2"/><site site="b"/><site site="g"/></spatial></tendon>'
+    )
+    scene("tendon_wrap", xml(LIGHT + FLOOR + TENDONS, more=strings("")))
+    scene("tendon_material", xml(LIGHT + FLOOR + TENDONS, asset=CHECKER + '<material name="m" texture="t" texrepeat="3 3"/>', more=strings('material="m"')))
+    scene("tendon_limited", xml(LIGHT + FLOOR + TENDONS, more=strings('limited="true" range="0 1"', 'limited="true" range="5 6"')), visual="CONSTRAINT", steps=3)
+    slack = '<tendon><spatial width=".02" limited="true" range="0 {}" rgba=".2 .3 .9 1"><site site="a"/><site site="b"/></spatial><spatial limited="true" range="0 2"><site site="f"/><site site="g"/></spatial></tendon>'
+    for length in (1.4, 2, 3):
+        scene(f"tendon_slack_{length}", xml(LIGHT + FLOOR + TENDONS, more=slack.format(length)))
+    scene("tendon_off", xml(LIGHT + FLOOR + TENDONS, more=strings("")), no_visual="TENDON")
+    drives = '<actuator><motor tendon="wrap" ctrlrange="-1 1" ctrllimited="true"/><muscle tendon="pulley"/><position joint="sl" ctrlrange="-1 1"/></actuator>'
+    for ctrl in (-1.0, 0.0, 0.3, 1.0):
+        scene(f"tendon_actuated_{ctrl}", xml(LIGHT + FLOOR + TENDONS, more=strings("") + drives), visual="ACTUATOR ACTIVATION JOINT", ctrl=[ctrl] * 3, steps=5)
+        scene(f"tendon_active_{ctrl}", xml(LIGHT + FLOOR + TENDONS, more=strings("") + drives), no_visual="ACTUATOR", visual="ACTIVATION", ctrl=[ctrl] * 3, steps=5)
+
+
+def settings():
+    """Visual settings of a model."""
+    vis = mujoco.MjModel.from_xml_string("<mujoco/>").vis
+    names = lambda part: [name for name in dir(part) if not name.startswith("_")]
+    everything = "JOINT ACTUATOR COM CAMERA LIGHT CONSTRAINT AUTOCONNECT INERTIA CONTACTPOINT CONTACTFORCE CONTACTSPLIT RANGEFINDER ACTIVATION"
+    colours = " ".join(f'{name}="{(37 * k % 10) / 10} {(53 * k % 10) / 10} {(71 * k % 10) / 10} {1 if k % 3 and name != "inertia" else 0.6}"' for k, name in enumerate(names(vis.rgba)))
+    scales = " ".join(f'{name}="{float(getattr(vis.scale, name)) * (1.4 if k % 2 else 0.6):.4g}"' for k, name in enumerate(names(vis.scale)))
+    text = lambda visual: xml(LIGHT + FLOOR + MACHINE, more=MORE, visual=visual)
+    for name, visual in {
+        "rgba": f"<rgba {colours}/>", "scale": f"<scale {scales}/>", "map": '<map stiffness="300" force=".02" torque=".3" alpha=".6" actuatortendon="4"/>',
+        "linewidth": '<global linewidth="4"/>', "glow": '<global glow=".9"/>', "alpha": '<map alpha=".1"/>',
+    }.items():
+        scene(f"settings_{name}", text(visual), visual=everything + (" TRANSPARENT" if name == "alpha" else ""), steps=20)
+    scene("settings_fovy", text('<global fovy="80"/>'))
+    scene("settings_near", text('<map znear=".8" zfar="2"/>'))
+    scene("settings_near_far", text('<map znear=".0005" zfar="500"/>'))
+    scene("settings_headlight", text('<headlight ambient=".5 .1 .1" diffuse="0 .5 .2" specular="1 1 1"/>'))
+    for name, quality in {
+        "coarse": 'numslices="5" numstacks="3" numquads="2"', "fine": 'numslices="90" numstacks="70" numquads="9"', "samples_0": 'offsamples="0"', "samples_8": 'offsamples="8"',
+        "shadow_0": 'shadowsize="0"', "shadow_100": 'shadowsize="100"', "shadow_8192": 'shadowsize="8192"',
+    }.items():
+        scene(f"settings_quality_{name}", text(f"<quality {quality}/>"))
+    for width, height in ((320, 60), (60, 240), (321, 243), (97, 53)):
+        scene(f"size_{width}_{height}", text(""), size=[width, height])
+        scene(f"size_{width}_{height}_sensor", xml(f'{LIGHT}{FLOOR}{BODIES}<camera name="c" pos="1.6 -1.8 1.4" xyaxes="1.8 1.6 0 -.75 .85 1.6" sensorsize=".006 .004" focal=".005 .004" resolution="320 240"/>'),
+              camera="c", size=[width, height], since=(3, 1, 0))
+
+
+def views():
+    """Cameras that move, and what else a program chooses."""
+    moving = MACHINE.replace('<geom name="hand"', '<camera name="m" mode="{}" {} pos="-.5 -1.2 .8" xyaxes="1 .2 0 -.1 .5 1"/><geom name="hand"')
+    for mode in ("fixed", "track", "trackcom", "targetbody", "targetbodycom"):
+        target = 'target="slider"' if "target" in mode else ""
+        scene(f"camera_mode_{mode}", xml(LIGHT + FLOOR + moving.format(mode, target), more=MORE), camera="m", steps=20)
+    lights = MACHINE.replace('<geom name="hand"', '<light mode="{}" {} pos="-.5 -.2 .8" dir="1 0 -1"/><geom name="hand"')
+    for mode in ("fixed", "track", "trackcom", "targetbody", "targetbodycom"):
+        target = 'target="slider"' if "target" in mode else ""
+        scene(f"light_mode_{mode}", xml(FLOOR + lights.format(mode, target), more=MORE), steps=20)
+    text = xml(LIGHT + FLOOR + MACHINE, more=MORE)
+    scene("camera_tracking", text, steps=20, track="fore")
+    scene("camera_ortho_tracking", xml(LIGHT + FLOOR + MACHINE, more=MORE, visual='<global orthographic="true" fovy="2"/>'), steps=20, track="fore", since=(3, 1, 0))
+    for body in ("base", "fore", "free"):
+        for active in (0, 1, 2, 3):
+            scene(f"perturb_{body}_{active}", text, steps=20, visual="PERTFORCE PERTOBJ SELECT", perturb={"body": body, "active": active})
+    scene("perturb_label", text, steps=20, visual="SELECT", label="SELECTION", perturb={"body": "fore", "active": 0})
+    for category in (1, 2, 4, 6):
+        scene(f"category_{category}", text, steps=20, visual="JOINT COM", categories=category)
+    grouped = xml(LIGHT + FLOOR + "".join(f'<geom group="{k}" size=".15" pos="{.4 * k - 1} 0 0"/><site group="{k}" type="box" size=".1 .1 .1" pos="{.4 * k - 1} .5 0"/>' for k in range(6)))
+    for k in range(3):
+        scene(f"groups_{k}", grouped, groups={"geomgroup": [(k + i) % 2 for i in range(6)], "sitegroup": [(k + i) % 3 % 2 for i in range(6)]})
+    scene("transform", text, steps=20, transform={"translate": [0.1, 0.2, -0.3], "rotate": [0.96, 0.0, 0.0, 0.28], "scale": 1.5})
+    scene("transform_small", text, steps=20, visual="CONTACTFORCE JOINT", transform={"translate": [0.1, 0.5, 0.3], "rotate": [0.8, 0.6, 0.0, 0.0], "scale": 0.7})
+    scene("transform_sky", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6" material="m"/>', asset=CHECKER + SKY +
+          '<material name="m" texture="t" texuniform="true" texrepeat="2 2" reflectance=".3"/>'), transform={"translate": [0.0, 0.0, 0.2], "rotate": [1.0, 0.0, 0.0, 0.0], "scale": 1.5})
+    shapes = [
+        {"kind": "SPHERE", "size": [0.2, 0.2, 0.2], "pos": [0.5, 0.5, 0]}, {"kind": "CAPSULE", "size": [0.1, 0.2, 0.2], "pos": [-0.5, 0.5, 0]},
+        {"kind": "ELLIPSOID", "size": [0.1, 0.2, 0.3], "pos": [0.5, -0.5, 0]}, {"kind": "CYLINDER", "size": [0.2, 0.1, 0.1], "pos": [-0.5, -0.5, 0]},
+        {"kind": "BOX", "size": [0.1, 0.2, 0.1], "pos": [0, 0, 0]}, {"kind": "PLANE", "size": [0.3, 0.2, 0], "pos": [0, 0.8, 0.2]},
+        {"kind": "MESH", "size": [0, 0, 0], "pos": [0, 0, 0.4]},
+    ]
+    lines = [{"kind": kind, "size": [0.04], "from": [x, -0.7, 0.2], "to": [x + 0.2, 0.3, 0.7]} for kind, x in
+             (("CAPSULE", -0.9), ("CYLINDER", -0.5), ("ARROW", -0.1), ("ARROW1", 0.3), ("ARROW2", 0.7), ("LINE", 1.0))]
+    for alpha in (1.0, 0.5):
+        for name, geoms in {"shapes": shapes, "lines": lines}.items():
+            colour = [0.9, 0.6, 0.2, alpha]
+            scene(f"decor_{name}_{alpha}", xml(LIGHT + FLOOR, asset=MESHES), decor=[{**geom, "rgba": colour} for geom in geoms])
+            scene(f"decor_{name}_{alpha}_dynamic", xml(LIGHT + FLOOR, asset=MESHES), decor=[{**geom, "rgba": colour, "category": 2} for geom in geoms])
+
+
+def surfaces():
+    """Shapes, materials, mirrors and lights that the parts above leave out."""
+    concave = '<mesh name="star" vertex="{}" {}/>'.format(" ".join(f"{r * np.cos(k):.4f} {r * np.sin(k):.4f} {z}" for z in (-0.2, 0.2) for k, r in ((i * np.pi / 5, 0.6 if i % 2 else 0.25) for i in range(10))), "{}")
+    side = " ".join(f"{i} {(i + 1) % 10} {i + 10} {(i + 1) % 10} {(i + 1) % 10 + 10} {i + 10}" for i in range(10))
+    faces = side + " " + " ".join(f"{(i + 1) % 10} {i} 20 {i + 10} {(i + 1) % 10 + 10} 21" for i in range(10))
+    star = concave.format(f'face="{faces}"').replace('" face', ' 0 0 -.2 0 0 .2" face')
+    world = xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" rgba=".8 .5 .2 1" euler="50 20 0"/>', asset=star)
+    scene("mesh_star", world)
+    scene("mesh_hull", world, visual="CONVEXHULL")
+    scene("mesh_smooth", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" rgba=".8 .5 .2 1" euler="50 20 0"/>', asset=star.replace("<mesh", '<mesh smoothnormal="true"')))
+    scene("mesh_mirrored", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" rgba=".8 .5 .2 1" euler="50 20 0"/>', asset=star.replace("<mesh", '<mesh scale="1 -1.2 .8"')))
+    scene("mesh_cube", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" material="m" euler="50 20 0"/>', asset=star + GRADIENT + '<material name="m" texture="t"/>'))
+    scene("mesh_fitted", xml(LIGHT + FLOOR + '<geom type="capsule" mesh="star" material="m" euler="50 20 0"/>', asset=star + CHECKER + '<material name="m" texture="t"/>'))
+    scene("mesh_volume", world, visual="MESHBVH BODYBVH", depth=2)
+    for name, params in {"sphere": "2", "hemisphere": "6", "cone": "9 .3", "supersphere": "12 .4 1.5", "supertorus": "18 .3 .6 1.2", "wedge": "6 5 90 50 .3", "plate": "4 5"}.items():
+        scene(f"mesh_builtin_{name}", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="b" material="m"/>', asset=f'<mesh name="b" builtin="{name}" params="{params}" scale=".5 .5 .5"/>' + CHECKER
+              + '<material name="m" texture="t" texrepeat="2 3"/>'), since=(3, 3, 6))
+    balls = lambda material: "".join(f'<geom size=".2" pos="{.5 * k - 1} 0 0" material="m{k}"/>' for k in range(5))
+    for name, values in {"emission": (0, 0.3, 0.7, 1, 2), "specular": (0, 0.2, 0.5, 0.8, 1), "shininess": (0, 0.1, 0.4, 0.8, 1), "reflectance": (0, 0.1, 0.5, 0.8, 1)}.items():
+        scene(f"material_{name}", xml(LIGHT + FLOOR + balls(""), asset="".join(f'<material name="m{k}" rgba=".6 .4 .3 1" {name}="{value}"/>' for k, value in enumerate(values))))
+    scene("material_alpha", xml(LIGHT + FLOOR + "".join(f'<geom size=".25" pos="{.4 * k - 1} 0 {.1 * k}" rgba=".9 .5 .2 {value}"/>' for k, value in enumerate((0, 0.01, 0.3, 0.99, 0.995, 1)))))
+    mirror = lambda geoms, reflectance, visual="", more="": xml(LIGHT + BODIES + geoms, asset=CHECKER + SKY + f'<material name="m" reflectance="{reflectance}" rgba=".5 .5 .6 1"/><material name="n" texture="t" texrepeat="3 3" reflectance=".6"/>' + more, visual=visual)
+    box = '<geom type="box" size="1 1 .05" pos="0 0 -.7" euler="10 20 30" material="m"/>'
+    scene("mirror_tilted_box", mirror(box, 0.7))
+    scene("mirror_two", mirror('<geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/><geom type="plane" size="1 1 1" pos="0 1 .4" euler="90 0 0" material="m"/>', 0.6))
+    scene("mirror_full", mirror('<geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/>', 1))
+    scene("mirror_below", mirror('<geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/>', 0.5), free=(140.0, 30.0, 3.0))
+    scene("mirror_infinite", mirror('<geom type="plane" size="0 0 1" pos="0 0 -.6" material="n"/>', 0.5))
+    scene("mirror_half_infinite", mirror('<geom type="plane" size="0 1 1" pos="0 0 -.6" material="n"/>', 0.5))
+    scene("mirror_faint", mirror('<geom type="plane" size="1 1 1" pos="0 0 -.6" material="m" rgba=".5 .6 .7 .6"/>', 0.5))
+    scene("mirror_fog", mirror('<geom type="plane" size="0 0 1" pos="0 0 -.6" material="m"/>', 0.5, visual='<map fogstart="1" fogend="3"/>'), render="FOG")
+    scene("mirror_vertical", mirror('<geom type="plane" size="1 1 1" pos="-.8 0 0" euler="0 90 0" material="m"/>' + FLOOR, 0.6))
+    scene("mirror_wireframe", mirror('<geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/>', 0.5), render="WIREFRAME", no_render="SHADOW")
+    scene("mirror_skin", skin_xml(asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'))
+    scene("mirror_flex", flex_xml(3, asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
+    scene("fog_transparent", xml(LIGHT + FLOOR + BODIES + '<geom size=".4" pos="0 0 .3" rgba=".3 .9 .3 .4"/>', asset=SKY, visual='<map fogstart="1" fogend="2.5"/><rgba fog=".7 .2 .2 1"/>'), render="FOG")
+    for haze in (0.1, 0.8):
+        scene(f"haze_{haze}", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY, visual=f'<map haze="{haze}"/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0))
+    scene("haze_tilted", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6" euler="10 0 0"/>', asset=SKY), free=(140.0, -5.0, 3.0))
+    scene("haze_two_planes", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/><geom type="plane" size="0 0 1" pos="0 -4 0" euler="-90 0 0" rgba=".5 .3 .3 1"/>', asset=SKY), free=(140.0, -5.0, 3.0))
+    for name, light in {
+        "down": '<light pos="0 0 2" dir="0 0 -1"/>', "down_directional": '<light directional="true" pos="0 0 2" dir="0 0 -1"/>', "wide": '<light pos="0 0 1" dir="0 0 -1" cutoff="90"/>',
+        "all_round": '<light pos="0 0 1" dir="0 0 -1" cutoff="180"/>', "inside": '<light pos=".5 .3 .1" dir="0 0 -1"/>', "bright": '<light pos="1 -1 2" dir="-.5 .5 -1" diffuse="3 3 3" ambient="1 0 0"/>',
+        "exponent": '<light pos="1 -1 2" dir="-.5 .5 -1" exponent="100" cutoff="60"/>', "inactive": '<light pos="1 -1 2" dir="-.5 .5 -1" active="false"/>', "up": '<light pos="0 0 -2" dir="0 0 1"/>',
+        "dark_attenuated": '<light pos="1 -1 2" dir="-.5 .5 -1" attenuation="0 1 0"/>', "horizontal": '<light directional="true" pos="2 0 0" dir="-1 0 0"/>',
+        "eleven": "".join(f'<light pos="{np.cos(k):.3f} {np.sin(k):.3f} 2" dir="0 0 -1" diffuse=".1 .1 .1" castshadow="false"/>' for k in range(11)),
+        "coloured_shadows": "".join(f'<light directional="true" pos="0 0 3" dir="{np.cos(2 * k):.3f} {np.sin(2 * k):.3f} -1" diffuse="{" ".join(".5" if i == k else "0" for i in range(3))}"/>' for k in range(3)),
+    }.items():
+        scene(f"lamp_{name}", xml(light + FLOOR + BODIES))
+    # The engine adds a light with a shadow map once for each of the surfaces that coincide.
+    lit = LIGHT.replace('castshadow="true"', 'castshadow="false"')
+    pairs = ('material="m"', 'rgba=".9 .5 .2 1"', 'material="n"')
+    for order in (pairs, pairs[::-1], (pairs[1], pairs[0], pairs[2])):
+        scene(f"coincident_{pairs.index(order[0])}_{pairs.index(order[2])}", xml(lit + FLOOR + "".join(
+              f'<geom type="box" size=".3 .3 .3" pos="-.5 0 0" {look}/><geom size=".3" pos=".4 0 0" {look}/><geom type="mesh" mesh="plain" pos="0 .8 0" {look}/>' for look in order),
+              asset=MESHES + CHECKER + '<texture name="u" type="cube" builtin="flat" width="8" height="48" rgb1=".2 .8 .4"/><material name="m" texture="t"/><material name="n" texture="u"/>'))
+    scene("coincident_decor", xml(lit + FLOOR + '<body><freejoint/><geom type="box" size=".3 .2 .3" rgba=".9 .5 .2 1"/></body>', visual='<rgba inertia=".2 .8 .9 1"/>'), visual="INERTIA")
+    line = lambda y, z: {"kind": "LINE", "size": [3], "from": [-0.9, y, z], "to": [0.9, y, z], "rgba": [0.25, 0.2, 0.1, 1.0]}
+    for count in (0, 1, 2, 6):
+        lamps = "".join(f'<light pos="{k / 2 - 1} -1 3" dir="{(1 - k / 2) / 3} .3 -1" diffuse=".3 .3 .3"/>' for k in range(count))
+        scene(f"lines_shadows_{count}", xml(lamps + FLOOR + BODIES + '<geom type="box" size=".4 .4 .02" pos="0 0 .8"/>'), decor=[line(-0.6, -0.2), line(0, 0.5), line(0.4, -0.3)])
+    scene("lines_fog", xml(LIGHT + FLOOR + BODIES, visual='<map fogstart="1" fogend="4"/><rgba fog=".2 .3 .5 1"/>'), decor=[line(-0.6, -0.2), line(0, 0.5)], render="FOG")
+    scene("shadow_transparent", xml(LIGHT + FLOOR + '<geom size=".3" rgba=".3 .9 .3 .4"/><geom type="box" size=".2 .2 .2" pos=".7 0 0" rgba=".9 .2 .2 .99"/>'))
+    scene("shadow_skin", skin_xml().replace("castshadow", 'name="l2" castshadow').replace('name="lamp" ', ""))
+    scene("shadow_mesh", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" rgba=".8 .5 .2 1" euler="50 20 0"/>', asset=star), no_render="CULL_FACE")
+    scene("shadow_sites", xml(LIGHT + FLOOR + SHAPES["sites"].replace('material="m"', "")))
+    machine = xml(LIGHT + FLOOR + MACHINE, more=MORE, asset=SKY)
+    scene("wireframe_machine", machine, steps=20, render="WIREFRAME", no_render="SHADOW", visual="CONTACTPOINT CONTACTFORCE JOINT")
+    scene("wireframe_star", world, render="WIREFRAME", no_render="SHADOW")
+    scene("wireframe_hfield", xml(LIGHT + SHAPES["hfield"].replace('material="m"', ""), asset=HFIELD), render="WIREFRAME", no_render="SHADOW", since=(3, 0, 0))
+    scene("wireframe_skin", skin_xml(), render="WIREFRAME", no_render="SHADOW")
+    scene("wireframe_flex", flex_xml(2), render="WIREFRAME", no_render="SHADOW", since=(3, 0, 0), lookat=(0, 0, 0.5))
+    scene("additive", machine, steps=20, render="ADDITIVE", visual="TRANSPARENT")
+    scene("both_sides", xml(LIGHT + FLOOR + BODIES + '<geom type="mesh" mesh="tetra"/>', asset=MESHES), no_render="CULL_FACE", camera=None, lookat=(0.3, 0.3, 0.2), free=(140.0, -25.0, 0.4))
+    scene("inside_box", xml(LIGHT + '<geom type="box" size="1 1 1"/><geom size=".2"/>'), free=(140.0, -25.0, 0.8))
+    scene("flat_skin", flex_xml(3).replace("<flexcomp", '<flexcomp flatskin="true"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
+    scene("skin_inflated", skin_xml().replace("<skin ", '<skin inflate=".08" '))
+    scene("skin_transparent", skin_xml(material='rgba=".3 .6 .8 .4"'))
 
 
 def flags(names, kind, prefix):
@@ -344,6 +562,7 @@ def draw(row, out, is_recorded=False):
         path.write_text(row["xml"])
         model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
+    data.ctrl[:] = row.setdefault("ctrl", [0.0] * model.nu)
     for _ in range(row["steps"]):
         mujoco.mj_step(model, data)
     for key in ("qpos", "qvel", "act"):
@@ -352,6 +571,7 @@ def draw(row, out, is_recorded=False):
         mujoco.mj_resetData(model, data)
         for key in ("qpos", "qvel", "act"):
             getattr(data, key)[:] = row[key]
+        data.ctrl[:] = row["ctrl"]
         mujoco.mj_forward(model, data)
     else:
         mujoco.mj_forward(model, data)
@@ -364,6 +584,16 @@ def draw(row, out, is_recorded=False):
     options.frame = getattr(mujoco.mjtFrame, "mjFRAME_" + row["frame"])
     if VERSION >= (3, 0, 0):
         options.flex_layer, options.bvh_depth = row["flex_layer"], row["bvh_depth"]
+    for kind, shown in row.get("groups", {}).items():
+        getattr(options, kind)[:] = shown
+    pulled = mujoco.MjvPerturb()
+    if "perturb" in row:
+        body = model.body(row["perturb"]["body"]).id
+        pulled.select, pulled.active = body, row["perturb"]["active"]
+        pulled.refpos[:] = data.xipos[body] + [0.2, 0.1, 0.3]
+        if hasattr(pulled, "refselpos"):
+            pulled.refselpos[:] = pulled.refpos
+        pulled.refquat[:], pulled.localpos[:] = [0.8, 0.6, 0, 0], [0.05, 0.0, 0.05]
     camera = mujoco.MjvCamera()
     if row["camera"]:
         camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(row["camera"]).id
@@ -371,25 +601,43 @@ def draw(row, out, is_recorded=False):
         if hasattr(mujoco, "mjv_defaultFreeCamera"):
             mujoco.mjv_defaultFreeCamera(model, camera)
         camera.type, camera.lookat[:] = mujoco.mjtCamera.mjCAMERA_FREE, row["lookat"]
+        if "track" in row:
+            camera.type, camera.trackbodyid = mujoco.mjtCamera.mjCAMERA_TRACKING, model.body(row["track"]).id
         camera.distance, camera.azimuth, camera.elevation = row["distance"], row["azimuth"], row["elevation"]
     picture = mujoco.MjvScene(model, maxgeom=20_000)
     for index in flags(row["render"], mujoco.mjtRndFlag, "mjRND_"):
         picture.flags[index] = 1
     for index in flags(row["no_render"], mujoco.mjtRndFlag, "mjRND_"):
         picture.flags[index] = 0
-    everything = mujoco.mjtCatBit.mjCAT_ALL.value
+    categories = row.get("categories", mujoco.mjtCatBit.mjCAT_ALL.value)
     # Infinite planes are centred at the viewpoint of the previous update.
     for _ in range(2):
-        mujoco.mjv_updateScene(model, data, options, mujoco.MjvPerturb(), camera, everything, picture)
+        mujoco.mjv_updateScene(model, data, options, pulled, camera, categories, picture)
+    if "transform" in row:
+        picture.enabletransform = 1
+        picture.translate[:], picture.rotate[:] = row["transform"]["translate"], row["transform"]["rotate"]
+        picture.scale = row["transform"]["scale"]
+    for new in row.get("decor", []):
+        geom = picture.geoms[picture.ngeom]
+        kind, colour = getattr(mujoco.mjtGeom, "mjGEOM_" + new["kind"]), np.array(new["rgba"], np.float32)
+        if "from" in new:
+            mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_NONE, np.zeros(3), np.zeros(3), np.eye(3).flatten(), colour)
+            if hasattr(mujoco, "mjv_connector"):
+                mujoco.mjv_connector(geom, kind, new["size"][0], np.array(new["from"]), np.array(new["to"]))
+            else:
+                mujoco.mjv_makeConnector(geom, kind, new["size"][0], *new["from"], *new["to"])
+        else:
+            mujoco.mjv_initGeom(geom, kind, np.array(new["size"], float), np.array(new["pos"], float), np.eye(3).flatten(), colour)
+        geom.category, geom.segid = new.get("category", mujoco.mjtCatBit.mjCAT_DECOR.value), picture.ngeom
+        geom.dataid = 0 if new["kind"] == "MESH" else -1
+        picture.ngeom += 1
     row["geoms"] = picture.ngeom
+    WIDTH, HEIGHT = row.setdefault("size", SIZE)
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
     opengl = mujoco.GLContext(WIDTH, HEIGHT)
     opengl.make_current()
     context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
-    reversed_z = VERSION >= (3, 0, 1)
-    if reversed_z:
-        context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
     area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
     rgb, depth = np.empty((HEIGHT, WIDTH, 3), np.uint8), np.empty((HEIGHT, WIDTH), np.float32)
     mujoco.mjr_render(area, picture, context)
@@ -400,6 +648,14 @@ def draw(row, out, is_recorded=False):
         context.free()
         opengl.free()
         return
+    # Depths and ids of round shapes, not of polyhedra with 28 slices.
+    context.free()
+    model.vis.quality.numslices = model.vis.quality.numstacks = 200
+    context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
+    reversed_z = VERSION >= (3, 0, 1)
+    if reversed_z:
+        context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
     for name in ("SEGMENT", "IDCOLOR"):
         picture.flags[getattr(mujoco.mjtRndFlag, "mjRND_" + name)] = 1
     if hasattr(mujoco.mjtRndFlag, "mjRND_DEPTH"):
@@ -444,13 +700,20 @@ def encoded(width, height, channels, pixels):
 
 
 def record():
-    global WIDTH, HEIGHT
-    WIDTH, HEIGHT = RECORDED_SIZE
+    global SIZE
+    SIZE = RECORDED_SIZE
     out = Path(__file__).parent / "recorded" / mujoco.__version__
     out.mkdir(parents=True, exist_ok=True)
-    rows = [row for row in SCENES if row["name"] in RECORDED]
-    for row in rows:
-        draw(row, out, is_recorded=True)
+    rows = []
+    for row in SCENES:
+        if row["name"] not in RECORDED:
+            continue
+        try:
+            draw(row, out, is_recorded=True)
+        except ValueError as error:
+            print(f"{row['name']}: {error}")
+            continue
+        rows.append(row)
         # An image that equals that of 4.0.0 is not stored twice.
         image, other = (folder / f"{row['name']}.png" for folder in (out, out.parent / "4.0.0"))
         if other != image and other.exists() and other.read_bytes() == image.read_bytes():
@@ -459,7 +722,7 @@ def record():
 
 
 def main():
-    for part in (cameras, textures, lights, flexes, decoration, effects):
+    for part in (cameras, textures, lights, flexes, decoration, effects, sources, tendons, settings, views, surfaces):
         part()
     if sys.argv[1] == "--record":
         return record()
@@ -475,7 +738,7 @@ def main():
             print(f"{row['name']}: {error}")
             continue
         rows.append(row)
-    (out / "scenes.json").write_text(json.dumps({"version": mujoco.__version__, "width": WIDTH, "height": HEIGHT, "scenes": rows}))
+    (out / "scenes.json").write_text(json.dumps({"version": mujoco.__version__, "scenes": rows}))
     print(f"{len(rows)} scenes of MuJoCo {mujoco.__version__}")
 
 
