@@ -105,11 +105,11 @@
 //! roles than the base colour. (Engines from 3.5 and before 3.17 draw point and image lights, which shine along the view.) Textures with one or two channels are white. A renderer also logs the fields and constants of an engine that
 //! this crate does not know.
 //!
-//! In a comparison with the official bindings of 4.0.0, at most 0.7 % of the pixels differed in 519 of 535 scenes with 320 × 240 pixels, in colours,
+//! In a comparison with the official bindings of 4.0.0, at most 0.7 % of the pixels differed in 521 of 535 scenes with 320 × 240 pixels, in colours,
 //! depths and segmentations. The bindings of 3.17.0 draw the same images as those of 4.0.0. Of the others, scenes with labels (another font) differ by
 //! up to 5 %; lines exactly on the near plane by 1.9 %; wireframes of a mirror, which the engine adds once for each polygon that shares a line, by
-//! 6.8 %; thousands of adjacent lines by 2.1 %; lit floors near the edges of shadow maps of directional lights, where the engine's have shadows of
-//! themselves, by 2.8 %; wide lines in segmentations, which OpenGL draws wide along x or y instead of across, by 1.4 %.
+//! 6.8 %; thousands of adjacent lines by 2.1 % (for an unknown reason); lit floors near the edges of shadow maps of directional lights, where the engine's have shadows of
+//! themselves, by 2.8 %.
 //!
 //! # Drivers
 //!

@@ -24,16 +24,14 @@ const LIMIT: f64 = 0.007;
 const DEPTH: f32 = 0.001;
 
 /// Scenes with a wider limit: the start of their names, their limit, and the reason.
-const WIDER: [(&str, f64, &str); 9] = [
+const WIDER: [(&str, f64, &str); 7] = [
     ("label", 0.05, "another font"),
     ("camera_ortho_decor", 0.03, "labels have another font"),
     ("islands_contacts", 0.025, "labels have another font"),
     ("visual_frustum_inside", 0.025, "lines lie exactly on the near plane; visual_frustum_behind is equal"),
-    ("rangefinder_camera", 0.03, "thousands of lines side by side: rasterisers differ at their edges"),
+    ("rangefinder_camera", 0.03, "thousands of lines side by side; the cause is not proven"),
     ("render_wireframe", 0.08, "the engine adds a mirror once per polygon; render_matt_wireframe is equal"),
     ("lamp_coloured_shadows", 0.03, "the engine's lit floor shadows itself near the edges of shadow maps"),
-    ("settings_linewidth", 0.02, "lines of segmentations are wide along x or y in OpenGL"),
-    ("mesh_volume", 0.01, "lines of segmentations are wide along x or y in OpenGL"),
 ];
 
 /// Results of a scene: shares of the pixels that differ, in colour, depth and segmentation.

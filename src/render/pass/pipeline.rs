@@ -231,6 +231,7 @@ impl Pipelines {
                 key.pass_kind,
                 PassKind::MirrorOpaque { clip: true } | PassKind::MirrorTransparent { clip: true }
             ),
+            aliased: key.samples == 1,
         };
         if !shader.has_lights() {
             shader.lights = &[];

@@ -24,9 +24,14 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     let a = mix(start, end, cut.x);
     let b = mix(start, end, cut.y);
     let along = (b.xy / max(b.w, 1e-20) - a.xy / max(a.w, 1e-20)) * view.pixels.xy;
-    let across = vec2f(-along.y, along.x) * inverseSqrt(max(dot(along, along), 1e-20));
+    var across = vec2f(-along.y, along.x) * inverseSqrt(max(dot(along, along), 1e-20));
     // OpenGL draws no line narrower than a pixel.
-    let width = max(instance.material.x * view.pixels.z, 1.0);
+    var width = max(instance.material.x * view.pixels.z, 1.0);
+//#if ALIASED
+    // Without multisampling its lines have a whole number of pixels along x or y.
+    across = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), abs(along.y) > abs(along.x));
+    width = round(width);
+//#end
     let centre = mix(a, b, vertex.position.x);
     let offset = across * vertex.position.y * width / view.pixels.xy * centre.w;
     out.position = select(vec4f(centre.xy + offset, centre.zw), vec4f(0.0, 0.0, -1.0, 1.0), is_hidden);

@@ -68,6 +68,8 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) quad_edges: bool,
     /// Fragments behind the clipping plane are discarded.
     pub(crate) clip: bool,
+    /// The image has one sample per pixel.
+    pub(crate) aliased: bool,
 }
 
 impl ShaderVariant<'_> {
@@ -147,6 +149,7 @@ impl ShaderVariant<'_> {
             ("MATERIAL", self.reads(7)),
             ("FOG", self.fog),
             ("CLIP", self.clip),
+            ("ALIASED", self.aliased),
             ("HAZE", self.kind == ShaderKind::Sky { haze: true }),
         ];
         let is_textured = self.texture_kind == TextureKind::D2;

@@ -38,6 +38,7 @@ const SURFACE: ShaderVariant<'static> = ShaderVariant {
     blended: false,
     quad_edges: false,
     clip: false,
+    aliased: false,
 };
 
 #[test]
@@ -84,6 +85,7 @@ fn every_shader_is_valid_with_every_option() {
                         let texture_kind = if output == Output::Color { texture_kind } else { TextureKind::None };
                         let lights = &[features(0b111_1110), features(1)];
                         let [fog, clip, quad_edges, blended] = [1, 2, 4, 8].map(|bit| bits & bit == bit);
+                        let aliased = fog != clip;
                         check(&ShaderVariant {
                             kind,
                             output,
@@ -94,6 +96,7 @@ fn every_shader_is_valid_with_every_option() {
                             blended,
                             quad_edges,
                             clip,
+                            aliased,
                         });
                     }
                 }
