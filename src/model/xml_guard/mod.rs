@@ -8,6 +8,7 @@ mod files;
 mod fusion;
 mod limits;
 mod place;
+mod plugins;
 mod readings;
 mod simulation;
 mod tags;
@@ -26,6 +27,7 @@ use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
 use self::fusion::Fusion;
 use self::place::{Candidate, Place};
+use self::plugins::Plugins;
 use self::readings::Readings;
 use self::simulation::{Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
@@ -142,6 +144,7 @@ struct ModelState {
     expansion: Expansion,
     readings: Readings,
     urdf: Urdf,
+    plugins: Plugins,
 }
 
 /// Text in a file, and the path at which the compiler finds it.
@@ -167,6 +170,7 @@ impl<'f> Check<'f> {
             inner.urdf.check_chains(MOST_NESTED).map_err(|(position, why)| reject(at_line(&why, text, position)))?;
         let size = inner.expansion.finish(chain).map_err(reject)?;
         inner.readings.check(size.elements()).map_err(reject)?;
+        inner.plugins.check().map_or(Ok(()), |why| Err(reject(why)))?;
         Ok((size, inner.readings))
     }
 
@@ -229,6 +233,7 @@ impl<'f> Check<'f> {
                 }
                 _ => {}
             }
+            self.model.plugins.record(&tag);
             self.muscles.record(&tag, self.depth > 0);
             self.rangefinders.record(&tag, source_name);
             self.fusion.start(&tag, outer + depth, self.depth > 0);

@@ -86,10 +86,19 @@ fn valid_texts_are_accepted() {
         "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
         "<flexcomp type='box'><pin id='0'/></flexcomp><flexcomp type='grid'><pin grid='1 1 1'/></flexcomp>",
         "<flexcomp dof='trilinear' cellcount='2 1 1'/>",
+        "<extension><plugin plugin='a'><instance name='i'/></plugin></extension><plugin plugin='a' instance='i'/>",
         "<compiler meshdir='parts'/><hfield file='a'/>",
         "<texture file='&#97;.png'/>",
         "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",
     ] {
         assert_eq!(message(text), "");
     }
+}
+
+#[test]
+#[cfg(all(engine_since = "2.3.0", not(engine_since = "3.17.0")))]
+fn references_to_missing_instances_of_plugins_are_rejected() {
+    let text =
+        "<extension><plugin plugin='a'><instance name='i'/></plugin></extension><plugin plugin='a' instance='j'/>";
+    assert!(message(text).contains("the plugin instance 'j' does not exist"));
 }
