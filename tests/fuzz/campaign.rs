@@ -13,7 +13,7 @@ use crate::report::{Counts, Finding, Report};
 use crate::worker::{self, MISBEHAVE, PANICKED, REJECTED, WORKED};
 
 /// Cases per child. Each child has to load its models.
-const LARGEST_BATCH: u64 = 25_000;
+const LARGEST_BATCH: u64 = 200_000;
 /// Time after which a case is considered to hang.
 const LONGEST_CASE: Duration = Duration::from_secs(20);
 /// Address space of a child, KiB.

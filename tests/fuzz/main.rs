@@ -7,13 +7,19 @@
 //! cargo test --test fuzz -- case sequences 123
 //! ```
 //!
+//! the calls of other seeds with the models of files are made by
+//!
+//! ```text
+//! cargo test --test fuzz -- use 0 100 first.xml second.xml
+//! ```
+//!
 //! and the time that the models and the calls of cases take is listed by
 //!
 //! ```text
 //! cargo test --release --test fuzz -- profile sequences 0 10000
 //! ```
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod campaign;
 mod report;
@@ -27,11 +33,26 @@ use std::process::ExitCode;
 use campaign::Campaign;
 use fuzz::Target;
 
+/// Loads the plugins of the wheel that contains the engine, if it is from a wheel. They are used in
+/// sequences of calls only: the sensor `touch_grid` of 3.5 and 3.17 crashes on a damaged text.
+#[allow(unsafe_code, reason = "plugins are code")]
+fn load_plugins() {
+    let directory = option_env!("MUJOCO_DIR").map(|directory| std::path::Path::new(directory).join("plugin"));
+    if let Some(directory) = directory.filter(|directory| directory.is_dir()) {
+        // SAFETY: the plugins of the wheel that contains the engine.
+        unsafe { mujoco_safe::load_plugins(directory) }.expect("the plugins do not load");
+    }
+}
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let target = |name: &str| Target::ALL.into_iter().find(|target| target.name() == name);
     let number = |text: &str| text.parse::<u64>().unwrap_or_else(|error| panic!("{text}: {error}"));
+    let is_text = Target::ALL.iter().any(|target| *target != Target::Sequences && words.get(1) == Some(&target.name()));
+    if !is_text {
+        load_plugins();
+    }
     match words[..] {
         ["worker", worker::MISBEHAVE, first, end] => {
             worker::misbehave(number(first)..number(end));
@@ -47,6 +68,10 @@ fn main() -> ExitCode {
         }
         ["case", name, seed] => {
             worker::show(target(name).expect("an unknown target"), number(seed));
+            ExitCode::SUCCESS
+        }
+        ["use", first, end, ref paths @ ..] => {
+            worker::use_files(paths, number(first)..number(end));
             ExitCode::SUCCESS
         }
         ["campaign", ref options @ ..] => match Campaign::from_options(options) {

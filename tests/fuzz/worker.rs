@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::fuzz::{Target, Verdict};
+use crate::fuzz::{self, Target, Verdict};
 
 /// Bytes that a child writes to its standard output after a case.
 pub const WORKED: u8 = 1;
@@ -96,6 +96,30 @@ pub fn show(target: Target, seed: u64) {
     let pools = Pools::new();
     let verdict = pools.one.install(|| pools.run(target, seed, &mut |what| println!("{what}")));
     println!("{verdict:?}");
+}
+
+/// Makes the calls of seeds with the models of files, in this process. Prints each file, whether it
+/// is a model, and the seeds that panic.
+pub fn use_files(paths: &[&str], seeds: Range<u64>) {
+    std::panic::set_hook(Box::new(|_| ()));
+    let pools = Pools::new();
+    for path in paths {
+        let text = std::fs::read_to_string(path).expect("a text");
+        print!("{path}:");
+        let _ = std::io::stdout().flush();
+        for seed in seeds.clone() {
+            let case = || pools.one.install(|| fuzz::use_text(&text, seed, &mut |_| ()));
+            match catch_unwind(AssertUnwindSafe(case)) {
+                Ok(Verdict::Worked) => {}
+                Ok(Verdict::Rejected) => {
+                    print!(" rejected");
+                    break;
+                }
+                Err(_) => print!(" panic with {seed}"),
+            }
+        }
+        println!();
+    }
 }
 
 /// Prints the time per model and per action, longest first. Runs in this process.

@@ -1,20 +1,44 @@
 //! Elements and types of the linked engine that the corpus lacks.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::path::Path;
 
-use mujoco_safe::Model;
+use mujoco_safe::{Model, built_against};
 
 use super::models;
 
-/// Types of actuators in MJCF.
-const TYPES: [(&str, &[&str]); 3] = [
-    ("dyntype", &["none", "integrator", "filter", "filterexact", "muscle", "dcmotor", "pid", "user"]),
-    ("gaintype", &["fixed", "affine", "muscle", "dcmotor", "so3", "pid", "user"]),
-    ("biastype", &["none", "affine", "muscle", "dcmotor", "so3", "user"]),
+/// Returns an array of a model.
+type Array = fn(&Model) -> &[i32];
+
+/// Enums of the engine, and the arrays with their values.
+const ENUMS: [(&str, Array); 12] = [
+    ("mjtJoint", Model::jnt_type),
+    ("mjtGeom", Model::geom_type),
+    ("mjtCamLight", Model::cam_mode),
+    ("mjtTexture", Model::tex_type),
+    ("mjtEq", Model::eq_type),
+    ("mjtWrap", Model::wrap_type),
+    ("mjtTrn", Model::actuator_trntype),
+    ("mjtDyn", Model::actuator_dyntype),
+    ("mjtGain", Model::actuator_gaintype),
+    ("mjtBias", Model::actuator_biastype),
+    ("mjtSensor", Model::sensor_type),
+    ("mjtDataType", Model::sensor_datatype),
 ];
 
-/// Returns the elements and the types of actuators of the linked engine that no model of the corpus has. Plugins are not loaded.
+/// Constants that no text leads to. No engine implements constraints of distances, and MJCF of 4.0
+/// has none of the vertices of a flex.
+const UNUSED: &[&str] = if cfg!(engine_since = "4.0.0") {
+    &["mjWRAP_NONE", "mjEQ_DISTANCE", "mjEQ_FLEXVERT"]
+} else {
+    &["mjWRAP_NONE", "mjEQ_DISTANCE"]
+};
+
+/// Values above which an enum has constants for the visualiser, and for missing values.
+const MOST: i32 = 100;
+
+/// Returns the elements of the linked engine's schema and the constants of its enums that no model
+/// of the corpus has. The elements and the constants of plugins count if the plugins are loaded.
 pub fn missing() -> Vec<String> {
     let mut covered = BTreeMap::new();
     let mut used: BTreeSet<(&str, i32)> = BTreeSet::new();
@@ -27,50 +51,48 @@ pub fn missing() -> Vec<String> {
         if let Some(element) = element {
             covered.insert(element, loaded.is_some());
         }
-        used.extend(loaded.iter().flat_map(|model| types(model)));
-    }
-    // The compiler of 2.2.2 rejects constraints of distances, which have no implementation.
-    let is_absent = |element: &str| {
-        element.contains("plugin") || element.starts_with("extension") || element == "equality/distance"
-    };
-    let mut missing: Vec<String> = covered
-        .into_iter()
-        .filter(|(element, covered)| !covered && !is_absent(element))
-        .map(|(element, _)| element)
-        .collect();
-    for (attribute, names) in TYPES {
-        for name in names {
-            let text = probe(attribute, name);
-            if let Some((_, found)) = text.iter().flat_map(types).find(|(of, _)| *of == attribute)
-                && !used.contains(&(attribute, found))
-            {
-                missing.push(format!("{attribute} {name}"));
+        if let Some(model) = loaded {
+            for (name, array) in ENUMS {
+                used.extend(array(model).iter().map(|&value| (name, value)));
             }
         }
     }
-    missing
-}
-
-/// Returns the types of actuators in a model.
-fn types(model: &Arc<Model>) -> Vec<(&'static str, i32)> {
-    let of = |attribute: &'static str, types: &[i32]| types.iter().map(|&found| (attribute, found)).collect::<Vec<_>>();
-    [
-        of("dyntype", model.actuator_dyntype()),
-        of("gaintype", model.actuator_gaintype()),
-        of("biastype", model.actuator_biastype()),
-    ]
-    .concat()
-}
-
-/// Returns a model with an actuator of this type, if the engine has it.
-fn probe(attribute: &str, name: &str) -> Option<Arc<Model>> {
-    let others = match name {
-        "pid" => r#"dyntype="pid" gaintype="pid" biastype="affine" dynprm="1 1""#.to_owned(),
-        "dcmotor" => r#"dyntype="dcmotor" gaintype="dcmotor" biastype="dcmotor" dynprm="1" gainprm="1 1""#.to_owned(),
-        _ => format!(r#"{attribute}="{name}" lengthrange="-1 1""#),
+    let has_plugins = has_plugin("mujoco.pid");
+    let is_expected = |name: &str| match name {
+        // The compiler of 2.2.2 rejects constraints of distances.
+        "equality/distance" => false,
+        // No wheel since 3.5 has a plugin for flexes, and that of 4.0 has none for passive forces.
+        name if name.starts_with("body/flexcomp/plugin") => false,
+        name if name.starts_with("body/plugin") => has_plugin("mujoco.elasticity.cable"),
+        name if name.starts_with("body/composite/plugin") => {
+            has_plugin("mujoco.elasticity.cable") && models::loaded(models::index_of("cable plugin")).is_none()
+        }
+        name => has_plugins || !(name.contains("plugin") || name.starts_with("extension")),
     };
-    let text = format!(
-        r#"<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody><actuator><general joint="j" {others}/></actuator></mujoco>"#
-    );
-    Model::from_xml_str(&text).ok().map(Arc::new)
+    let elements =
+        covered.into_iter().filter(|(element, covered)| !covered && is_expected(element)).map(|(element, _)| element);
+    let constants = constants().into_iter().filter(|(name, constant, value)| {
+        let is_of_plugin = ["mjSENS_PLUGIN", "mjGEOM_SDF"].contains(&&constant[..]);
+        !used.contains(&(*name, *value)) && (has_plugins || !is_of_plugin)
+    });
+    elements.chain(constants.map(|(_, constant, _)| constant)).collect()
+}
+
+fn has_plugin(name: &str) -> bool {
+    Model::from_xml_str(&format!("<mujoco><extension><plugin plugin='{name}'/></extension></mujoco>")).is_ok()
+}
+
+/// Returns the constants of [`ENUMS`] that the linked engine has: enum, name, value.
+fn constants() -> Vec<(&'static str, String, i32)> {
+    let file = format!("mujoco-sys/src/bindings/v{}.rs", built_against().to_string().replace('.', "_"));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let bindings = std::fs::read_to_string(path).expect("the bindings of an engine with tests are in the repository");
+    let constant = |line: &str| {
+        let (name, rest) = line.strip_prefix("pub const ")?.split_once(": ")?;
+        let (kind, value) = rest.trim_end_matches(';').split_once(" = ")?;
+        let (kind, _) = ENUMS.into_iter().find(|(found, _)| *found == kind)?;
+        let value = value.parse().ok().filter(|&value| value < MOST)?;
+        (!name.starts_with("mjN") && !UNUSED.contains(&name)).then(|| (kind, name.to_owned(), value))
+    };
+    bindings.lines().filter_map(constant).collect()
 }

@@ -111,3 +111,8 @@ impl Target {
         }
     }
 }
+
+/// Loads a text and makes a sequence of calls with an accepted model.
+pub fn use_text(text: &str, seed: u64, log: &mut dyn FnMut(&str)) -> Verdict {
+    schema::load_and_call(text, 60, &mut Bytes::new(&bytes::of_seed(seed, 0)), log)
+}

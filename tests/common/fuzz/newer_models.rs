@@ -15,7 +15,7 @@ const fn version(major: u32, minor: u32, patch: u32) -> Version {
     Version { major, minor, patch }
 }
 
-pub(super) const NEWER: [Newer; 15] = [
+pub(super) const NEWER: [Newer; 17] = [
     Newer { name: "rope", share: 240, since: Some(version(3, 5, 0)), text: ROPE },
     Newer { name: "cloth", share: 160, since: Some(version(3, 5, 0)), text: CLOTH },
     Newer { name: "soft block", share: 120, since: Some(version(3, 5, 0)), text: BLOCK },
@@ -31,6 +31,8 @@ pub(super) const NEWER: [Newer; 15] = [
     Newer { name: "strain", share: 120, since: Some(version(3, 17, 0)), text: STRAIN },
     Newer { name: "all actuators", share: 400, since: Some(version(3, 17, 0)), text: ALL_ACTUATORS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
+    Newer { name: "plugins", share: 120, since: None, text: PLUGINS },
+    Newer { name: "cable plugin", share: 60, since: None, text: CABLE },
 ];
 
 /// A rope with a pinned end, on a floor and a ball.
@@ -318,6 +320,47 @@ const IPC: &str = r#"<mujoco>
   <worldbody>
     <geom type="plane" size="1 1 .1"/>
     <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".08 .08 .08" pos="0 0 .05" dim="2" radius=".005" mass=".2"/>
+  </worldbody>
+</mujoco>"#;
+
+/// All plugins of a wheel except that of cables. Loads if the program has loaded the plugins.
+const PLUGINS: &str = r#"<mujoco>
+  <size memory="1M"/>
+  <option iterations="10" sdf_iterations="5" sdf_initpoints="10"/>
+  <extension>
+    <plugin plugin="mujoco.pid"><instance name="pid"><config key="kp" value="40"/><config key="ki" value="5"/><config key="kd" value="1"/><config key="imax" value="3"/><config key="slewmax" value="3"/></instance></plugin>
+    <plugin plugin="mujoco.sensor.touch_grid"/>
+    <plugin plugin="mujoco.sdf.torus"><instance name="torus"><config key="radius1" value=".2"/><config key="radius2" value=".1"/></instance></plugin>
+    <plugin plugin="mujoco.sdf.bowl"><instance name="bowl"/></plugin><plugin plugin="mujoco.sdf.gear"><instance name="gear"/></plugin>
+    <plugin plugin="mujoco.sdf.nut"><instance name="nut"/></plugin><plugin plugin="mujoco.sdf.bolt"><instance name="bolt"/></plugin>
+  </extension>
+  <asset>
+    <mesh name="torus"><plugin instance="torus"/></mesh><mesh name="bowl"><plugin instance="bowl"/></mesh><mesh name="gear"><plugin instance="gear"/></mesh>
+    <mesh name="nut"><plugin instance="nut"/></mesh><mesh name="bolt"><plugin instance="bolt"/></mesh>
+  </asset>
+  <worldbody>
+    <geom type="plane" size="0 0 1"/><geom type="sdf" mesh="bowl" pos="0 0 .5"><plugin instance="bowl"/></geom>
+    <body pos="0 0 .6"><freejoint/><geom type="sdf" mesh="torus"><plugin instance="torus"/></geom><site name="pad" size=".1"/></body>
+    <body pos="0 0 .2"><joint name="a" axis="0 1 0"/><geom type="sdf" mesh="gear" mass="1"><plugin instance="gear"/></geom></body>
+    <body pos="1 0 .2"><freejoint/><geom type="sdf" mesh="nut"><plugin instance="nut"/></geom></body>
+    <body pos="1 0 .1"><joint name="b" type="slide" axis="0 0 1"/><geom type="sdf" mesh="bolt"><plugin instance="bolt"/></geom></body>
+  </worldbody>
+  <actuator><plugin joint="a" plugin="mujoco.pid" instance="pid" actdim="2"/><motor joint="a"/><plugin joint="b" plugin="mujoco.pid"><config key="kp" value="3"/></plugin></actuator>
+  <sensor><jointpos joint="a"/>
+    <plugin name="grid" plugin="mujoco.sensor.touch_grid" objtype="site" objname="pad"><config key="size" value="3 2"/><config key="fov" value="40 30"/><config key="gamma" value="0"/><config key="nchannel" value="3"/></plugin>
+  </sensor>
+</mujoco>"#;
+
+/// The plugin of engines before 4.0.
+const CABLE: &str = r#"<mujoco>
+  <size memory="400K"/>
+  <extension><plugin plugin="mujoco.elasticity.cable"/></extension>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/>
+    <composite type="cable" curve="s" count="5 1 1" size=".4" offset="0 0 .1" initial="none">
+      <plugin plugin="mujoco.elasticity.cable"><config key="twist" value="1e5"/><config key="bend" value="1e6"/><config key="vmax" value=".1"/></plugin>
+      <joint kind="main" damping=".1"/><geom type="capsule" size=".01" density="1000"/>
+    </composite>
   </worldbody>
 </mujoco>"#;
 

@@ -12,15 +12,21 @@ const MOST_CALLS: usize = 6;
 
 pub(super) fn hostile_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let text = schema_models::hostile(&mut |end| bytes.below(end));
+    load_and_call(&text, MOST_CALLS, bytes, log)
+}
+
+/// Loads a text that may name the files of the schema's models, and makes calls with an accepted
+/// model.
+pub(super) fn load_and_call(text: &str, calls: usize, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let files = schema_models::files().iter().map(|(name, content)| ((*name).to_owned(), content.clone()));
-    let Some(model) = text::load(&text, &files.collect::<Vec<_>>(), log).map(Arc::new) else {
+    let Some(model) = text::load(text, &files.collect::<Vec<_>>(), log).map(Arc::new) else {
         return Verdict::Rejected;
     };
     let verdict = use_model(model.clone(), log);
     if is_small(&model)
         && let Ok(data) = Data::new(model.clone())
     {
-        sequence::make_calls(model, data, MOST_CALLS, bytes, log);
+        sequence::make_calls(model, data, calls, bytes, log);
     }
     verdict
 }

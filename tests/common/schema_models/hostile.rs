@@ -47,6 +47,12 @@ pub fn hostile(below: &mut dyn FnMut(usize) -> usize) -> String {
     static ELEMENTS: OnceLock<Vec<Element>> = OnceLock::new();
     let elements = ELEMENTS.get_or_init(schema::elements);
     let mut document = rig();
+    // Half of the texts have one extreme number and are valid otherwise, because the compiler
+    // rejects most of the others.
+    if below(2) == 0 {
+        one_extreme(&mut document, &elements[below(elements.len())], below);
+        return document.text();
+    }
     for _ in 0..=below(3) {
         let element = &elements[below(elements.len())];
         let all = specimens::of(&element.path);
@@ -70,6 +76,26 @@ pub fn hostile(below: &mut dyn FnMut(usize) -> usize) -> String {
         damage(&mut document, below);
     }
     document.text()
+}
+
+/// Inserts an element with a sensible value of an attribute, in which one word is extreme.
+fn one_extreme(document: &mut Node, element: &Element, below: &mut dyn FnMut(usize) -> usize) {
+    let Element { path, attributes, .. } = element;
+    let all = specimens::of(path);
+    let specimen = &all[below(all.len())];
+    specimen.insert(document);
+    if attributes.is_empty() {
+        return;
+    }
+    let attribute = Attribute { element: path.clone(), name: attributes[below(attributes.len())].clone() };
+    let candidates = values::candidates(&attribute, document);
+    let sensible = candidates.get(below(candidates.len())).cloned().unwrap_or_default();
+    let mut words: Vec<&str> = sensible.split_whitespace().collect();
+    let numbers: Vec<usize> = (0..words.len()).filter(|&at| words[at].parse::<f64>().is_ok()).collect();
+    if let Some(&at) = numbers.get(below(numbers.len())) {
+        words[at] = NUMBERS[below(NUMBERS.len())];
+    }
+    specimen.find(document, path).set(&attribute.name, &words.join(" "));
 }
 
 /// Returns a value similar to another, with an extreme part.
