@@ -55,6 +55,13 @@ pub(super) fn product(tag: &Tag<'_>, name: &[u8], more: u64) -> u64 {
         .fold(1, u64::saturating_mul)
 }
 
+/// Roles of textures in a material.
+const ROLES: [&str; 9] = ["rgb", "occlusion", "roughness", "metallic", "normal", "opacity", "emissive", "rgba", "orm"];
+
+fn is_role(role: &[u8]) -> bool {
+    ROLES.iter().any(|known| known.as_bytes() == role)
+}
+
 /// Returns the number of nodes of the cells of a flex. A quadratic cell has twice the nodes of a trilinear one along each axis.
 fn nodes(tag: &Tag<'_>) -> u64 {
     let is_quadratic = tag.attribute(b"dof").as_deref() == Some(b"quadratic");
@@ -85,6 +92,10 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             Some("cellcount must not be 0".to_owned())
         }
         _ if nodes(tag) > MOST_NODES => Some("a flex is too large".to_owned()),
+        // The compiler of 3.5 raises an error that keeps it locked.
+        b"layer" if cfg!(not(engine_since = "3.17.0")) && !tag.attribute(b"role").is_none_or(|role| is_role(&role)) => {
+            Some(format!("the role of a layer must be one of {}", ROLES.join(", ")))
+        }
         b"texture" => {
             let width = size(tag, b"width", 0);
             // A cube map is six squares.

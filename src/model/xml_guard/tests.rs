@@ -41,6 +41,8 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         ("<flexcomp count='1000 1000 1'/>", "32766 bodies"),
         ("<flexcomp count='3 3 46341' dof='trilinear'/>", "a flex is too large"),
         ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
+        #[cfg(not(engine_since = "3.17.0"))]
+        ("<material><layer texture='t' role='x'/></material>", "the role of a layer must be one of rgb, occlusion"),
         ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must not be 0"),
         ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
         #[cfg(not(engine_since = "4.0.0"))]
