@@ -99,7 +99,7 @@ fn all_fields(model: &Model) -> BTreeMap<&'static str, Vec<f64>> {
 }
 
 /// Writable arrays that `update_constants` computes.
-const DERIVED: [&str; 16] = [
+const DERIVED: [&str; 15] = [
     "geom_rbound",
     "body_subtreemass",
     "body_invweight0",
@@ -115,7 +115,6 @@ const DERIVED: [&str; 16] = [
     "tendon_invweight0",
     "actuator_acc0",
     "actuator_length0",
-    "nnames",
 ];
 
 /// Sets the values that differ, in writable arrays. Returns their names.
