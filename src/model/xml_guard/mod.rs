@@ -6,6 +6,7 @@ mod assets;
 mod expansion;
 mod files;
 mod fusion;
+mod joint_types;
 mod limits;
 mod place;
 mod plugins;
@@ -26,6 +27,7 @@ use self::assets::Format;
 use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
 use self::fusion::Fusion;
+use self::joint_types::JointTypes;
 use self::place::{Candidate, Place};
 use self::plugins::Plugins;
 use self::readings::Readings;
@@ -88,6 +90,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         muscles: Muscles::default(),
         rangefinders: Rangefinders::default(),
         fusion: Fusion::default(),
+        joint_types: JointTypes::default(),
     };
     check.model(source_name, text, &Rc::new(Place::new(files.directory)))?;
     check.assets()?;
@@ -97,7 +100,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
             format!("adhesion needs an njmax of at least {LEAST_NJMAX}, or the njmax that the compiler computes");
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
-    if let Some(message) = check.fusion.check() {
+    if let Some(message) = check.fusion.check().or_else(|| check.joint_types.check()) {
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
     check.rangefinders.check()?;
@@ -136,6 +139,7 @@ struct Check<'f> {
     muscles: Muscles,
     rangefinders: Rangefinders,
     fusion: Fusion,
+    joint_types: JointTypes,
 }
 
 /// State of the check of one model and the texts that it includes.
@@ -195,6 +199,7 @@ impl<'f> Check<'f> {
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
                 self.fusion.end(outer + depth);
+                self.joint_types.end(outer + depth);
                 continue;
             }
             if let Err(why) = self.model.expansion.start(&tag, outer + depth) {
@@ -237,6 +242,7 @@ impl<'f> Check<'f> {
             self.muscles.record(&tag, self.depth > 0);
             self.rangefinders.record(&tag, source_name);
             self.fusion.start(&tag, outer + depth, self.depth > 0);
+            self.joint_types.start(&tag, outer + depth);
             self.record_files(&tag, source_name, place);
             if self.folders.len() > MOST_FOLDERS {
                 return reject(tag.position, &format!("the model has more than {MOST_FOLDERS} asset directories"));

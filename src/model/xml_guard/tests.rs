@@ -43,6 +43,11 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
         #[cfg(not(engine_since = "3.17.0"))]
         ("<material><layer texture='t' role='x'/></material>", "the role of a layer must be one of rgb, occlusion"),
+        #[cfg(all(engine_since = "3.2.0", not(engine_since = "3.17.0")))]
+        (
+            "<default><default class='c'><joint type='ball'/></default></default><joint type='hinge'/><replicate/>",
+            "state the types in the joints only",
+        ),
         ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must not be 0"),
         ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
         #[cfg(not(engine_since = "4.0.0"))]
@@ -88,6 +93,9 @@ fn valid_texts_are_accepted() {
         "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
         "<flexcomp type='box'><pin id='0'/></flexcomp><flexcomp type='grid'><pin grid='1 1 1'/></flexcomp>",
         "<flexcomp dof='trilinear' cellcount='2 1 1'/>",
+        "<default><joint type='ball'/></default><joint type='free'/><joint/><joint type='ball'/><key/>",
+        "<default><joint type='hinge'/></default><joint type='ball'/><joint type='hinge'/><key/>",
+        "<default><joint type='ball'/></default><joint type='hinge'/>",
         "<extension><plugin plugin='a'><instance name='i'/></plugin></extension><plugin plugin='a' instance='i'/>",
         "<compiler meshdir='parts'/><hfield file='a'/>",
         "<texture file='&#97;.png'/>",
