@@ -3,7 +3,8 @@
 //! An array without a line in the table has no mutable accessor, because nobody has examined what depends on it. `updated by` is
 //!
 //! - `none`: nothing depends on the array;
-//! - `edit`: what depends on it is updated at the end of an edit, before any simulation with the model;
+//! - `edit`: what depends on it is updated at the end of an edit, before any simulation with the
+//!   model. Quantities after a semicolon are updated by `ModelMut::update_constants`;
 //! - `constants`: what depends on it is updated by `ModelMut::update_constants`;
 //! - `computed`: the array itself depends on others, and `update_constants` overwrites it.
 
@@ -33,12 +34,17 @@ pub(super) fn documentation(array: &str) -> String {
         }
         list.split(' ').map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
     };
+    let updated = |what, derived| format!("{constants} updates {what}: {}.", names(derived));
     let mut text = match updated_by {
-        "edit" => format!(
-            "The engine finds the contacts of the new values at once, and as fast as before after {constants} or [`edit_model`](crate::Data::edit_model). Derived quantities: {}.",
-            names(derived)
-        ),
-        "constants" => format!("{constants} updates the quantities that depend on it: {}.", names(derived)),
+        "edit" => {
+            let (bounds, others) = derived.split_once(';').unwrap_or((derived, ""));
+            let others = if others.is_empty() { String::new() } else { format!(" {}", updated("the others", others)) };
+            format!(
+                "The engine finds the contacts of the new values at once, and as fast as before after {constants} or [`edit_model`](crate::Data::edit_model). Derived quantities: {}.{others}",
+                names(bounds)
+            )
+        }
+        "constants" => updated("the quantities that depend on it", derived),
         "computed" => format!("{constants} overwrites it."),
         _ => String::new(),
     };
@@ -69,7 +75,7 @@ mod tests {
             assert!(is_field(array), "{array}");
             let [updated_by, derived, _] = columns(array).unwrap();
             assert!(["none", "edit", "constants", "computed"].contains(&updated_by), "{line}");
-            for name in derived.split(' ').filter(|name| name.contains('_')) {
+            for name in derived.split([' ', ';']).filter(|name| name.contains('_')) {
                 assert!(is_field(name), "{name} of {array}");
             }
         }

@@ -127,7 +127,8 @@ fields!(Camera on Model {
     pos0: [f64; 3] = cam_pos0;
     /// Orientation in the reference configuration, as a row-major rotation matrix.
     mat0: [f64; 9] = cam_mat0;
-    /// Vertical field of view, degrees.
+    /// Vertical field of view, degrees. It has no effect on a camera with a `sensorsize`, whose focal lengths
+    /// determine its view.
     fovy: f64 = cam_fovy, set_fovy in cam_fovy_mut;
     /// Interpupillary distance for stereoscopic rendering, m.
     ipd: f64 = cam_ipd, set_ipd in cam_ipd_mut;

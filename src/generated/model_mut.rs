@@ -8,7 +8,7 @@ use crate::model::ModelMut;
 impl ModelMut<'_> {
     /// Returns [`qpos0`](crate::Model::qpos0) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: key_qpos.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: key_qpos, the relative poses of welds, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn qpos0_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -19,7 +19,7 @@ impl ModelMut<'_> {
 
     /// Returns [`qpos_spring`](crate::Model::qpos_spring) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `tendon_lengthspring`.
+    /// Not updated: the length of the springs of tendons without a springlength.
     #[inline]
     pub fn qpos_spring_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -30,7 +30,7 @@ impl ModelMut<'_> {
 
     /// Returns [`body_pos`](crate::Model::body_pos) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_pos of a simulation, the rest shapes and the stiffness of flexes.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `dof_length`. Not updated: qpos0 of a free joint, mocap_pos of a simulation, the rest shapes and the stiffness of flexes, the relative poses of welds, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn body_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -41,7 +41,7 @@ impl ModelMut<'_> {
 
     /// Returns [`body_quat`](crate::Model::body_quat) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`. Not updated: qpos0 of a free joint, mocap_quat of a simulation.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `dof_length`. Not updated: qpos0 of a free joint, mocap_quat of a simulation, the relative poses of welds, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn body_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nbody();
@@ -52,7 +52,7 @@ impl ModelMut<'_> {
 
     /// Returns [`body_ipos`](crate::Model::body_ipos) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `cam_poscom0`, `light_poscom0`, `body_sameframe`, `body_simple`, `bvh_aabb`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `cam_poscom0`, `light_poscom0`, `body_sameframe`, `body_simple`, `bvh_aabb`, `geom_sameframe`, `site_sameframe`, `dof_length`.
     #[inline]
     pub fn body_ipos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_inertial_frame_flags();
@@ -64,7 +64,7 @@ impl ModelMut<'_> {
 
     /// Returns [`body_iquat`](crate::Model::body_iquat) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `body_sameframe`, `body_simple`, `bvh_aabb`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_invweight0`, `actuator_acc0`, `stat.meanmass`, `stat.meaninertia`, `body_sameframe`, `body_simple`, `bvh_aabb`, `geom_sameframe`, `site_sameframe`.
     #[inline]
     pub fn body_iquat_mut(&mut self) -> &mut [[f64; 4]] {
         self.clear_inertial_frame_flags();
@@ -150,7 +150,7 @@ impl ModelMut<'_> {
 
     /// Returns [`jnt_pos`](crate::Model::jnt_pos) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`, `dof_length`. Not updated: the length of the springs of tendons without a springlength.
     #[inline]
     pub fn jnt_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_simple_body_flags();
@@ -162,7 +162,7 @@ impl ModelMut<'_> {
 
     /// Returns [`jnt_axis`](crate::Model::jnt_axis) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `body_invweight0`, `dof_invweight0`, `dof_M0`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`, `cam_pos0`, `cam_poscom0`, `cam_mat0`, `light_pos0`, `light_poscom0`, `light_dir0`, `eq_data`, `stat.meaninertia`, `body_simple`. Not updated: the length of the springs of tendons without a springlength.
     #[inline]
     pub fn jnt_axis_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_simple_body_flags();
@@ -308,7 +308,7 @@ impl ModelMut<'_> {
 
     /// Returns [`geom_size`](crate::Model::geom_size) for writing.
     ///
-    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `geom_rbound`, `geom_aabb`, `bvh_aabb`, `dof_length`. Not updated: mass and inertia of the body, geom_fluid.
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `geom_rbound`, `geom_aabb`, `bvh_aabb`. [`update_constants`](crate::ModelMut::update_constants) updates the others: `dof_length`, `geom_fluid`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`. Not updated: mass and inertia of the body, geom_fluid with engines before 3.17, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn geom_size_mut(&mut self) -> &mut [[f64; 3]] {
         self.loosen_bounds();
@@ -331,7 +331,7 @@ impl ModelMut<'_> {
 
     /// Returns [`geom_pos`](crate::Model::geom_pos) for writing.
     ///
-    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. Not updated: mass and inertia of the body.
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. [`update_constants`](crate::ModelMut::update_constants) updates the others: `dof_length`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`. Not updated: mass and inertia of the body, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn geom_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_geom_frame_flags();
@@ -343,7 +343,7 @@ impl ModelMut<'_> {
 
     /// Returns [`geom_quat`](crate::Model::geom_quat) for writing.
     ///
-    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. Not updated: mass and inertia of the body.
+    /// The engine finds the contacts of the new values at once, and as fast as before after [`update_constants`](crate::ModelMut::update_constants) or [`edit_model`](crate::Data::edit_model). Derived quantities: `bvh_aabb`, `geom_sameframe`. [`update_constants`](crate::ModelMut::update_constants) updates the others: `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`. Not updated: mass and inertia of the body, the length of the springs of tendons without a springlength.
     #[inline]
     pub fn geom_quat_mut(&mut self) -> &mut [[f64; 4]] {
         self.clear_geom_frame_flags();
@@ -425,7 +425,7 @@ impl ModelMut<'_> {
 
     /// Returns [`site_pos`](crate::Model::site_pos) for writing.
     ///
-    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `site_sameframe`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: `site_sameframe`, `tendon_length0`, `tendon_invweight0`, `actuator_length0`, `actuator_acc0`. Not updated: the length of the springs of tendons without a springlength.
     #[inline]
     pub fn site_pos_mut(&mut self) -> &mut [[f64; 3]] {
         self.clear_site_frame_flags();
@@ -522,6 +522,8 @@ impl ModelMut<'_> {
     }
 
     /// Returns [`cam_fovy`](crate::Model::cam_fovy) for writing.
+    ///
+    /// Not updated: the focal lengths of a camera with a sensorsize, which determine its view instead.
     #[inline]
     pub fn cam_fovy_mut(&mut self) -> &mut [f64] {
         let rows = self.ncam();
