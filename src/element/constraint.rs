@@ -7,9 +7,9 @@ use crate::id::{BodyId, GeomId, Id, JointId, SiteId, TendonId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
-/// Number of parameters: 11 in 2.2.2.
 /// Offset of the ids of bodies in the signature of an exclusion.
 const FIRST_BODY: usize = if cfg!(engine_since = "3.0.0") { 0 } else { 1 };
+/// Number of parameters: 11 in 2.2.2.
 const DATA: usize = mujoco_sys::mjNEQDATA as usize;
 
 fields!(Equality on Model {
@@ -44,7 +44,8 @@ fields!(Equality on Model {
     solimp: [f64; 5] = eq_solimp, solimp_mut in eq_solimp_mut;
     /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body, then in that of the second, m.
     /// Weld: the anchor in the frame of the second body, then in that of the first, the relative orientation as a unit quaternion
-    /// `[w, x, y, z]`, and the scale of torques. Joint and tendon: the five coefficients of the polynomial.
+    /// `[w, x, y, z]`, the scale of torques, and with newer engines 1 if the compiler computed the
+    /// relative pose. Joint and tendon: the five coefficients of the polynomial.
     data: {&'a [f64; DATA]} = |equality| &equality.owner.eq_data()[equality.index()];
 });
 

@@ -6,7 +6,7 @@
 //! therefore clears the flags that depend on them, which is always correct and a little slower.
 //! [`update_constants`](ModelMut::update_constants) recomputes the flags.
 
-use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
+use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE, mjSAMEFRAME_INERTIAROT};
 
 use super::{Model, ModelMut};
 use crate::ffi;
@@ -17,6 +17,8 @@ use crate::{error::Error, kind::Kind, version::built_against};
 const NEITHER: u8 = 0;
 const BODY: u8 = 1;
 const INERTIA: u8 = 2;
+/// Flags of frames that follow the inertial frame, or with newer engines only its orientation.
+const INERTIAL: [u8; 2] = [INERTIA, mjSAMEFRAME_INERTIAROT as u8];
 
 /// Expands to a mutable slice of an array of flags.
 macro_rules! flags {
@@ -46,7 +48,7 @@ impl ModelMut<'_> {
         self.loosen_boxes();
         flags!(self.body_sameframe).fill(NEITHER);
         for frames in [flags!(self.geom_sameframe), flags!(self.site_sameframe)] {
-            for frame in frames.iter_mut().filter(|frame| **frame == INERTIA) {
+            for frame in frames.iter_mut().filter(|frame| INERTIAL.contains(frame)) {
                 *frame = NEITHER;
             }
         }
@@ -65,7 +67,8 @@ impl ModelMut<'_> {
 
     /// Computes all flags by the compiler's rules. The caller must then update `dof_M0`, the inertias of simple bodies.
     pub(super) fn compute_flags(&mut self) {
-        // Newer engines compute the flags of frames themselves, and the others determine the sparsity of matrices.
+        // Engines since 3.11 compute the flags of frames themselves. With those between, cleared
+        // flags stay cleared. The other flags determine the sparsity of matrices.
         if cfg!(engine_since = "2.3.0") {
             return;
         }

@@ -25,7 +25,7 @@ use crate::kind::Kind;
 ///
 /// The compiler derived other quantities from these values: each accessor lists them. Bounds for collision detection are updated
 /// automatically, and masks of geoms take effect at once. All others need a call of [`update_constants`](Self::update_constants) after
-/// changes of masses, inertias, positions or gears.
+/// changes of masses, inertias, positions or gears, and of sizes of geoms that tendons wrap around.
 ///
 /// The access is exclusive:
 ///
@@ -136,7 +136,9 @@ impl<'m> ModelMut<'m> {
 
     /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
     /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
-    /// frames and of bodies that move independently (`body_sameframe`, `body_simple` and the like), which speed up the engine.
+    /// frames (`body_sameframe` and the like), and with 2.2.2 those of bodies that move
+    /// independently (`body_simple`), which speed up the engine. With engines from 2.3 to 3.10 an
+    /// edit clears the flags of frames for good, which is correct and a little slower.
     /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`, except
     /// values of the user, and `meaninertia` of a model with armature of tendons. `meansize`, `extent` and `center` keep their values.
     /// Trees that an edited stiffness or damping of a tendon couples do not sleep afterwards, unless the user has set their policy.
@@ -147,8 +149,11 @@ impl<'m> ModelMut<'m> {
     /// the end of [`Data::edit_model`](crate::Data::edit_model).
     ///
     /// Quantities that only the compiler computes keep their values: masses of bodies from geoms, `qpos0` of free joints from the poses
-    /// of their bodies, the virtual masses in `geom_fluid`, `actuator_lengthrange` (see
-    /// [`set_length_range`](crate::ModelMut::set_length_range)), and relative poses of welds.
+    /// of their bodies, the virtual masses in `geom_fluid` (newer engines, from 3.17, compute them
+    /// from the sizes, also if they were edited), `actuator_lengthrange` (see
+    /// [`set_length_range`](crate::ModelMut::set_length_range)), relative poses of welds, lengths
+    /// of springs of tendons without a `springlength`, and parameters of actuators with a damping
+    /// ratio.
     ///
     /// # Errors
     ///
@@ -195,6 +200,9 @@ impl<'m> ModelMut<'m> {
         self.compute_flags();
         self.update_bounds();
         let modes = (self.cam_mode().to_vec(), self.light_mode().to_vec());
+        let biases = self.actuator_biasprm().to_vec();
+        #[cfg(engine_since = "3.17.0")]
+        let welds = self.eq_data().to_vec();
         #[cfg(engine_since = "3.0.0")]
         let masks = self.model.hide_geoms_without_box();
         // SAFETY: a model that is borrowed exclusively, and a data that was created for it.
@@ -205,6 +213,11 @@ impl<'m> ModelMut<'m> {
             self.model.set_masks(&masks);
             self.update_bounds();
         }
+        // Since 3.1.6, and not in 3.17, the engine takes a positive factor of the velocity for a
+        // damping ratio and replaces it.
+        self.actuator_biasprm_mut().copy_from_slice(&biases);
+        #[cfg(engine_since = "3.17.0")]
+        self.restore_welds(&welds);
         if result.is_err() {
             // The inertias of simple bodies may not have been computed.
             self.clear_simple_body_flags();
@@ -218,6 +231,21 @@ impl<'m> ModelMut<'m> {
         #[cfg(engine_since = "3.5.0")]
         self.keep_coupled_trees_awake();
         result
+    }
+
+    /// Restores the relative poses of welds that the engine has computed from `qpos0`, because the
+    /// text gives none. A pose that differs from the computed one is marked as given, as in a text,
+    /// because the engine does not save it otherwise.
+    #[cfg(engine_since = "3.17.0")]
+    fn restore_welds(&mut self, before: &[[f64; sys::mjNEQDATA as usize]]) {
+        /// Place of the flag of computed poses.
+        const COMPUTED: usize = 11;
+        for equality in (0..self.neq()).filter(|&equality| before[equality][COMPUTED] != 0.0) {
+            if self.eq_type()[equality] as u32 == sys::mjEQ_WELD && self.eq_data()[equality] != before[equality] {
+                self.eq_data_mut()[equality] = before[equality];
+                self.eq_data_mut()[equality][COMPUTED] = 0.0;
+            }
+        }
     }
 
     /// Keeps trees awake that a tendon with stiffness or damping connects, as the compiler does if the user sets no policy. The compiler

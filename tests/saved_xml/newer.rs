@@ -77,3 +77,21 @@ fn edits_of_elements_of_newer_engines_are_saved_or_named() {
     assert_eq!(lost.is_empty(), is_carried, "{lost:?}");
     assert_eq!(again.options().ls_iterations, 40);
 }
+
+#[test]
+fn an_edited_pose_of_a_weld_is_saved_after_an_update() {
+    let _lock = super::lock_engine();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("weld.xml");
+    let mut model = Model::from_xml_str(
+        "<mujoco><worldbody>
+           <body name='one'><freejoint/><geom size='.1'/></body><body name='two' pos='1 0 0'><freejoint/><geom size='.1'/></body>
+         </worldbody><equality><weld name='grasp' body1='one' body2='two'/></equality></mujoco>",
+    )
+    .unwrap();
+    model.edit().equality_mut("grasp").unwrap().data_mut()[3..10].copy_from_slice(&[0.0, 0.0, 0.5, 0.6, 0.8, 0.0, 0.0]);
+    model.edit().update_constants().unwrap();
+    assert_eq!(lost(|| model, &path).unwrap(), [""; 0]);
+    let again = Model::from_xml_path(&path).unwrap();
+    assert_eq!(again.equality("grasp").unwrap().data()[3..10], [0.0, 0.0, 0.5, 0.6, 0.8, 0.0, 0.0]);
+}

@@ -5,6 +5,7 @@
 
 mod attributes;
 mod batch;
+mod constants;
 mod generator;
 mod outcome;
 mod texts;

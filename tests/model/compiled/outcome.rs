@@ -20,7 +20,7 @@ pub(super) enum Outcome {
 
 /// Fields that differ without a difference in any result: flags by which the engine skips computations, which edits clear, and hierarchies
 /// of boxes, in which an edited model keeps the order of the geoms.
-const WITHOUT_EFFECT: [&str; 15] = [
+pub(super) const WITHOUT_EFFECT: [&str; 15] = [
     "body_sameframe",
     "geom_sameframe",
     "site_sameframe",
@@ -82,7 +82,7 @@ pub(super) fn contains(all: &[(String, f64)], some: &[(String, f64)]) -> bool {
     some.iter().all(|(pair, dist)| all.iter().any(|(other, at)| other == pair && is_close(*at, *dist, 1e-9)))
 }
 
-fn is_close(left: f64, right: f64, tolerance: f64) -> bool {
+pub(super) fn is_close(left: f64, right: f64, tolerance: f64) -> bool {
     left.to_bits() == right.to_bits() || (left - right).abs() <= tolerance * left.abs().max(right.abs()).max(1e-3)
 }
 
