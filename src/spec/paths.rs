@@ -17,12 +17,14 @@ pub(super) fn is_asset(tree: &Tree, index: Index) -> bool {
 
 /// Returns the directory in which the compiler looks for the files of an asset, relative to that of the model.
 pub(super) fn directory_of(tree: &Tree, index: Index) -> Option<&str> {
-    let attribute = match tree.tag(index) {
+    let specific = match tree.tag(index) {
         "model" => return None,
         "texture" => "texturedir",
         _ => "meshdir",
     };
-    setting(tree, attribute).or_else(|| setting(tree, "assetdir"))
+    // A later section overrides an earlier one, whichever of the two attributes it has.
+    let of_section = |section: Index| tree.attribute(section, specific).or_else(|| tree.attribute(section, "assetdir"));
+    tree.sections("compiler").rev().find_map(of_section)
 }
 
 /// Returns an attribute of `compiler`; a later section overrides an earlier one.

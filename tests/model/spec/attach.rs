@@ -243,6 +243,39 @@ fn assets_are_found_in_the_directory_of_their_spec() {
     assert_eq!(spec.compile_with(&LoadOptions::default().with_files(&files)).unwrap().nmesh(), 1);
 }
 
+/// A later section of `compiler` overrides an earlier one, whichever attribute it has.
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn the_last_section_determines_the_directory_of_an_asset() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in [("a", assets::obj()), ("b", assets::obj())] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+        let text = String::from_utf8(content).unwrap();
+        // The mesh in `b` is larger.
+        let text = if name == "b" { text.replace("v 0.3", "v 0.6") } else { text };
+        std::fs::write(folder.path().join(name).join("m.obj"), text).unwrap();
+    }
+    for sections in [
+        "<compiler meshdir='a'/><compiler assetdir='b'/>",
+        "<compiler assetdir='b'/><compiler meshdir='a'/>",
+        "<compiler assetdir='a' meshdir='b'/>",
+        "<compiler meshdir='b' assetdir='a'/><compiler texturedir='a'/>",
+    ] {
+        let path = folder.path().join("model.xml");
+        let text = format!(
+            "<mujoco model='m'>{sections}<asset><mesh file='m.obj'/></asset>
+             <worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>"
+        );
+        std::fs::write(&path, text).unwrap();
+        let expected = Model::from_xml_path(&path).unwrap();
+        let mut spec = Spec::new("m");
+        let mount = Mount::body(spec.world());
+        spec.attach(&Spec::from_xml_path(&path).unwrap(), mount, "p_").unwrap();
+        let model = spec.compile().unwrap();
+        assert_eq!(model.mesh_vert(), expected.mesh_vert(), "{sections}");
+    }
+}
+
 #[test]
 fn conflicts_are_errors_and_change_nothing() {
     let mut spec = parse(CHILD);
