@@ -22,8 +22,10 @@ pub(super) enum Meaning {
     Prefix,
     /// Name of another element.
     Reference(Named),
-    /// Names of other elements, separated by spaces.
-    References(Named),
+    /// Name of a body whose pose counts, not only its elements.
+    Frame,
+    /// Names of such bodies, separated by spaces.
+    Frames,
     /// Name of another element whose kind is in another attribute, such as `objtype` for `objname`.
     Object,
     /// Orientation in the unit of angles, for `euler` also in the order of rotations.
@@ -130,7 +132,8 @@ fn meaning(word: &str) -> Meaning {
         "agreed" => return Meaning::Agreed,
         "converted" => return Meaning::Converted,
         "ours" => return Meaning::Ours,
-        "bodies" => return Meaning::References(Named::Kind(Kind::Body)),
+        "bodyframe" => return Meaning::Frame,
+        "bodyframes" => return Meaning::Frames,
         "class" => Named::Class,
         "flex" => Named::Flex,
         "instance" => Named::Instance,

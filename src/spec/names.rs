@@ -136,6 +136,8 @@ pub(super) struct Referring<'t> {
     pub(super) class: Named,
     /// The attribute has several names, separated by spaces. Elsewhere a space is a part of the name.
     is_list: bool,
+    /// The pose of the body counts, not only its elements.
+    pub(super) is_frame: bool,
 }
 
 impl Referring<'_> {
@@ -152,25 +154,24 @@ impl Referring<'_> {
 }
 
 /// Returns the attributes of an element that refer to other elements.
-pub(super) fn references(tree: &Tree, index: Index) -> Vec<Referring<'_>> {
+pub(super) fn references<'t>(tree: &'t Tree, index: Index) -> Vec<Referring<'t>> {
     let meanings = attributes::meanings(tree, index);
     let node = tree.node(index);
-    let referring = |attribute: &'_ str| {
-        let (class, is_list) = match meanings.get(attribute)? {
-            Meaning::Reference(class) => (*class, false),
-            Meaning::References(class) => (*class, true),
+    let referring = |attribute: &'t str| {
+        let (class, is_list, is_frame) = match meanings.get(attribute)? {
+            Meaning::Reference(class) => (*class, false, false),
+            Meaning::Frame => (Named::Kind(Kind::Body), false, true),
+            Meaning::Frames => (Named::Kind(Kind::Body), true, true),
             // The attribute `objtype` or `reftype` has the class.
             Meaning::Object => {
                 let kind = node.attribute(&attribute.replace("name", "type"))?;
-                (class_of_type(kind)?, false)
+                (class_of_type(kind)?, false, tree.parent(index).is_some_and(|parent| tree.tag(parent) == "sensor"))
             }
             _ => return None,
         };
-        Some((class, is_list))
+        Some(Referring { attribute, class, is_list, is_frame })
     };
-    let all = node.attributes.iter();
-    all.filter_map(|(name, _)| referring(name).map(|(class, is_list)| Referring { attribute: name, class, is_list }))
-        .collect()
+    node.attributes.iter().filter_map(|(name, _)| referring(name)).collect()
 }
 
 /// Returns `true` if an attribute of an element has a list of names.

@@ -11,9 +11,10 @@ use std::path::{Path, PathBuf};
 use self::angles::Angles;
 pub(super) use self::positions::resolved;
 use super::key::{ElementId, name_or_create};
-use super::names::{self, Named, WORLD};
+use super::names::{self, Named, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
+use super::value::Value;
 use super::{Spec, attributes, paths};
 use crate::error::{Error, Result};
 use crate::kind::{self, Kind};
@@ -72,9 +73,12 @@ impl Spec {
     /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
     /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the type that the joint has when the text is
     /// written, also if the position or the type is that of a class, and for joints that are added later. If this spec has defaults in `main`,
-    /// they move to a class of their own, which its elements get, also those that are added later. References to the world become references to
-    /// the body. Options, statistics, visualiser settings, sizes and keyframes of the other spec are not copied. The settings of `compiler`
-    /// that concern the model as a whole, such as `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
+    /// they move to a class of their own, which its elements get, also those that are added later.
+    ///
+    /// References to the world become references to the body, and anchors of constraints in the world
+    /// move with the pose. Options, statistics, visualiser settings, sizes and keyframes of the other
+    /// spec are not copied. The settings of `compiler` that concern the model as a whole, such as
+    /// `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
     ///
     /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
     /// those of the first one that is attached.
@@ -82,8 +86,10 @@ impl Spec {
     /// # Errors
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
-    /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or is relative to the world in a way that the
-    /// body does not allow, or has an attribute that only newer engines than those of this crate have.
+    /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or has
+    /// an attribute that only newer engines than those of this crate have. The pose must be that of
+    /// the body for elements that refer to the frame of the world: vertices of flexes, bones of skins,
+    /// targets of cameras and lights, frames of sensors, and `relpose`.
     ///
     /// # Panics
     ///
@@ -125,7 +131,8 @@ impl Spec {
             paths::resolve(&mut child, self.foreign_directory(other).as_deref());
         }
         let body_name = if body == self.world { WORLD.to_owned() } else { name_or_create(&mut tree, body, BODY) };
-        refer_to_body(&mut child, &body_name, &pose)?;
+        move_anchors(&mut child, &pose)?;
+        refer_to_frame(&mut child, &body_name, &pose)?;
         let own_class = classes::separate(&mut tree, &mut child, body, prefix)?;
         add_prefix(&mut child, prefix, &body_name);
         if let Some((class, name)) = shared_name(&tree, &child) {
@@ -215,32 +222,65 @@ fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
     Ok(())
 }
 
-/// Makes the body explicit to which constraints without a second body connect, which is the world by default.
-fn refer_to_body(child: &mut Tree, body: &str, pose: &Pose) -> Result<()> {
-    let is_moved = body != WORLD || *pose != Pose::default();
+/// Moves the anchors of constraints in the world, and makes the world explicit in constraints without
+/// a second body.
+fn move_anchors(child: &mut Tree, pose: &Pose) -> Result<()> {
+    let is_moved = *pose != Pose::default();
     let constraints: Vec<Index> =
         child.sections("equality").flat_map(|section| child.children(section).to_vec()).collect();
     for index in constraints {
         let node = child.node(index);
-        let connects = matches!(&node.tag[..], "connect" | "weld") && node.attribute("body1").is_some();
-        let first = node.attribute("body1").unwrap_or_default();
-        let second = node.attribute("body2").unwrap_or(WORLD);
-        if !connects || (first != WORLD && second != WORLD) {
+        let is_weld = node.tag == "weld";
+        let [first, second] = ["body1", "body2"].map(|name| node.attribute(name).unwrap_or(WORLD) == WORLD);
+        let connects = (is_weld || node.tag == "connect") && node.attribute("body1").is_some();
+        if !connects || !(first || second) {
             continue;
         }
-        // The relative pose of a weld and the anchor of the world are in the frame of the world.
-        if is_moved && (node.attribute("relpose").is_some() || first == WORLD) {
-            let constraint = names::describe(child, index);
-            let message = format!(
-                "cannot move {constraint}, which has a pose in the world; give it a body in place of the world"
-            );
-            return Err(Error::Unsupported(message));
+        if is_moved && node.attribute("relpose").is_some() {
+            return Err(in_world(child, index, "relpose"));
         }
-        if node.attribute("body2").is_none() {
+        // The anchor is in the frame of the first body, that of a weld in that of the second one.
+        let is_in_world = if is_weld { second } else { first };
+        if is_moved && is_in_world {
+            let anchor = pose::triple(child, index, "anchor")?.or(is_weld.then_some([0.0; 3]));
+            if let Some(anchor) = anchor {
+                let anchor = math::trn_vec_pose(pose, &anchor);
+                child.node_mut(index).set("anchor", anchor.text().into_owned());
+            }
+        }
+        if child.attribute(index, "body2").is_none() {
             child.node_mut(index).set("body2", WORLD.to_owned());
         }
     }
     Ok(())
+}
+
+/// Makes references to the frame of the world references to the same frame of `body`. A body has no
+/// frame at a pose.
+fn refer_to_frame(child: &mut Tree, body: &str, pose: &Pose) -> Result<()> {
+    let world = Names::from([(WORLD.to_owned(), vec![BODY])]);
+    for index in child.descendants(Tree::ROOT) {
+        let found = names::references(child, index).into_iter();
+        let found = found.filter(|found| found.is_frame && found.refers_to(child, index, &world));
+        for attribute in found.map(|found| found.attribute.to_owned()).collect::<Vec<_>>() {
+            if *pose != Pose::default() {
+                return Err(in_world(child, index, &attribute));
+            }
+            // Of other bodies than the world, `body` is the inertial frame. Plugins interpret the type themselves.
+            let kind = attribute.replace("name", "type");
+            if body != WORLD && child.tag(index) != "plugin" && child.attribute(index, &kind) == Some("body") {
+                child.node_mut(index).set(&kind, "xbody".to_owned());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn in_world(child: &Tree, index: Index, attribute: &str) -> Error {
+    let element = names::describe(child, index);
+    Error::Unsupported(format!(
+        "cannot move {element}, whose '{attribute}' is in the frame of the world; give it a body in place of the world"
+    ))
 }
 
 /// Puts a prefix before all names and references. References to the world become references to `body`.

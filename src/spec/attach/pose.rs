@@ -106,7 +106,7 @@ fn orientation(tree: &Tree, index: Index, angles: &Angles) -> Result<[f64; 4]> {
 }
 
 /// Returns an attribute with three numbers.
-fn triple(tree: &Tree, index: Index, attribute: &str) -> Result<Option<[f64; 3]>> {
+pub(super) fn triple(tree: &Tree, index: Index, attribute: &str) -> Result<Option<[f64; 3]>> {
     let Some(text) = classes::effective(tree, index, attribute) else { return Ok(None) };
     let numbers = parsed(tree, index, attribute, text)?;
     let triple = numbers.try_into().map_err(|_| {

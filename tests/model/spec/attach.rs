@@ -19,7 +19,7 @@ const CHILD: &str = "<mujoco model='arm'>
   <contact><exclude body1='world' body2='arm'/></contact>
   <equality><weld body1='hand'/></equality>
   <actuator><motor name='torque' joint='hinge'/></actuator>
-  <sensor><framepos objtype='site' objname='tip' reftype='body' refname='world'/></sensor>
+  <sensor><framepos objtype='site' objname='tip' reftype='body' refname='arm'/></sensor>
   <keyframe><key qpos='1'/></keyframe>
 </mujoco>";
 
@@ -54,9 +54,9 @@ fn attaching_equals_the_joined_text() {
              </body>
            </worldbody>
            <contact><exclude body1='stand' body2='left_arm'/></contact>
-           <equality><weld body1='left_hand' body2='stand'/></equality>
+           <equality><weld body1='left_hand' body2='stand' anchor='0 0 2'/></equality>
            <actuator><motor name='left_torque' joint='left_hinge'/></actuator>
-           <sensor><framepos objtype='site' objname='left_tip' reftype='body' refname='stand'/></sensor>
+           <sensor><framepos objtype='site' objname='left_tip' reftype='body' refname='left_arm'/></sensor>
          </mujoco>",
     );
 }

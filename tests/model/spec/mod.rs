@@ -9,6 +9,7 @@ mod editing;
 mod engine_spec;
 mod generated;
 mod kept;
+mod moved;
 mod names;
 mod operations;
 mod oracle;
