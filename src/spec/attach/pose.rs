@@ -15,12 +15,21 @@ pub(super) fn of(tree: &Tree, index: Index, angles: &Angles) -> Result<Pose> {
 
 /// Moves an element by a pose. Returns the element, or a frame around it.
 pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<Index> {
-    if *pose == Pose::default() || move_in_place(tree, index, pose, angles)? {
+    if *pose == Pose::default() {
+        return Ok(index);
+    }
+    for flex in flexes_in_frames(tree, index) {
+        // Older compilers ignore frames around a flexcomp.
+        let moves = flex == index || cfg!(not(engine_since = "4.0.0"));
+        if !is_movable(tree, flex, pose) || (moves && !move_in_place(tree, flex, pose, angles)?) {
+            return not_movable(tree, flex);
+        }
+    }
+    if tree.tag(index) == "flexcomp" || move_in_place(tree, index, pose, angles)? {
         return Ok(index);
     }
     if cfg!(not(engine_since = "3.2.0")) {
-        let element = names::describe(tree, index);
-        return Err(Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec")));
+        return not_movable(tree, index);
     }
     let parent = tree.parent(index).unwrap_or(Tree::ROOT);
     let frame = tree.add(parent, "frame");
@@ -30,11 +39,40 @@ pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles)
     Ok(frame)
 }
 
+fn not_movable<T>(tree: &Tree, index: Index) -> Result<T> {
+    let element = names::describe(tree, index);
+    Err(Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec")))
+}
+
+/// Returns the elements `flexcomp` to which the pose of an element applies: itself, or those in frames.
+fn flexes_in_frames(tree: &Tree, index: Index) -> Vec<Index> {
+    match tree.tag(index) {
+        "flexcomp" => vec![index],
+        "frame" => tree.children(index).iter().flat_map(|&child| flexes_in_frames(tree, child)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Returns `true` if a `flexcomp` at another pose is the same object. The compiler moves the
+/// vertices. The axes of their joints remain those of the body, and radial joints point away from its
+/// origin. The box of the nodes turns in newer engines, but not with pins.
+fn is_movable(tree: &Tree, flex: Index, pose: &Pose) -> bool {
+    let is_turned = pose.quat != Pose::default().quat;
+    let is_pinned = || tree.children(flex).iter().any(|&child| tree.tag(child) == "pin");
+    match tree.attribute(flex, "dof") {
+        _ if tree.attribute(flex, "rigid") == Some("true") => true,
+        None | Some("full") => true,
+        Some("trilinear" | "quadratic") => !is_turned || (cfg!(engine_since = "3.17.0") && !is_pinned()),
+        Some("2d") => !is_turned,
+        _ => false,
+    }
+}
+
 /// Changes the pose of an element. Returns `false`, and changes nothing, if only the compiler can do that.
 fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<bool> {
     let is_turned = pose.quat != Pose::default().quat;
     match tree.tag(index) {
-        "body" | "frame" | "geom" | "site" | "camera" => {
+        "body" | "frame" | "geom" | "site" | "camera" | "flexcomp" => {
             if let Some(ends) = classes::effective(tree, index, "fromto").map(str::to_owned) {
                 let shape = classes::effective(tree, index, "type").unwrap_or("sphere");
                 // The compiler chooses the rotation about the axis, which would be another one. Older engines have no frames to keep it,

@@ -7,6 +7,8 @@ use mujoco_safe::{Data, Error, Model};
 use super::{parse, same};
 
 const POS: [f64; 3] = [5.0, 0.0, 0.0];
+#[cfg(engine_since = "3.5.0")]
+const QUAT: [f64; 4] = [0.6, 0.0, 0.0, 0.8];
 
 fn near(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
@@ -24,6 +26,65 @@ fn attached(child: &str) -> mujoco_safe::Result<Spec> {
 fn assert_unsupported(child: &str, part: &str) {
     let error = attached(child).unwrap_err();
     assert!(matches!(error, Error::Unsupported(_)) && error.to_string().contains(part), "{error}\n{child}");
+}
+
+/// Engines before 4.0.0 ignore frames around a `flexcomp`, also those of the child.
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn flexcomps_move_with_the_pose() {
+    use mujoco_safe::math::{Pose, trn_vec_pose};
+
+    let vertices = |model: Model| {
+        let mut data = Data::new(model).unwrap();
+        data.forward().unwrap();
+        data.flexvert_xpos().to_vec()
+    };
+    let flex = |attributes: &str, inner: &str| {
+        format!(
+            "<flexcomp name='f' type='grid' count='3 3 2' spacing='.1 .1 .1' dim='3' mass='1' radius='.01' pos='0 1 0' {attributes}>
+               <contact selfcollide='none'/>{inner}</flexcomp>"
+        )
+    };
+    let child = |world: &str| parse(&format!("<mujoco><worldbody>{world}</worldbody></mujoco>"));
+    let edges = flex("", "<edge equality='true'/>");
+    let turned = flex("euler='10 20 30'", "<edge equality='true'/><pin id='0 1'/>");
+    let rigid = flex("xyaxes='0 1 0 -1 0 0' rigid='true' dof='radial'", "");
+    let mut worlds = vec![
+        edges.clone(),
+        turned.clone(),
+        rigid,
+        format!("<frame pos='0 0 1' euler='0 90 0'>{edges}</frame>"),
+        format!("<frame pos='0 0 1'><frame quat='1 2 3 4'>{turned}</frame><geom size='.1'/></frame>"),
+        format!("<body name='b' pos='0 0 1'>{edges}</body>"),
+    ];
+    if cfg!(engine_since = "3.17.0") {
+        worlds.push(flex("dof='trilinear' zaxis='1 1 0'", ""));
+    }
+    for world in worlds {
+        let child = child(&world);
+        let alone = vertices(child.compile().unwrap());
+        for stand in [Pose::default(), Pose { pos: [0.0, 0.0, 3.0], quat: [0.5, 0.5, -0.5, 0.5] }] {
+            let mut spec = parse(
+                "<mujoco><worldbody><body name='stand' pos='0 0 3' quat='.5 .5 -.5 .5'><geom size='.1'/></body></worldbody></mujoco>",
+            );
+            let body = if stand == Pose::default() { spec.world() } else { spec.body("stand").unwrap().id() };
+            spec.attach(&child, Mount::body(body).with_pos(POS).with_quat(QUAT), "p_").unwrap();
+            let moved = vertices(spec.compile().unwrap());
+            for (alone, moved) in alone.iter().zip(&moved) {
+                let expected = trn_vec_pose(&stand, &trn_vec_pose(&Pose { pos: POS, quat: QUAT }, alone));
+                assert!(near(moved, &expected), "{moved:?} instead of {expected:?}: {world}");
+            }
+        }
+    }
+    // The joints of these would have other axes.
+    for flex in [flex("dof='radial'", ""), format!("<frame>{}</frame>", flex("dof='radial'", ""))] {
+        assert_unsupported(&format!("<mujoco><worldbody>{flex}</worldbody></mujoco>"), "flexcomp");
+    }
+    let child = child(&flex("dof='trilinear'", "<pin id='0'/>"));
+    assert!(attached(&child.to_xml()).is_ok());
+    let mut spec = Spec::new("turned");
+    let mount = Mount::body(spec.world()).with_quat(QUAT);
+    assert!(matches!(spec.attach(&child, mount, ""), Err(Error::Unsupported(_))));
 }
 
 /// The anchor of a weld is in the frame of the second body, that of `connect` in that of the first one.
