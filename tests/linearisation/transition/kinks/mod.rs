@@ -3,7 +3,7 @@
 mod muscles;
 
 use mujoco_safe::derivative::{InverseForce, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
-use mujoco_safe::{Data, Differences, Lineariser, StateSpace, math};
+use mujoco_safe::{Data, Lineariser, StateSpace};
 
 use super::analytic::model;
 use super::{assert_near, deviation};

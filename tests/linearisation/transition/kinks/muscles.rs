@@ -1,9 +1,10 @@
 //! Muscles whose control equals their activation, and the slopes of their forces.
 
 use mujoco_safe::derivative::{Kinks, TransitionMethod, TransitionOptions};
-use mujoco_safe::{Data, Differences};
+use mujoco_safe::{Data, Differences, math};
 
 use super::{METHODS, WITH_SIDES, linearise, linearise_with, model};
+use crate::transition::assert_near;
 
 /// Returns a simulation of a muscle at a joint or a tendon, with additions to the actuator.
 fn muscle(transmission: &str, actuator: &str) -> Data {
