@@ -19,7 +19,7 @@ impl ModelMut<'_> {
 
     /// Returns [`qpos_spring`](crate::Model::qpos_spring) for writing.
     ///
-    /// Not updated: the length of the springs of tendons without a springlength.
+    /// [`update_constants`](crate::ModelMut::update_constants) updates the quantities that depend on it: negative lengths of fixed tendons in tendon_lengthspring with 2.2.2. Not updated: the other lengths of the springs of tendons without a springlength.
     #[inline]
     pub fn qpos_spring_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();

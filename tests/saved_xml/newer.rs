@@ -70,7 +70,9 @@ fn edits_of_elements_of_newer_engines_are_saved_or_named() {
     let vertex = edited.nbody() - 1;
     edited.edit().body_mass_mut()[vertex] *= 2.0;
     edited.edit().update_constants().unwrap();
-    let lost = lost(|| edited.clone(), &path).unwrap();
+    let mut lost = lost(|| edited.clone(), &path).unwrap();
+    // It stays in an edited model with armature of tendons, which the documentation of `update_constants` states.
+    lost.retain(|field| field != "stat.meaninertia");
     let again = Model::from_xml_path(&path).unwrap();
     let is_carried = again.body_mass() == edited.body_mass();
     assert_eq!(lost.contains(&"body_mass".to_owned()), !is_carried);

@@ -147,8 +147,8 @@ fn references_to_the_frame_of_the_world_at_a_pose_are_rejected() {
     let mut cases = vec![
         (model("", &sensor("objtype='site' objname='s' reftype='body' refname='world'")), "refname"),
         (model("", &sensor("objtype='xbody' objname='world'")), "objname"),
-        (model("<camera mode='targetbody' target='world' pos='0 -1 0'/>", ""), "target"),
-        (model("<light mode='targetbody' target='world' pos='0 -1 1'/>", ""), "target"),
+        (model("<body pos='0 -1 0'><camera mode='targetbody' target='world'/></body>", ""), "target"),
+        (model("<body pos='0 -1 1'><light mode='targetbody' target='world'/></body>", ""), "target"),
     ];
     if cfg!(engine_since = "3.5.0") {
         let flex =
