@@ -222,11 +222,13 @@ impl<'f> Check<'f> {
                         !tag.empty && tag.attribute(b"type").is_some_and(|kind| kind.as_ref() != b"grid");
                 }
                 // Compilers before 4.0 mark the points of a grid that the flex does not have, beyond the end of an array.
-                b"pin" if self.is_in_other_flex && cfg!(not(engine_since = "4.0.0")) => {
-                    if ["grid", "gridrange"].iter().any(|name| !is_empty(&tag, name.as_bytes())) {
-                        let why = "the grid or gridrange of a pin needs a flexcomp of type grid; use id or range";
-                        return reject(tag.position, why);
-                    }
+                b"pin"
+                    if cfg!(not(engine_since = "4.0.0"))
+                        && self.is_in_other_flex
+                        && [&b"grid"[..], b"gridrange"].iter().any(|name| !is_empty(&tag, name)) =>
+                {
+                    let why = "the grid or gridrange of a pin needs a flexcomp of type grid; use id or range";
+                    return reject(tag.position, why);
                 }
                 b"plugin" if self.is_in_file_mesh => {
                     return reject(tag.position, "a mesh has either a file or a plugin");
