@@ -135,7 +135,7 @@ fn parameters(model: &Model) -> Vec<(Parameter, [f64; 2])> {
     let body = model.body(model.nbody() - 1).unwrap().id();
     let mut list = vec![(Parameter::Gravity(2), [-12.0, -8.0]), (Parameter::MassFactor(body), [0.5, 2.0])];
     // Newer engines do not allow the centre of mass of a body that moves independently to leave its frame.
-    if !cfg!(engine_since = "3.17.0") || !model.body(body).simple() {
+    if !cfg!(engine_since = "2.3.0") || !model.body(body).simple() {
         list.push((Parameter::CentreOfMass(body, 0), [-0.01, 0.01]));
     }
     if let Some(joint) = model.njnt().checked_sub(1).map(|joint| model.joint(joint).unwrap().id()) {
