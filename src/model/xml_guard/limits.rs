@@ -135,6 +135,14 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
                 .then(|| format!("a custom numeric has more than {MOST_CUSTOM} numbers"))
         }
+        // The compiler of 3.5 adds points without end.
+        b"flexcomp"
+            if cfg!(not(engine_since = "3.17.0"))
+                && matches!(tag.attribute(b"type").as_deref(), Some(b"box" | b"cylinder" | b"ellipsoid"))
+                && numbers(&tag.attribute(b"count").unwrap_or_default()).any(|count| count == Some(1)) =>
+        {
+            Some("the count of a box, a cylinder or an ellipsoid must be at least 2".to_owned())
+        }
         b"flexcomp" if is_interpolated(tag) && product(tag, b"count", 0) > MOST_VERTICES => {
             Some("a flex is too large".to_owned())
         }

@@ -48,6 +48,8 @@ fn unsafe_inputs_are_rejected_with_their_line() {
             "<default><default class='c'><joint type='ball'/></default></default><joint type='hinge'/><replicate/>",
             "state the types in the joints only",
         ),
+        #[cfg(not(engine_since = "3.17.0"))]
+        ("<flexcomp type='box' count='3 1 3'/>", "must be at least 2"),
         ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must not be 0"),
         ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
         #[cfg(not(engine_since = "4.0.0"))]
@@ -93,6 +95,7 @@ fn valid_texts_are_accepted() {
         "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
         "<flexcomp type='box'><pin id='0'/></flexcomp><flexcomp type='grid'><pin grid='1 1 1'/></flexcomp>",
         "<flexcomp dof='trilinear' cellcount='2 1 1'/>",
+        "<flexcomp type='grid' count='3 1 1'/><flexcomp type='box' count='3 3 2'/>",
         "<default><joint type='ball'/></default><joint type='free'/><joint/><joint type='ball'/><key/>",
         "<default><joint type='hinge'/></default><joint type='ball'/><joint type='hinge'/><key/>",
         "<default><joint type='ball'/></default><joint type='hinge'/>",
