@@ -79,13 +79,20 @@ impl Model {
         self.compiled_moments = compiled;
     }
 
+    /// Returns a copy of the engine's struct with the same arrays, for calls that read the model with
+    /// another value of a field. The arrays are those of this model, which must outlive the calls.
+    #[cfg(engine_since = "3.6.0")]
+    fn copy_of_struct(&self) -> Box<mjModel> {
+        // SAFETY: a valid model, and plain data: numbers, and pointers that nothing frees with the copy.
+        Box::new(unsafe { std::ptr::read(self.as_ptr()) })
+    }
+
     /// Passes the model to the engine with the sizes that its compiler chose, which the writer of XML compares.
     #[allow(clippy::unused_self, reason = "older engines have no other sizes")]
     pub(super) fn with_compiled_sizes<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
         #[cfg(engine_since = "3.6.0")]
         {
-            // SAFETY: plain data, of which this is a copy with the same arrays. They outlive the call, which only reads.
-            let mut copy = Box::new(unsafe { std::ptr::read(self.as_ptr()) });
+            let mut copy = self.copy_of_struct();
             copy.nJmom = self.compiled_moments as _;
             call(&raw const *copy)
         }
@@ -101,8 +108,8 @@ impl Model {
         if self.nu() > self.nactuator() {
             let mut types = self.actuator_trntype().to_vec();
             types.resize(self.nu(), mujoco_sys::mjTRN_UNDEFINED as i32);
-            // SAFETY: as in `with_compiled_sizes`. The list of types outlives the call too.
-            let mut copy = Box::new(unsafe { std::ptr::read(self.as_ptr()) });
+            let mut copy = self.copy_of_struct();
+            // The list of types outlives the call.
             copy.actuator_trntype = types.as_mut_ptr();
             return call(&raw const *copy);
         }

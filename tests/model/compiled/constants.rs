@@ -1,4 +1,4 @@
-//! What `update_constants` changes, and what it keeps.
+//! Quantities that `update_constants` changes, and quantities that it keeps.
 
 use std::collections::BTreeMap;
 
