@@ -141,6 +141,16 @@ impl Model {
             None
         }
     }
+
+    /// Returns `true` if the engine's function takes the limits of an actuator from another joint or tendon than it acts on.
+    /// Before 4.0 it reads the id in entry `index` of `actuator_trnid`, which has two entries for each actuator. The id is right
+    /// for the first actuator only; for the second it is usually -1, which is before the start of `jnt_limited`.
+    fn uses_wrong_limit(&self, index: usize) -> bool {
+        let has_limit =
+            [mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON].contains(&(self.actuator_trntype()[index] as u32));
+        let ids = self.actuator_trnid();
+        cfg!(not(engine_since = "4.0.0")) && has_limit && ids.as_flattened()[index] != ids[index][0]
+    }
 }
 
 /// # Length ranges of actuators
@@ -149,9 +159,9 @@ impl ModelMut<'_> {
     /// returns it. If the options exclude the actuator, returns the existing range.
     ///
     /// The algorithm is that of the engine. The engine's own function is not called, because in 2.2.2 it does not return for some
-    /// models whose simulation is unstable, and uses the limits of the wrong joint for all actuators except the first. When the
-    /// compiler computes length ranges, it disables contacts, friction loss, passive forces, gravity and actuation; this function
-    /// uses the options of the model.
+    /// models whose simulation is unstable, and before 4.0 it uses the limits of the wrong joint for all actuators except the
+    /// first. When the compiler computes length ranges, it disables contacts, friction loss, passive forces, gravity and
+    /// actuation; this function uses the options of the model.
     ///
     /// # Errors
     ///
@@ -282,13 +292,21 @@ impl MuscleSimulation {
     /// Runs the simulations on a model that was compiled without them. Returns a message if one of them fails or is too long.
     pub(crate) fn check(&self, model: &mut Model) -> Result<(), String> {
         let Self { options, timestep } = self;
-        let is_simulated = |index: usize, model: &Model| {
+        let is_computed = |&index: &usize| {
             let [low, high] = model.actuator_lengthrange()[model.first_output(index)];
-            let is_known = (options.useexisting && low < high)
-                || (options.uselimit && model.limit_of_transmission(index).is_some());
+            let is_known = options.useexisting && low < high;
             !is_known && !model.is_excluded(index, options.mode)
         };
-        let actuators: Vec<usize> = (0..model.nactuator()).filter(|&index| is_simulated(index, model)).collect();
+        let mut actuators: Vec<usize> = (0..model.nactuator()).filter(is_computed).collect();
+        if options.uselimit {
+            if let Some(actuator) = actuators.iter().find(|&&index| model.uses_wrong_limit(index)) {
+                return Err(format!(
+                    "with uselimit, this engine takes the lengthrange of actuator {actuator} from the wrong joint or tendon; set it \
+                     in the XML"
+                ));
+            }
+            actuators.retain(|&index| model.limit_of_transmission(index).is_none());
+        }
         if actuators.is_empty() {
             return Ok(());
         }

@@ -258,6 +258,28 @@ fn a_length_range_that_does_not_converge_is_rejected() {
     assert!(error.to_string().contains("unstable"), "{error}");
 }
 
+/// Before 4.0, `uselimit` takes the limits of another joint for the second actuator, or reads before the start of their array.
+/// Where these are no limits, the compiler simulates an actuator that has limits, which 2.2.2 may do without end.
+#[test]
+fn the_limits_of_the_wrong_joint_are_rejected() {
+    let load = |settings: &str, limited: bool| {
+        Model::from_xml_str(&format!(
+            "<mujoco><compiler><lengthrange mode='all' uselimit='true' {settings}/></compiler><worldbody>
+             <body><joint name='a' type='slide' range='-1 2' limited='true'/><geom size='.1'/></body>
+             <body><joint name='b' type='slide' range='-3 4' limited='{limited}'/><geom size='.1'/></body></worldbody>
+             <actuator><motor joint='a'/><motor joint='b'/></actuator></mujoco>"
+        ))
+    };
+    if cfg!(engine_since = "4.0.0") {
+        assert_eq!(load("accel='1e12'", true).unwrap().actuator_lengthrange(), [[-1.0, 2.0], [-3.0, 4.0]]);
+    } else {
+        let error = load("accel='1e12'", true).unwrap_err().to_string();
+        assert!(error.contains("lengthrange of actuator 1 from the wrong joint"), "{error}");
+    }
+    let error = load("accel='1e12'", false).unwrap_err().to_string();
+    assert!(error.contains("actuator 1"), "{error}");
+}
+
 /// The compiler simulates muscles with a time step of 0.01 s, whatever the step of the model is.
 #[test]
 fn a_length_range_is_checked_with_the_time_step_of_the_compiler() {
