@@ -31,7 +31,7 @@ pub(super) const NEWER: [Newer; 17] = [
     Newer { name: "strain", share: 120, since: Some(version(3, 17, 0)), text: STRAIN },
     Newer { name: "all actuators", share: 400, since: Some(version(3, 17, 0)), text: ALL_ACTUATORS },
     Newer { name: "flex contacts", share: 80, since: None, text: IPC },
-    Newer { name: "plugins", share: 120, since: None, text: PLUGINS },
+    Newer { name: "plugins", share: 24, since: None, text: PLUGINS },
     Newer { name: "cable plugin", share: 60, since: None, text: CABLE },
 ];
 
