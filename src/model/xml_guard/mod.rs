@@ -8,6 +8,7 @@ mod files;
 mod fusion;
 mod joint_types;
 mod limits;
+mod parents;
 mod place;
 mod plugins;
 mod readings;
@@ -28,6 +29,7 @@ use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
 use self::fusion::Fusion;
 use self::joint_types::JointTypes;
+use self::parents::Parent;
 use self::place::{Candidate, Place};
 use self::plugins::Plugins;
 use self::readings::Readings;
@@ -81,9 +83,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         joints: Vec::new(),
         has_small_njmax: false,
         has_adhesion: false,
-        is_in_file_mesh: false,
-        is_in_flex: false,
-        is_in_other_flex: false,
+        parent: Parent::default(),
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
@@ -125,12 +125,7 @@ struct Check<'f> {
     has_small_njmax: bool,
     /// `true` if an actuator acts on a body.
     has_adhesion: bool,
-    /// `true` inside a mesh from a file. The engine crashes if such a mesh has a plugin.
-    is_in_file_mesh: bool,
-    /// `true` inside a `flexcomp`. The engine crashes if it has a plugin without a name.
-    is_in_flex: bool,
-    /// `true` inside a `flexcomp` whose points are not a grid.
-    is_in_other_flex: bool,
+    parent: Parent,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
     /// Directories that may contain assets.
@@ -193,9 +188,7 @@ impl<'f> Check<'f> {
         for tag in Tags::new(text) {
             let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
             if tag.closes {
-                self.is_in_file_mesh &= tag.name != b"mesh";
-                self.is_in_flex &= tag.name != b"flexcomp";
-                self.is_in_other_flex &= tag.name != b"flexcomp";
+                self.parent.end(&tag);
                 depth -= usize::from(depth > 0);
                 self.model.expansion.end(outer + depth);
                 self.fusion.end(outer + depth);
@@ -214,31 +207,8 @@ impl<'f> Check<'f> {
             if let Some(why) = why {
                 return reject(tag.position, &why);
             }
-            match tag.name {
-                b"mesh" => self.is_in_file_mesh = !tag.empty && file.is_some(),
-                b"flexcomp" => {
-                    self.is_in_flex = !tag.empty;
-                    self.is_in_other_flex =
-                        !tag.empty && tag.attribute(b"type").is_some_and(|kind| kind.as_ref() != b"grid");
-                }
-                // Compilers before 4.0 mark the points of a grid that the flex does not have, beyond the end of an array.
-                b"pin"
-                    if cfg!(not(engine_since = "4.0.0"))
-                        && self.is_in_other_flex
-                        && [&b"grid"[..], b"gridrange"].iter().any(|name| !is_empty(&tag, name)) =>
-                {
-                    let why = "the grid or gridrange of a pin needs a flexcomp of type grid; use id or range";
-                    return reject(tag.position, why);
-                }
-                b"plugin" if self.is_in_file_mesh => {
-                    return reject(tag.position, "a mesh has either a file or a plugin");
-                }
-                b"plugin"
-                    if self.is_in_flex && [&b"plugin"[..], b"instance"].iter().all(|name| is_empty(&tag, name)) =>
-                {
-                    return reject(tag.position, "the plugin of a flexcomp needs the attribute plugin or instance");
-                }
-                _ => {}
+            if let Some(why) = self.parent.start(&tag) {
+                return reject(tag.position, why);
             }
             self.model.plugins.record(&tag);
             self.muscles.record(&tag, self.depth > 0);
