@@ -63,21 +63,28 @@ fn leaves_out(attribute: &str, engine: Version) -> bool {
     })
 }
 
-/// Returns the tests and modules of a file, each with `true` if some item of this name is compiled and not ignored.
-fn items(file: &Path, engine: Version) -> BTreeMap<String, bool> {
-    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+/// Returns the tests and modules of a text, each with `true` if some item of this name is compiled, not ignored, and does not
+/// return at its start.
+fn items(text: &str, engine: Version) -> BTreeMap<String, bool> {
     let mut items = BTreeMap::new();
-    let mut attributes: Vec<&str> = Vec::new();
-    for line in text.lines().map(str::trim) {
+    let mut attributes: Vec<String> = Vec::new();
+    let mut lines = text.lines().map(str::trim);
+    while let Some(line) = lines.next() {
         if line.starts_with("#[") {
-            attributes.push(line);
+            // An attribute ends with the line that closes it. It is put into one line, as `leaves_out` expects.
+            let mut attribute = line.to_owned();
+            while !attribute.ends_with(']') {
+                attribute += lines.next().expect("the end of an attribute");
+            }
+            attributes.push(attribute);
             continue;
         }
         let words = line.trim_start_matches("pub(crate) ").trim_start_matches("pub ");
-        let name = words.strip_prefix("fn ").filter(|_| attributes.contains(&"#[test]"));
+        let name = words.strip_prefix("fn ").filter(|_| attributes.iter().any(|attribute| attribute == "#[test]"));
         if let Some(name) = name.or_else(|| words.strip_prefix("mod ")) {
+            let returns = name.ends_with('{') && returns_at_once(lines.clone(), engine);
             let name = name.split(['(', ';', ' ']).next().unwrap_or_default().to_owned();
-            let is_kept = !attributes.iter().any(|attribute| leaves_out(attribute, engine));
+            let is_kept = !returns && !attributes.iter().any(|attribute| leaves_out(attribute, engine));
             *items.entry(name).or_insert(false) |= is_kept;
         }
         if !line.starts_with("//") {
@@ -87,10 +94,19 @@ fn items(file: &Path, engine: Version) -> BTreeMap<String, bool> {
     items
 }
 
+/// Returns `true` if the first statement of a function is `if cfg!(…) { return; }` with a predicate that holds.
+fn returns_at_once<'t>(body: impl Iterator<Item = &'t str>, engine: Version) -> bool {
+    let start: Vec<&str> = body.filter(|line| !line.starts_with("//")).take(2).collect();
+    let condition = start.concat();
+    let predicate = condition.strip_prefix("if cfg!(").and_then(|rest| rest.split_once(") {return;"));
+    predicate.is_some_and(|(predicate, _)| holds(predicate, engine))
+}
+
 /// Returns the tests and modules of a file that one engine runs and the other does not.
 pub fn left_out(file: &Path, with: Version, without: Version) -> Vec<String> {
-    let other = items(file, without);
-    items(file, with).into_iter().filter(|(name, is_kept)| *is_kept && !other[name]).map(|(name, _)| name).collect()
+    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let other = items(&text, without);
+    items(&text, with).into_iter().filter(|(name, is_kept)| *is_kept && !other[name]).map(|(name, _)| name).collect()
 }
 
 #[test]
@@ -103,4 +119,33 @@ fn predicates_are_evaluated() {
     assert!(leaves_out(r#"#[cfg(any(not(engine_since = "2.3.0"), all(unix, engine_since = "3.5.0")))]"#, "3.3.7"));
     assert!(!leaves_out("#[cfg(unix)]", "2.2.2"));
     assert!(leaves_out("#[cfg(validates_binaries)]", "4.0.0"));
+}
+
+#[test]
+fn tests_that_an_engine_leaves_out_are_found() {
+    let text = r#"
+        #[test]
+        #[cfg_attr(
+            engine_since = "2.3.0",
+            ignore = "in several lines"
+        )]
+        fn ignored() {}
+        #[test]
+        fn returns() {
+            // A reason.
+            if cfg!(engine_since = "2.3.0") {
+                return;
+            }
+            check();
+        }
+        #[test]
+        fn goes_on() {
+            if cfg!(engine_since = "2.3.0") {
+                check();
+            }
+        }
+    "#;
+    let kept = |engine| items(text, version(engine)).into_values().collect::<Vec<_>>();
+    assert_eq!(kept("2.2.2"), [true; 3]);
+    assert_eq!(kept("4.0.0"), [true, false, false], "in the order of their names");
 }
