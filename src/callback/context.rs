@@ -81,7 +81,7 @@ context! {
 }
 
 impl ControlContext<'_> {
-    /// Sets the control of an actuator. An id returns nothing; a name or an index returns a [`Result`](crate::Result).
+    /// Sets the control of an actuator, the first one if it has several. An id returns nothing; a name or an index returns a [`Result`](crate::Result).
     ///
     /// # Panics
     ///
@@ -99,7 +99,10 @@ impl ControlContext<'_> {
     /// ```
     pub fn set_ctrl<Q: Key<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
         let id = actuator.id(self.data.model().as_ref());
-        Q::found(id, |id| self.ctrl_mut()[id.index()] = ctrl)
+        Q::found(id, |id| {
+            let control = self.data.model().first_control(id.index());
+            self.ctrl_mut()[control] = ctrl;
+        })
     }
 }
 

@@ -164,7 +164,8 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Computes the time derivative of the activation of an actuator whose `dyntype` is `user`. The default is 0.
+    /// Computes the time derivative of the activation of an actuator whose `dyntype` is `user`. The default is 0. For an actuator
+    /// with several activations (`actdim`, with newer engines), a step returns [`Error::Unsupported`](crate::Error::Unsupported).
     #[doc(alias = "mjcb_act_dyn")]
     pub fn actuator_dynamics(mut self, derivative: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_dynamics = Some(Box::new(derivative));

@@ -138,6 +138,15 @@ impl Request {
                     *value = f64::from(u8::from(!filter(data, geoms, *value == 0.0)));
                 }
             }
+            callback::ACTUATOR_DYNAMICS if data.model().activations_of(self.first).len() > 1 => {
+                // The engine ignores the value.
+                if callbacks.actuator_dynamics.is_some() {
+                    return Err(Error::Unsupported(format!(
+                        "the callback actuator_dynamics returns one derivative, but actuator {} has several activations",
+                        self.first
+                    )));
+                }
+            }
             _ => {
                 let closure = match self.kind {
                     callback::ACTUATOR_DYNAMICS => &mut callbacks.actuator_dynamics,

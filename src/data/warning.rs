@@ -99,7 +99,10 @@ impl Warning {
                 "ctrl[{info}]{} is not between -1e10 and 1e10 (time {time} s)",
                 usize::try_from(info)
                     .ok()
-                    .and_then(|index| data.model().name_at(Kind::Actuator, index))
+                    .filter(|&control| control < data.model().nu())
+                    .and_then(|control| {
+                        data.model().name_at(Kind::Actuator, data.model().actuator_of_control(control))
+                    })
                     .map(|name| format!(" of actuator '{name}'"))
                     .unwrap_or_default()
             ),

@@ -179,8 +179,8 @@ impl Lineariser {
     /// # Errors
     ///
     /// As for [`linear_system_into`](Self::linear_system_into), [`Error::Shape`] unless `states` is `(N, nq + nv + na)` and
-    /// `controls` is `(N, nu)`, and [`Error::Unsupported`] for a simulation with callbacks. If several rows fail, returns the
-    /// error of the first one.
+    /// `controls` is `(N, nu)`, and [`Error::Unsupported`] for a simulation with callbacks and for a model whose state has more
+    /// parts: plugins with a state, and plastic flexes. If several rows fail, returns the error of the first one.
     pub fn along(
         &mut self,
         data: &Data,
@@ -243,6 +243,12 @@ impl Lineariser {
         }
         self.adopt_model(data)?;
         model.check_linearisable("a linearisation")?;
+        if model.plastic_len() + model.plugin_state_len() > 0 {
+            return Err(Error::Unsupported(
+                "along linearises about positions, velocities and activations, but the plugins or flexes of this model have a state too"
+                    .to_owned(),
+            ));
+        }
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (_, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

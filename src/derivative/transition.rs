@@ -4,9 +4,10 @@ use std::ptr;
 
 use mujoco_sys::{guard, mjSENS_CLOCK};
 
+use super::implicit::has_kinetic_energy;
 use super::{Differences, check_eps};
 use crate::data::{Data, PipelineFlags};
-use crate::enums::Integrator;
+use crate::enums::{Integrator, SensorType};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
@@ -58,8 +59,8 @@ impl Data {
     /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
     /// [`Differences::Central`] is a good choice.
     ///
-    /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, and in 2.2.2 clocks
-    /// depend on all inputs. This method corrects both.)
+    /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, in 2.2.2 clocks
+    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. This method corrects these.)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
     /// perturbed state, and count as not computed.
@@ -88,8 +89,8 @@ impl Data {
 
     /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's
     /// matrices, any of which may be omitted. Allocates nothing, except a copy of the controls if
-    /// the simulation has [callbacks](crate::callback), and of a part of the model if an actuator
-    /// has several controls.
+    /// the simulation has [callbacks](crate::callback), of a part of the model if an actuator has several controls, and of the
+    /// momentum if a sensor measures the kinetic energy.
     ///
     /// # Errors
     ///
@@ -168,6 +169,28 @@ impl Data {
         // The engine takes steps, and restores everything except the time.
         self.set_time(time);
         self.correct_sensors(eps, differences, &mut outputs);
+        match &mut outputs.c {
+            Some(c) if has_kinetic_energy(self.model()) => self.correct_kinetic_energy(c),
+            _ => Ok(()),
+        }
+    }
+
+    /// Corrects the derivatives of sensors of the kinetic energy by the velocities. The engine evaluates these sensors with those of
+    /// positions, which it does not repeat for a change of a velocity.
+    fn correct_kinetic_energy(&mut self, c: &mut Matrix) -> Result<()> {
+        let (model, nv) = (self.model().clone(), self.model().nv());
+        self.fwd_position()?;
+        let mut momentum = vec![0.0; nv];
+        self.mul_m_into(self.qvel(), &mut momentum)?;
+        let energy =
+            0.5 * self.qvel().iter().zip(&momentum).map(|(velocity, momentum)| velocity * momentum).sum::<f64>();
+        for (sensor, &address) in model.sensor_adr().iter().enumerate() {
+            let cutoff = model.sensor_cutoff()[sensor];
+            if model.sensor_type()[sensor] == SensorType::KineticEnergy.raw() && !(cutoff > 0.0 && energy > cutoff) {
+                c.row_mut(address as usize)[nv..2 * nv].copy_from_slice(&momentum);
+            }
+        }
+        self.set_computed(PipelineFlags::empty());
         Ok(())
     }
 

@@ -101,6 +101,10 @@ macro_rules! objects {
             XBody(id::BodyId),
             /// A degree of freedom, by its index in `qvel`.
             Dof(usize),
+            /// A flex, by its index.
+            Flex(usize),
+            /// An instance of a plugin, by its index.
+            Plugin(usize),
         }
 
         impl Object {
@@ -111,6 +115,10 @@ macro_rules! objects {
                     $(sys::$object => Some(Self::$name(Id::new(index, lineage))),)*
                     sys::mjOBJ_XBODY => Some(Self::XBody(Id::new(index, lineage))),
                     sys::mjOBJ_DOF => Some(Self::Dof(index)),
+                    #[cfg(engine_since = "3.0.0")]
+                    sys::mjOBJ_FLEX => Some(Self::Flex(index)),
+                    #[cfg(engine_since = "2.3.0")]
+                    sys::mjOBJ_PLUGIN => Some(Self::Plugin(index)),
                     _ => None,
                 }
             }
@@ -120,7 +128,7 @@ macro_rules! objects {
                 match self {
                     $(Self::$name(id) => id.index(),)*
                     Self::XBody(id) => id.index(),
-                    Self::Dof(index) => index,
+                    Self::Dof(index) | Self::Flex(index) | Self::Plugin(index) => index,
                 }
             }
         }

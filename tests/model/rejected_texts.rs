@@ -315,6 +315,24 @@ fn texts_that_once_crashed_the_compiler_are_rejected() {
     assert!(tried >= 6);
 }
 
+/// The compiler of 4.0.0 crashes on a reference to a frame in a model with keyframes.
+#[test]
+fn references_to_frames_are_errors() {
+    for reference in [
+        "<custom><tuple name='t'><element objtype='frame' objname='f'/></tuple></custom>",
+        "<sensor><user objtype='frame' objname='f' dim='1'/></sensor>",
+        "<sensor><framepos objtype='body' objname='b' reftype='frame' refname='f'/></sensor>",
+    ] {
+        let text = format!(
+            "<mujoco><worldbody><body name='b'><freejoint/><geom size='.1'/></body></worldbody>{reference}
+             <keyframe><key/></keyframe></mujoco>"
+        );
+        // Some older compilers take `frame` for no object.
+        let loaded = Model::from_xml_str(&text);
+        assert!(loaded.is_err() || cfg!(not(engine_since = "4.0.0")), "{reference}");
+    }
+}
+
 /// Engines from PyPI have another C++ library than the program.
 #[test]
 fn exceptions_of_the_compiler_are_errors_and_loading_still_works() {

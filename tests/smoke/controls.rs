@@ -1,6 +1,7 @@
 //! Actuators with several controls, forces and activations. The independent sources are the C functions of the same engine and its arrays.
 
-use mujoco_safe::derivative::TransitionOptions;
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::derivative::{InverseForce, TransitionOptions};
 use mujoco_safe::element::Transmission;
 use mujoco_safe::{Batch, Controller, Data, Differences, Error, Lineariser, Model, PdController, StateSpec, sys};
 
@@ -140,6 +141,45 @@ fn the_linear_system_is_that_of_the_engine() {
     let (other, _) = lineariser.linear_system(&mut data).unwrap();
     assert!(other.b.as_slice().iter().zip(&b).all(|(x, y)| (x - y).abs() < 1e-4));
     assert!(matches!(PdController::new(&model, 1.0, 0.0).control(&mut data), Err(Error::Unsupported(_))));
+}
+
+/// The orientation servo has three forces, after which the index of an actuator is not that of its force.
+#[test]
+fn sensors_of_actuators_are_differentiated_at_the_place_of_their_force() {
+    let sensors = r#"<actuatorpos actuator="last"/><actuatorvel actuator="last"/></sensor>"#;
+    let mut data = Data::new(Model::from_xml_str(&MODEL.replace("</sensor>", sensors)).unwrap()).unwrap();
+    data.qvel_mut().copy_from_slice(&[0.1, 0.2, 0.3, 0.4]);
+    let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
+    let (system, _) = lineariser.inverse_jacobians(&mut data, InverseForce::Total).unwrap();
+    let (rows, gear) = (data.model().nsensordata(), 3.0);
+    for (row, by_positions, by_velocities) in [(rows - 2, gear, 0.0), (rows - 1, 0.0, gear)] {
+        for (jacobian, expected) in [(&system.ds_dq, by_positions), (&system.ds_dv, by_velocities)] {
+            for dof in 0..4 {
+                let expected = if dof == 3 { expected } else { 0.0 };
+                assert!((jacobian[(dof, row)] - expected).abs() < 1e-6, "row {row}, dof {dof}: {jacobian:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn callbacks_use_the_places_of_controls_and_activations() {
+    let mut data = Data::new(model()).unwrap();
+    data.set_callbacks(Callbacks::new().control(|context| context.set_ctrl("last", 0.4).unwrap()));
+    data.step().unwrap();
+    assert_eq!(data.ctrl(), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.4]);
+
+    // The engine would ignore the number of the closure.
+    let text = r#"<mujoco><worldbody><body><joint name="a"/><geom size=".1" pos=".1 0 0"/></body></worldbody>
+        <actuator><general joint="a" dyntype="user" actdim="2"/></actuator></mujoco>"#;
+    for (text, is_ok) in [(text.to_owned(), false), (text.replace("actdim=\"2\"", ""), true)] {
+        let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+        data.set_callbacks(Callbacks::new().actuator_dynamics(|_, _| 2.0));
+        let result = data.step();
+        assert_eq!(result.is_ok(), is_ok, "{result:?}");
+        assert!(is_ok || matches!(result, Err(Error::Unsupported(_))));
+        assert!(!is_ok || data.act()[0] > 0.0);
+    }
 }
 
 /// The engine's step of `mjd_transitionFD` searches for damping of actuators by the number of

@@ -3,9 +3,10 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::rollout::Batch;
 use mujoco_safe::sys::{self, mjData};
-use mujoco_safe::{Data, Error, Model, StateSpec};
+use mujoco_safe::{Data, Error, Lineariser, Matrix, Model, StateSpec};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -193,6 +194,10 @@ fn a_keyframe_stores_plastic_deformations() {
     assert!(data.state(StateSpec::PLASTIC).iter().all(|&value| value == 0.0));
     data.reset_to_key("state").unwrap();
     assert_eq!(data.state(StateSpec::PLASTIC), plastic);
+    // The rows of a trajectory do not contain them.
+    let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
+    let states = Matrix::zeros(1, data.model().state_size(StateSpec::PHYSICS));
+    assert!(matches!(lineariser.along(&data, &states, &Matrix::zeros(1, 0)), Err(Error::Unsupported(_))));
 }
 
 /// Compares all calls on the model of every attribute from `first`, in steps. Returns the number of models.

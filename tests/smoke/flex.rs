@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use mujoco_safe::data::ContactSide;
-use mujoco_safe::element::EqualityObjects;
+use mujoco_safe::element::{EqualityObjects, Object};
 use mujoco_safe::enums::EqualityType;
 use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
 use mujoco_safe::sys;
@@ -57,6 +57,20 @@ fn fallen() -> Data {
     data.step_n(STEPS).unwrap();
     data.forward().unwrap();
     data
+}
+
+/// A tuple can name objects of kinds that have no views.
+#[test]
+fn a_tuple_refers_to_a_flex() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><worldbody><flexcomp name="rope" type="grid" count="3 1 1" spacing=".1 .1 .1" dim="1" mass="1" radius=".01"/>
+             <body name="b"><geom size=".1"/></body></worldbody>
+           <custom><tuple name="t"><element objtype="body" objname="b"/><element objtype="flex" objname="rope"/></tuple></custom></mujoco>"#,
+    )
+    .unwrap();
+    let body = model.body("b").unwrap().id();
+    let objects: Vec<Object> = model.tuple("t").unwrap().objects().collect();
+    assert_eq!(objects, [Object::Body(body), Object::Flex(0)]);
 }
 
 #[test]

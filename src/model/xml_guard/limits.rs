@@ -92,6 +92,12 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             Some("cellcount must not be 0".to_owned())
         }
         _ if nodes(tag) > MOST_NODES => Some("a flex is too large".to_owned()),
+        // The compiler of 4.0 crashes if the model has keyframes too. It knows no frame that it could find.
+        _ if cfg!(engine_since = "4.0.0")
+            && [&b"objtype"[..], b"reftype"].iter().any(|name| tag.attribute(name).as_deref() == Some(b"frame")) =>
+        {
+            Some("a frame is not an object that a sensor or a tuple can refer to".to_owned())
+        }
         // The compiler of 3.5 raises an error that keeps it locked.
         b"layer" if cfg!(not(engine_since = "3.17.0")) && !tag.attribute(b"role").is_none_or(|role| is_role(&role)) => {
             Some(format!("the role of a layer must be one of {}", ROLES.join(", ")))

@@ -42,12 +42,26 @@ const NUMBERS: [&str; 30] = [
 
 const WORDS: [&str; 10] = ["", " ", "x", "world", "0", "true", "auto", "none", "extra", "é\u{1F600}"];
 
+/// Returns the elements of the linked engine's schema.
+fn elements() -> &'static [Element] {
+    static ELEMENTS: OnceLock<Vec<Element>> = OnceLock::new();
+    ELEMENTS.get_or_init(schema::elements)
+}
+
+/// Returns a word of the list above or the name of an element, such as `frame`, which some attributes take for the type of an object.
+fn word(below: &mut dyn FnMut(usize) -> usize) -> &'static str {
+    if below(2) == 0 {
+        return WORDS[below(WORDS.len())];
+    }
+    let path = &elements()[below(elements().len())].path;
+    path.rsplit('/').next().unwrap_or(path)
+}
+
 /// Returns a text. `below` returns a number below its argument, or 0, and decides everything.
 pub fn hostile(below: &mut dyn FnMut(usize) -> usize) -> String {
-    static ELEMENTS: OnceLock<Vec<Element>> = OnceLock::new();
-    let elements = ELEMENTS.get_or_init(schema::elements);
+    let elements = elements();
     let mut document = rig();
-    // Half of the texts have one extreme number and are valid otherwise, because the compiler
+    // Half of the texts have one extreme number or word and are valid otherwise, because the compiler
     // rejects most of the others.
     if below(2) == 0 {
         one_extreme(&mut document, &elements[below(elements.len())], below);
@@ -92,8 +106,11 @@ fn one_extreme(document: &mut Node, element: &Element, below: &mut dyn FnMut(usi
     let sensible = candidates.get(below(candidates.len())).cloned().unwrap_or_default();
     let mut words: Vec<&str> = sensible.split_whitespace().collect();
     let numbers: Vec<usize> = (0..words.len()).filter(|&at| words[at].parse::<f64>().is_ok()).collect();
+    let at = below(words.len());
     if let Some(&at) = numbers.get(below(numbers.len())) {
         words[at] = NUMBERS[below(NUMBERS.len())];
+    } else if at < words.len() {
+        words[at] = word(below);
     }
     specimen.find(document, path).set(&attribute.name, &words.join(" "));
 }
@@ -110,9 +127,9 @@ fn extreme(value: &str, below: &mut dyn FnMut(usize) -> usize) -> String {
         3 => return "a".repeat(10_000),
         4 => return "1 ".repeat(1 + below(1000)),
         5 => words = vec![NUMBERS[below(NUMBERS.len())]; words.len()],
-        6 => return WORDS[below(WORDS.len())].to_owned(),
+        6 => return word(below).to_owned(),
         _ if words.is_empty() => return NUMBERS[below(NUMBERS.len())].to_owned(),
-        _ => words[at] = if is_number { NUMBERS[below(NUMBERS.len())] } else { WORDS[below(WORDS.len())] },
+        _ => words[at] = if is_number { NUMBERS[below(NUMBERS.len())] } else { word(below) },
     }
     words.join(" ")
 }

@@ -1,12 +1,12 @@
 //! Numerical results.
 
 #[cfg(engine_since = "3.5.0")]
-use mujoco_safe::Lineariser;
-#[cfg(engine_since = "3.5.0")]
 use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::derivative::{InverseForce, InverseJacobians};
 use mujoco_safe::model::DisableFlags;
 use mujoco_safe::{Data, Matrix, Model, StateSpec, sample, sys};
+#[cfg(engine_since = "3.5.0")]
+use mujoco_safe::{Differences, Lineariser};
 
 use super::oracle::inertia;
 use super::{EPS, assert_near, subjects};
@@ -189,12 +189,10 @@ fn rows_correspond_to_inputs() {
 #[cfg(engine_since = "3.5.0")]
 #[test]
 fn the_derivative_of_the_kinetic_energy_by_velocities_is_the_momentum() {
-    let model = Model::from_xml_str(
-        r#"<mujoco><worldbody><body><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
-             <body pos=".3 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/></body></body></worldbody>
-             <sensor><e_kinetic/></sensor></mujoco>"#,
-    );
-    let mut data = Data::new(model.unwrap()).unwrap();
+    let text = r#"<mujoco><worldbody><body><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
+        <body pos=".3 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .3 0 0"/></body></body></worldbody>
+        <sensor><e_kinetic/></sensor></mujoco>"#;
+    let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
     data.qvel_mut().copy_from_slice(&[1.5, -0.7]);
     data.forward().unwrap();
     let mut momentum = [0.0; 2];
@@ -205,6 +203,13 @@ fn the_derivative_of_the_kinetic_energy_by_velocities_is_the_momentum() {
     assert_near("a Lineariser", system.ds_dv.as_slice(), &momentum, 1e-5);
     let system = data.inverse_fd(EPS, InverseForce::Total).unwrap();
     assert_near("inverse_fd", system.ds_dv.as_slice(), &momentum, 1e-5);
+    // The engine's own differences of a step are zero.
+    let system = data.transition_fd(EPS, Differences::Central).unwrap();
+    assert_near("transition_fd", &system.c.row(0)[2..], &momentum, 1e-12);
+    let limited = Model::from_xml_str(&text.replace("<e_kinetic/>", "<e_kinetic cutoff='1e-6'/>")).unwrap();
+    let mut data = Data::new(limited).unwrap();
+    data.qvel_mut().copy_from_slice(&[1.5, -0.7]);
+    assert_eq!(data.transition_fd(EPS, Differences::Central).unwrap().c.row(0), [0.0; 4]);
 }
 
 #[test]
