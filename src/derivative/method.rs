@@ -209,7 +209,7 @@ bitflags! {
         /// [`DIFFERENCES`](Self::DIFFERENCES).
         const FORCES = 1 << 3;
         /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the distance equals the margin, or the force
-        /// is zero. The method `Analytic` gives the derivative for the constraints that act at present. The others report
+        /// is zero. Or the friction loss of a joint or a tendon is exactly at its limit. The method `Analytic` gives the derivative for the constraints that act at present. The others report
         /// [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
         const CONSTRAINTS = 1 << 4;
         /// Differences to the right and to the left disagree by more than 2 %, with each step that was tried, so that some entries are not derivatives. Either
