@@ -31,8 +31,8 @@ pub(in crate::derivative::analytic) fn of_state(data: &Data, jar: &[f64]) -> Kin
     if begins { Kinks::CONSTRAINTS } else { Kinks::empty() }
 }
 
-/// Returns `true` for a row with a residual at which its force begins, or at which the force of friction
-/// reaches its limit.
+/// Returns `true` for a row with a residual at which its force begins, or at which the force of
+/// friction reaches its limit.
 fn is_at_threshold(data: &Data, row: usize, jar: f64, aref: f64) -> bool {
     #[expect(non_upper_case_globals, reason = "the engine's constants")]
     match data.efc_type()[row] as u32 {
