@@ -210,7 +210,8 @@ bitflags! {
         const FORCES = 1 << 3;
         /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the
         /// distance equals the margin, or the force is zero. Or the friction loss of a joint or a
-        /// tendon is exactly at its limit. The method `Analytic` gives the derivative for the
+        /// tendon is exactly at its limit. Or the violation of a constraint whose `solimp` has the
+        /// power 1 is zero or equals the width. The method `Analytic` gives the derivative for the
         /// constraints that act at present. The others report [`DIFFERENCES`](Self::DIFFERENCES),
         /// except for inverse dynamics.
         const CONSTRAINTS = 1 << 4;

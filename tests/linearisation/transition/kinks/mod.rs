@@ -359,22 +359,73 @@ fn friction_loss_at_its_limit_is_reported() {
     }
 }
 
+/// The impedance is then a piecewise linear function of the violation.
+#[test]
+fn impedances_of_power_one_have_kinks() {
+    let cases = [
+        (r#"limited="true" range="-9 0" SOLIMP"#, "", 0.125),
+        (
+            "",
+            r#"<equality><joint joint1="j" polycoef="0.125 0 0 0 0" solref="0.1 1" solimp="0.5 0.9 0.125 0.5 1"/></equality>"#,
+            0.0,
+        ),
+        (
+            "",
+            r#"<equality><joint joint1="j" polycoef="0 0 0 0 0" solref="0.1 1" solimp="0.5 0.9 0.125 0.5 1"/></equality>"#,
+            0.0,
+        ),
+        ("", "", 0.125),
+    ];
+    for power in [1, 2] {
+        for (number, (joint, equality, qpos)) in cases.into_iter().enumerate() {
+            let solimp = format!("0.5 0.9 0.125 0.5 {power}");
+            let joint = joint.replace("SOLIMP", &format!(r#"solreflimit="0.1 1" solimplimit="{solimp}""#));
+            let equality = equality.replace("0.5 0.9 0.125 0.5 1", &solimp);
+            // The last case is a contact with a wall.
+            let wall = if number == 3 { r#"<geom type="plane" size="1 1 1" pos="0 0 -0.25"/>"# } else { "" };
+            let mut data = model(&format!(
+                r#"<mujoco><option timestep="0.01" gravity="0 0 -9.81"/>
+                     <default><geom solref="0.1 1" solimp="{solimp}"/></default>
+                     <worldbody>{wall}<body><joint name="j" type="slide" axis="0 0 -1" {joint}/><geom size="0.25" mass="2"/></body></worldbody>
+                   {equality}</mujoco>"#
+            ));
+            data.qpos_mut()[0] = qpos;
+            let mut oracle = Oracle::new(&data);
+            let base = oracle.base();
+            let [right, left] = [1.0, -1.0].map(|side| oracle.one_sided(0, side, &base)[1].0);
+            assert_eq!((right - left).abs() > 0.02 * right.abs(), power == 1, "{number} {power}: {right} {left}");
+            for method in WITH_SIDES {
+                let kinks = match (power, method) {
+                    (1, TransitionMethod::Analytic) => Kinks::CONSTRAINTS,
+                    (1, _) => Kinks::DIFFERENCES,
+                    _ => Kinks::empty(),
+                };
+                let (system, report) = linearise(&mut data, method);
+                assert_eq!((report.fallback, report.kinks), (None, kinks), "{number} {method:?}");
+                let value = system.a[(1, 0)];
+                let range = right.min(left) - 1e-3..right.max(left) + 1e-3;
+                assert!(range.contains(&value), "{number} {power} {method:?}: {value}, not in {range:?}");
+            }
+        }
+    }
+}
+
 /// Springs yield at the end of a step, so that its velocities have no kink.
 #[test]
 fn a_step_of_a_spring_that_yields_has_no_kink() {
+    // Older engines lack these springs.
+    if cfg!(not(engine_since = "4.0.0")) {
+        return;
+    }
     for (joint, tendon) in [(r#"stiffness="30" springyield="0.25""#, ""), ("", r#"stiffness="30" springyield="0.25""#)]
     {
-        let Ok(model) = mujoco_safe::Model::from_xml_str(&format!(
+        let mut data = model(&format!(
             r#"<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
                  <body><joint name="j" type="slide" axis="1 0 0" {joint}/><geom size="0.1" mass="2"/></body>
                  <body><joint name="k" type="slide" axis="0 1 0" {joint}/><geom pos="0 0 9" size="0.1" mass="2"/></body></worldbody>
                <tendon><fixed {tendon}><joint joint="j" coef="1"/></fixed><fixed {tendon}><joint joint="k" coef="1"/></fixed></tendon>
              </mujoco>"#
-        )) else {
-            assert!(cfg!(not(engine_since = "4.0.0")));
-            return;
-        };
-        let mut data = Data::new(model).unwrap();
+        ));
         for qpos in [0.2, 0.25, 0.251, 0.5] {
             data.qpos_mut().copy_from_slice(&[qpos, -qpos]);
             for method in WITH_SIDES {
