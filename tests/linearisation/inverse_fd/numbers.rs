@@ -79,9 +79,10 @@ fn full_inertia(model: &Model, elements: &[f64]) -> Matrix {
     #[cfg(engine_since = "3.10.0")]
     for row in 0..nv {
         let start = model.M_rowadr()[row] as usize;
-        for at in start..start + model.M_rownnz()[row] as usize {
-            let column = model.M_colind()[at] as usize;
-            (full[(row, column)], full[(column, row)]) = (elements[at], elements[at]);
+        let range = start..start + model.M_rownnz()[row] as usize;
+        for (&column, &element) in model.M_colind()[range.clone()].iter().zip(&elements[range]) {
+            let column = column as usize;
+            (full[(row, column)], full[(column, row)]) = (element, element);
         }
     }
     full
