@@ -46,7 +46,8 @@ impl ModelMut<'_> {
     pub(crate) fn clear_inertial_frame_flags(&mut self) {
         // The bounding boxes of a body are in its inertial frame.
         self.loosen_boxes();
-        flags!(self.body_sameframe).fill(NEITHER);
+        // No engine computes the inertial frame of the world, and newer ones do not restore its flag.
+        flags!(self.body_sameframe)[1..].fill(NEITHER);
         for frames in [flags!(self.geom_sameframe), flags!(self.site_sameframe)] {
             for frame in frames.iter_mut().filter(|frame| INERTIAL.contains(frame)) {
                 *frame = NEITHER;
