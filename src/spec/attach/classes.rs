@@ -68,6 +68,15 @@ pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Inde
     sections.into_iter().rev().find_map(in_class)
 }
 
+/// Returns the elements that have an attribute from the defaults in a class.
+pub(in super::super) fn heirs(tree: &Tree, defaults: Index, attribute: &str) -> Vec<Index> {
+    let is_heir = |&index: &Index| {
+        let is_element = tree.parent(index).is_some_and(|parent| tree.tag(parent) != "default");
+        is_element && tree.attribute(index, attribute).is_none() && default(tree, index, attribute) == Some(defaults)
+    };
+    tree.descendants(Tree::ROOT).into_iter().filter(is_heir).collect()
+}
+
 /// Returns the elements that contain an element, from the inside.
 fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
     std::iter::successors(tree.parent(index), |&outer| tree.parent(outer)).filter(|&outer| outer != Tree::ROOT)

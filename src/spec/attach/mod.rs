@@ -9,7 +9,7 @@ mod settings;
 use std::path::{Path, PathBuf};
 
 use self::angles::Angles;
-pub(super) use self::classes::{inseparable, separate_own};
+pub(super) use self::classes::{heirs, inseparable, separate_own};
 pub(super) use self::positions::resolved;
 use super::key::{ElementId, name_or_create};
 use super::names::{self, Named, Names, WORLD};
