@@ -89,7 +89,8 @@ impl Spec {
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
     /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or has
-    /// an attribute that only newer engines than those of this crate have. The pose must be that of
+    /// an attribute that only newer engines than those of this crate have, or for a prefix and a skin
+    /// whose file names bodies. The pose must be that of
     /// the body for elements that refer to the frame of the world: vertices of flexes, bones of skins,
     /// targets of cameras and lights, frames of sensors, and `relpose`.
     ///
@@ -223,6 +224,14 @@ fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
     let has_list = || child.descendants(Tree::ROOT).into_iter().any(|index| names::has_list(child, index));
     if prefix.contains(|character: char| character.is_ascii_whitespace()) && has_list() {
         return invalid("a text without spaces, which separate the names in the lists of <flex>");
+    }
+    let mut elements = child.descendants(Tree::ROOT).into_iter();
+    let with_file = |index: &Index| child.tag(*index) == "skin" && child.attribute(*index, "file").is_some();
+    if let Some(skin) = elements.find(with_file).filter(|_| !prefix.is_empty()) {
+        let skin = names::describe(child, skin);
+        return Err(Error::Unsupported(format!(
+            "cannot put a prefix before the names of bodies in the file of {skin}"
+        )));
     }
     Ok(())
 }

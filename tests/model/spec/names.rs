@@ -254,3 +254,18 @@ fn a_removed_mesh_of_a_class_leaves_the_other_defaults_of_the_class() {
         ),
     );
 }
+
+/// The bones in the file of a skin have names of bodies, which could be those of other bodies.
+#[test]
+fn a_prefix_for_the_bones_in_a_file_is_rejected() {
+    let child = parse(
+        "<mujoco><asset><skin name='s' file='s.skn'/></asset><worldbody><body name='b'><geom size='.1'/></body></worldbody></mujoco>",
+    );
+    let mut spec = child.clone();
+    let mount = Mount::body(spec.world());
+    let error = spec.attach(&child, mount, "p_").unwrap_err();
+    assert!(error.to_string().contains("skin 's'"), "{error}");
+    let mut spec = Spec::new("outer");
+    let mount = Mount::body(spec.world());
+    spec.attach(&child, mount, "").unwrap();
+}
