@@ -198,7 +198,7 @@ impl Spec {
     /// ```
     pub fn section_mut(&mut self, tag: &str) -> Result<ElementMut<'_>> {
         self.check_child(Tree::ROOT, tag)?;
-        let index = self.tree.section(tag);
+        let index = if tag == "default" { self.main_class()? } else { self.tree.section(tag) };
         Ok(self.element_mut(index))
     }
 
@@ -227,14 +227,16 @@ impl Spec {
     #[doc(alias = "mjs_findDefault")]
     #[doc(alias = "mjs_getSpecDefault")]
     pub fn default_mut(&mut self, class: &str, tag: &str) -> Result<ElementMut<'_>> {
-        let class = self.own_class.clone().filter(|_| class == MAIN).unwrap_or_else(|| class.to_owned());
-        let known = names::find(&self.tree, Named::Class, &class);
-        let parent = known.unwrap_or_else(|| self.tree.section("default"));
+        let known = names::find(&self.tree, Named::Class, class).filter(|_| class != MAIN);
+        let parent = match known {
+            Some(class) => class,
+            None => self.main_class()?,
+        };
         self.check_child(parent, tag)?;
         let class = match known {
             None if class != MAIN => {
                 let index = self.tree.add(parent, "default");
-                self.tree.node_mut(index).set("class", class);
+                self.tree.node_mut(index).set("class", class.to_owned());
                 index
             }
             _ => parent,

@@ -58,6 +58,7 @@ mod text;
 mod tree;
 mod value;
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -91,7 +92,9 @@ pub struct Spec {
     /// Directory of the file, to which the names of assets are relative.
     directory: Option<PathBuf>,
     /// Class with the defaults of `main`, if an attachment has separated them from those of the attached spec.
-    own_class: Option<String>,
+    own_class: Option<Index>,
+    /// Elements in the world, in bodies and in sections that attachments have copied.
+    attached: HashSet<Index>,
 }
 
 /// # Creation
@@ -159,7 +162,7 @@ impl Spec {
     fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
-        Self { tree, lineages: Lineages::new(), world, directory, own_class: None }
+        Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new() }
     }
 
     /// Returns the name of the model, the attribute `model` of the root.
@@ -207,8 +210,9 @@ impl Spec {
     /// Adds an element, with the class of this spec's own elements unless it gets the class of a body.
     fn append<K>(&mut self, parent: Index, tag: &str) -> ElementMut<'_, K> {
         let index = self.tree.add(parent, tag);
-        let is_outermost = self.tree.parent(parent) == Some(Tree::ROOT) && self.tree.tag(parent) != "default";
-        if let Some(class) = self.own_class.clone().filter(|_| is_outermost) {
+        let is_outermost = self.is_section(parent);
+        let class = self.own_class().and_then(|class| names::name(&self.tree, class)).map(str::to_owned);
+        if let Some(class) = class.filter(|_| is_outermost) {
             let schema = Schema::of_engine();
             for attribute in ["childclass", "class"] {
                 if schema.as_ref().is_ok_and(|schema| schema.has(&self.tree, index, attribute)) {
@@ -219,9 +223,35 @@ impl Spec {
         self.element_mut(index)
     }
 
+    /// Returns `true` for the sections whose elements have the class of this spec's own elements, and for copies (`replicate`) in the world.
+    fn is_section(&self, index: Index) -> bool {
+        let parents = std::iter::successors(Some(index), |&index| self.tree.parent(index));
+        let outermost = parents.into_iter().find(|&index| self.tree.tag(index) != "replicate");
+        outermost.is_some_and(|index| self.tree.parent(index) == Some(Tree::ROOT) && self.tree.tag(index) != "default")
+    }
+
+    /// Returns the class of this spec's own elements.
+    fn own_class(&self) -> Option<Index> {
+        self.own_class.filter(|&class| self.tree.contains(class))
+    }
+
+    /// Returns the class that has the defaults of this spec's own elements: the last section, or that in which they are separate from those
+    /// of attached elements.
+    fn main_class(&mut self) -> Result<Index> {
+        if self.own_class().is_none() && self.attached.iter().any(|&index| self.tree.contains(index)) {
+            let mut tree = self.tree.clone();
+            self.own_class = Some(attach::separate_own(&mut tree, &self.attached)?);
+            self.tree = tree;
+        }
+        Ok(self.own_class().unwrap_or_else(|| self.tree.section("default")))
+    }
+
     /// Checks that the compiler accepts an element in another one.
     fn check_child(&self, parent: Index, tag: &str) -> Result<()> {
         let known = Schema::of_engine()?.children(&self.tree, parent);
+        if matches!(tag, "composite" | "flexcomp") && self.own_class().is_some() && self.is_section(parent) {
+            return Err(attach::inseparable(&format!("<{tag}>")));
+        }
         if known.contains(&tag) {
             return Ok(());
         }
@@ -237,7 +267,8 @@ impl Clone for Spec {
             lineages: self.lineages.of_clone(self.tree.next()),
             world: self.world,
             directory: self.directory.clone(),
-            own_class: self.own_class.clone(),
+            own_class: self.own_class,
+            attached: self.attached.clone(),
         }
     }
 }

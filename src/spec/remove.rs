@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 
 use super::Spec;
-use super::attributes;
 use super::key::ElementId;
 use super::names::{self, Names};
 use super::tree::{Index, Tree};
+use super::{attach, attributes};
 use crate::error::{Error, Result};
 
 /// # Removal
@@ -59,7 +59,8 @@ impl Spec {
     }
 
     /// Removes an element, all elements in it, and all elements that refer to a removed one. A tendon is removed as a whole. References to a
-    /// removed class, material or texture are removed instead of the elements that have them.
+    /// removed class, material or texture are removed instead of the elements that have them. A class whose defaults refer to a removed mesh or
+    /// height field loses the reference, and the elements that have it from the class are removed.
     ///
     /// # Errors
     ///
@@ -73,7 +74,8 @@ impl Spec {
         let mut removed = vec![self.removable(id)?];
         let before = self.tree.clone();
         loop {
-            self.remove_attributes(&removed);
+            let heirs = self.remove_attributes(&removed);
+            removed.extend(heirs);
             let referrers = self.referrers(&removed);
             if referrers.is_empty() {
                 break;
@@ -102,25 +104,33 @@ impl Spec {
         Ok(index)
     }
 
-    /// Removes the attributes without which an element can exist and that refer to the given elements or to those in them.
-    fn remove_attributes(&mut self, removed: &[Index]) {
+    /// Removes the attributes without which an element or a class can exist and that refer to the given elements or to those in them. Returns
+    /// the elements that had other references than these from a class.
+    fn remove_attributes(&mut self, removed: &[Index]) -> Vec<Index> {
         const OPTIONAL: [&str; 4] = ["class", "childclass", "material", "texture"];
         let names = self.removed_names(removed);
+        let mut heirs = Vec::new();
         for index in names::referrers(&self.tree, &names) {
             // A layer of a material needs its texture, and the material does not need the layer.
             if self.tree.tag(index) == "layer" {
                 self.tree.remove(index);
                 continue;
             }
+            let is_default = self.tree.parent(index).is_some_and(|parent| self.tree.tag(parent) == "default");
             let references = names::references(&self.tree, index).into_iter();
-            let optional: Vec<String> = references
-                .filter(|found| OPTIONAL.contains(&found.attribute) && found.refers_to(&self.tree, index, &names))
+            let removable: Vec<String> = references
+                .filter(|found| is_default || OPTIONAL.contains(&found.attribute))
+                .filter(|found| found.refers_to(&self.tree, index, &names))
                 .map(|found| found.attribute.to_owned())
                 .collect();
-            for attribute in optional {
+            for attribute in removable {
+                if !OPTIONAL.contains(&&attribute[..]) {
+                    heirs.extend(attach::heirs(&self.tree, index, &attribute));
+                }
                 self.tree.node_mut(index).unset(&attribute);
             }
         }
+        heirs
     }
 
     /// Returns an error if an attribute of a newer engine may refer to an element that is to be removed.

@@ -1,5 +1,7 @@
 //! Classes of defaults of two specs that become one.
 
+use std::collections::HashSet;
+
 use super::super::names::{self, MAIN, Named};
 use super::super::tree::{Index, Tree};
 use super::has_class;
@@ -66,6 +68,15 @@ pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Inde
     sections.into_iter().rev().find_map(in_class)
 }
 
+/// Returns the elements that have an attribute from the defaults in a class.
+pub(in super::super) fn heirs(tree: &Tree, defaults: Index, attribute: &str) -> Vec<Index> {
+    let is_heir = |&index: &Index| {
+        let is_element = tree.parent(index).is_some_and(|parent| tree.tag(parent) != "default");
+        is_element && tree.attribute(index, attribute).is_none() && default(tree, index, attribute) == Some(defaults)
+    };
+    tree.descendants(Tree::ROOT).into_iter().filter(is_heir).collect()
+}
+
 /// Returns the elements that contain an element, from the inside.
 fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
     std::iter::successors(tree.parent(index), |&outer| tree.parent(outer)).filter(|&outer| outer != Tree::ROOT)
@@ -73,20 +84,30 @@ fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
 
 /// Gives a tree and one that becomes a part of it separate classes, so that no element gets defaults of the other one. `body` is the body
 /// that will contain the child, and `prefix` that of the child's names. Returns the new class of the tree's own elements, if `main` had defaults.
-pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<Option<String>> {
+pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<Option<Index>> {
     let of_body =
         std::iter::once(body).chain(ancestors(tree, body)).any(|outer| tree.attribute(outer, "childclass").is_some());
     let ours = has_settings(tree);
-    if !(ours || of_body || child.sections("default").next().is_some()) {
+    if !(ours || of_body || has_classes(child)) {
         return Ok(None);
     }
-    let own = ours.then(|| unused(&[tree, child], "outer"));
-    if let Some(name) = &own {
-        demote(tree, name, true)?;
-    }
+    let name = unused(&[tree, child], "outer");
+    let own = if ours { Some(demote(tree, &name, true, &HashSet::new())?) } else { None };
     let name = if prefix.is_empty() { unused(&[tree, child], "attached") } else { MAIN.to_owned() };
-    demote(child, &name, ours || of_body || has_settings(child))?;
+    demote(child, &name, ours || of_body || has_settings(child), &HashSet::new())?;
     Ok(own)
+}
+
+/// Gives the elements of a tree a class without the attached ones, which `main` contains too. Returns the class.
+pub(in super::super) fn separate_own(tree: &mut Tree, attached: &HashSet<Index>) -> Result<Index> {
+    let name = unused(&[tree], "outer");
+    demote(tree, &name, true, attached)
+}
+
+/// Returns `true` if a tree has classes, or refers to `main`, which always exists.
+fn has_classes(tree: &Tree) -> bool {
+    let refers = |index| ["class", "childclass"].iter().any(|name| tree.attribute(index, name).is_some());
+    tree.sections("default").next().is_some() || tree.descendants(Tree::ROOT).into_iter().any(refers)
 }
 
 /// Returns the name of a class that does not exist in these trees, which starts with `name`.
@@ -103,12 +124,16 @@ fn has_settings(tree: &Tree) -> bool {
     tree.sections("default").any(|section| tree.children(section).iter().any(|&child| tree.tag(child) != "default"))
 }
 
-/// Moves all classes into a new one with this name, which is directly in `main`, and gives it to all elements without a class.
-fn demote(tree: &mut Tree, name: &str, matters: bool) -> Result<()> {
+/// Moves all classes into a new one with this name, which is directly in `main`, and gives it to all elements without a class, except
+/// `others`. Returns the class.
+fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -> Result<Index> {
+    let of = |tree: &Tree, index| -> Vec<Index> {
+        tree.children(index).iter().copied().filter(|child| !others.contains(child)).collect()
+    };
     let sections: Vec<Index> = tree.sections("default").collect();
     let old = sections.iter().find_map(|&section| tree.attribute(section, "class")).unwrap_or(MAIN).to_owned();
     names::rename_references(tree, Named::Class, &old, name);
-    let mut contents: Vec<Vec<Index>> = sections.iter().map(|&section| tree.children(section).to_vec()).collect();
+    let mut contents: Vec<Vec<Index>> = sections.iter().map(|&section| of(tree, section)).collect();
     let last = contents.pop().unwrap_or_default();
     let mut place = tree.section("default");
     for content in contents.into_iter().map(Some).chain([None]) {
@@ -127,7 +152,7 @@ fn demote(tree: &mut Tree, name: &str, matters: bool) -> Result<()> {
 
     let mut elements: Vec<Index> = Vec::new();
     for section in tree.children(Tree::ROOT).to_vec() {
-        let children = tree.children(section);
+        let children = of(tree, section);
         match tree.tag(section) {
             "worldbody" | "asset" | "contact" | "equality" | "tendon" | "actuator" | "sensor" => {
                 elements.extend(children);
@@ -140,16 +165,18 @@ fn demote(tree: &mut Tree, name: &str, matters: bool) -> Result<()> {
             "body" | "frame" => set_if_missing(tree, index, "childclass", name),
             "replicate" => elements.extend(tree.children(index)),
             "composite" | "flexcomp" if matters => {
-                let element = names::describe(tree, index);
-                return Err(Error::Unsupported(format!(
-                    "cannot separate the defaults of {element} in the world; put it into a body"
-                )));
+                return Err(inseparable(&names::describe(tree, index)));
             }
             _ if has_class(tree, index)? => set_if_missing(tree, index, "class", name),
             _ => {}
         }
     }
-    Ok(())
+    Ok(place)
+}
+
+/// Returns the error for an element in the world that has defaults and no attribute for a class.
+pub(in super::super) fn inseparable(element: &str) -> Error {
+    Error::Unsupported(format!("cannot separate the defaults of {element} in the world; put it into a body"))
 }
 
 fn set_if_missing(tree: &mut Tree, index: Index, attribute: &str, value: &str) {

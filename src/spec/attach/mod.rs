@@ -9,6 +9,7 @@ mod settings;
 use std::path::{Path, PathBuf};
 
 use self::angles::Angles;
+pub(super) use self::classes::{heirs, inseparable, separate_own};
 pub(super) use self::positions::resolved;
 use super::key::{ElementId, name_or_create};
 use super::names::{self, Named, Names, WORLD};
@@ -72,22 +73,24 @@ impl Spec {
     /// The attached elements keep the defaults, angles, limits and directories of their own spec: classes of defaults are copied, angles are
     /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
     /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the type that the joint has when the text is
-    /// written, also if the position or the type is that of a class, and for joints that are added later. If this spec has defaults in `main`,
-    /// they move to a class of their own, which its elements get, also those that are added later.
+    /// written, also if the position or the type is that of a class, and for joints that are added later. Defaults in `main` of this spec,
+    /// also later ones by [`default_mut`](Self::default_mut) and [`section_mut`](Self::section_mut), move to a class of their own, which its
+    /// elements get, also those that are added later.
     ///
     /// References to the world become references to the body, and anchors of constraints in the world
     /// move with the pose. Options, statistics, visualiser settings, sizes and keyframes of the other
     /// spec are not copied. The settings of `compiler` that concern the model as a whole, such as
     /// `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
     ///
-    /// The settings of `compiler` that concern inertia must agree, such as `balanceinertia` and `settotalmass`. A spec without bodies takes
-    /// those of the first one that is attached.
+    /// The settings of `compiler` that concern inertia and meshes must agree, such as `balanceinertia` and `fitaabb`. A spec without bodies
+    /// and meshes takes those of the first one that is attached.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
     /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or has
-    /// an attribute that only newer engines than those of this crate have. The pose must be that of
+    /// an attribute that only newer engines than those of this crate have, or for a prefix and a skin
+    /// whose file names bodies. The pose must be that of
     /// the body for elements that refer to the frame of the world: vertices of flexes, bones of skins,
     /// targets of cameras and lights, frames of sensors, and `relpose`.
     ///
@@ -144,9 +147,11 @@ impl Spec {
         let worlds: Vec<Index> = child.sections("worldbody").collect();
         let elements: Vec<Index> = worlds.into_iter().flat_map(|world| child.children(world).to_vec()).collect();
         let mut bodies = Vec::new();
+        let mut attached = self.attached.clone();
         for element in elements {
             let element = pose::moved(&mut child, element, &pose, &angles)?;
             let copy = tree.copy(&child, element, body);
+            attached.insert(copy);
             if tree.tag(copy) == "body" {
                 bodies.push(self.id(copy));
             }
@@ -155,11 +160,12 @@ impl Spec {
             let elements = child.sections(section).flat_map(|index| child.children(index)).copied();
             for element in elements {
                 let section = tree.section(section);
-                tree.copy(&child, element, section);
+                attached.insert(tree.copy(&child, element, section));
             }
         }
         self.tree = tree;
-        self.own_class = own_class.or(self.own_class.take());
+        self.attached = attached;
+        self.own_class = own_class.or(self.own_class);
         Ok(bodies)
     }
 
@@ -218,6 +224,14 @@ fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
     let has_list = || child.descendants(Tree::ROOT).into_iter().any(|index| names::has_list(child, index));
     if prefix.contains(|character: char| character.is_ascii_whitespace()) && has_list() {
         return invalid("a text without spaces, which separate the names in the lists of <flex>");
+    }
+    let mut elements = child.descendants(Tree::ROOT).into_iter();
+    let with_file = |index: &Index| child.tag(*index) == "skin" && child.attribute(*index, "file").is_some();
+    if let Some(skin) = elements.find(with_file).filter(|_| !prefix.is_empty()) {
+        let skin = names::describe(child, skin);
+        return Err(Error::Unsupported(format!(
+            "cannot put a prefix before the names of bodies in the file of {skin}"
+        )));
     }
     Ok(())
 }

@@ -74,14 +74,11 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
     match tree.tag(index) {
         "body" | "frame" | "geom" | "site" | "camera" | "flexcomp" => {
             if let Some(ends) = classes::effective(tree, index, "fromto").map(str::to_owned) {
-                let shape = classes::effective(tree, index, "type").unwrap_or("sphere");
-                // The compiler chooses the rotation about the axis, which would be another one. Older engines have no frames to keep it,
-                // and it has no effect on the motion of capsules and cylinders.
-                let is_round = matches!(shape, "capsule" | "cylinder");
-                if is_turned && (cfg!(engine_since = "3.2.0") || !is_round) {
-                    return Ok(false);
-                }
                 let ends = parsed(tree, index, "fromto", &ends)?;
+                // The compiler chooses the rotation about the axis, which would be another one.
+                if is_turned {
+                    return turn_ends(tree, index, pose, &ends);
+                }
                 let moved =
                     ends.chunks_exact(3).flat_map(|point| math::trn_vec_pose(pose, &[point[0], point[1], point[2]]));
                 let moved: Vec<f64> = moved.collect();
@@ -115,6 +112,34 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
         // These have no pose, or one with another meaning.
         _ => return Ok(false),
     }
+    Ok(true)
+}
+
+/// Replaces the ends of a capsule or cylinder by its size and its pose, with the rotation about the axis that the compiler chooses. Newer engines
+/// have frames for this.
+fn turn_ends(tree: &mut Tree, index: Index, pose: &Pose, ends: &[f64]) -> Result<bool> {
+    let is_of_class = |name: &str| classes::of_class(tree, index, name).is_some();
+    let is_round = matches!(classes::effective(tree, index, "type"), Some("capsule" | "cylinder"));
+    let size = classes::effective(tree, index, "size").map(|text| parsed(tree, index, "size", text)).transpose()?;
+    let (Ok::<[f64; 6], _>(ends), Some(&radius)) = (ends.try_into(), size.as_deref().and_then(<[f64]>::first)) else {
+        return Ok(false);
+    };
+    let replaces_class = ORIENTATIONS[1..].iter().chain(&["fromto"]).any(|&name| is_of_class(name));
+    if cfg!(engine_since = "3.2.0") || !is_round || replaces_class {
+        return Ok(false);
+    }
+    let axis = [0, 1, 2].map(|cell| ends[cell] - ends[cell + 3]);
+    let pos = [0, 1, 2].map(|cell| f64::midpoint(ends[cell], ends[cell + 3]));
+    let old = Pose { pos, quat: math::quat_z2vec(&axis) };
+    let new = math::mul_pose(pose, &old);
+    let half = axis.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0;
+    let node = tree.node_mut(index);
+    for attribute in ORIENTATIONS.iter().chain(&["fromto"]) {
+        node.unset(attribute);
+    }
+    node.set("size", [radius, half].text().into_owned());
+    node.set("pos", new.pos.text().into_owned());
+    node.set("quat", new.quat.text().into_owned());
     Ok(true)
 }
 

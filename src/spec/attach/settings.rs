@@ -1,10 +1,12 @@
 //! Settings of `compiler` on which two specs must agree.
 
 use super::super::attributes::{self, Meaning};
+use super::super::names::{self, Named};
+use super::super::paths;
 use super::super::tree::{Index, Tree};
-use super::super::{names, paths};
 use super::{BODY, classes, positions};
 use crate::error::{Error, Result};
+use crate::kind::Kind;
 use crate::spec::schema::Schema;
 
 /// Settings that change the meaning of a model, with their defaults.
@@ -22,6 +24,9 @@ const SETTINGS: [(&str, &str); 11] = [
     ("alignfree", "false"),
 ];
 
+/// Those that act on the geoms of the world too, by the meshes.
+const OF_MESHES: [&str; 3] = ["convexhull", "exactmeshinertia", "fitaabb"];
+
 /// Default of `autolimits`.
 const AUTOLIMITS: &str = if cfg!(engine_since = "2.3.0") { "true" } else { "false" };
 
@@ -34,6 +39,7 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
     convert_limits(tree, child)?;
     let same_inertia = compute_inertia(child);
     let has_bodies = names::all(tree, BODY).any(|index| tree.tag(index) == "body");
+    let has_meshes = names::all(tree, Named::Kind(Kind::Mesh)).next().is_some();
     let undecided = child.sections("compiler").flat_map(|section| attributes::unknown(child, section));
     let undecided: Vec<String> = undecided.map(str::to_owned).collect();
     // The default of a setting of a newer engine is not known.
@@ -48,7 +54,7 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
         if is_same || (same_inertia && attribute == "inertiafromgeom" && ours != Some("false")) {
             continue;
         }
-        if ours.is_some() || has_bodies {
+        if ours.is_some() || has_bodies || (has_meshes && OF_MESHES.contains(&attribute)) {
             let what = format!("'{attribute}' of <compiler> in the attached spec");
             let ours = ours.or(default).map_or("absent".to_owned(), |ours| format!("'{ours}'"));
             return Err(Error::invalid(what, format!("'{theirs}'"), format!("{ours}, as in this spec")));

@@ -26,9 +26,9 @@ mod values;
 use std::sync::OnceLock;
 
 pub use self::cases::{Case, Effect, case, excite, load};
+pub use self::document::Node;
 pub use self::hostile::hostile;
 pub use self::schema::{Attribute, Element, attributes, elements};
-use document::Node;
 
 fn rig() -> Node {
     Node::parse(include_str!("rig.xml"))

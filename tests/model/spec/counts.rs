@@ -19,6 +19,8 @@ pub(super) struct Counts {
     /// Messages of operations that only this library performs.
     pub(super) only_ours: BTreeMap<String, usize>,
     pub(super) differ: Vec<String>,
+    /// Messages of the compiler about elements that refer to one that `mjs_delete` has removed.
+    pub(super) dangling: BTreeMap<String, usize>,
 }
 
 impl Counts {
@@ -86,7 +88,10 @@ impl Counts {
             self.refused.values().sum::<usize>(),
             self.only_ours.values().sum::<usize>()
         );
-        println!("refused: {:#?}\nonly here: {:#?}", self.refused, self.only_ours);
+        println!(
+            "refused: {:#?}\nonly here: {:#?}\nreferences to removed elements: {:#?}",
+            self.refused, self.only_ours, self.dangling
+        );
         let length = if std::env::var_os("VERBOSE").is_some() { 5000 } else { 300 };
         for difference in &self.differ {
             println!("DIFFERS {}", difference.chars().take(length).collect::<String>());

@@ -2,9 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
 
-#[cfg(engine_since = "3.2.0")]
-use std::ffi::CStr;
-use std::ffi::{CString, c_char};
+use std::ffi::{CStr, CString, c_char};
 #[cfg(not(engine_since = "3.2.0"))]
 use std::path::Path;
 use std::path::PathBuf;
@@ -33,10 +31,47 @@ impl RawModel {
         unsafe { differences(ours, self.0, tolerance, except) }
     }
 
+    /// Returns the first name of an element that differs from the expected one.
+    pub(super) fn different_name(&self, ours: &Model, expected: impl Fn(&str) -> String) -> Option<String> {
+        // SAFETY: valid models.
+        let [theirs, ours] = unsafe { [names(self.0), names(ours.as_ptr())] };
+        let expected = theirs.iter().map(|(kind, id, name)| (*kind, *id, expected(name)));
+        let expected: Vec<(i32, i32, String)> = expected.collect();
+        let differs = |(a, b): &(&(i32, i32, String), &(i32, i32, String))| a != b;
+        match ours.iter().zip(&expected).find(differs) {
+            Some((ours, expected)) => Some(format!("name {ours:?} instead of {expected:?}")),
+            None if ours.len() == expected.len() => None,
+            None => Some(format!("{} names instead of {}", ours.len(), expected.len())),
+        }
+    }
+
     pub(super) fn names(&self) -> Vec<u8> {
         // SAFETY: a valid model, whose names have this length.
         unsafe { std::slice::from_raw_parts((*self.0).names.cast::<u8>(), (*self.0).nnames as usize) }.to_vec()
     }
+}
+
+/// Returns the types, ids and names of all elements except keyframes.
+///
+/// # Safety
+///
+/// The model is valid.
+unsafe fn names(model: *const mjModel) -> Vec<(i32, i32, String)> {
+    // Larger than the largest type of each engine.
+    const MOST_TYPES: i32 = 40;
+    let mut found = Vec::new();
+    for kind in (1..MOST_TYPES).filter(|kind| *kind != sys::mjOBJ_KEY as i32) {
+        // SAFETY: a valid model. Each element has at least the end of its name in the names. Other types and ids have no name.
+        unsafe {
+            for id in 0..(*model).nnames {
+                let name = sys::mj_id2name(model, kind, id as _);
+                if !name.is_null() {
+                    found.push((kind, id as _, CStr::from_ptr(name).to_string_lossy().into_owned()));
+                }
+            }
+        }
+    }
+    found
 }
 
 /// Text or file of a model.
@@ -57,6 +92,18 @@ impl Source {
         match self {
             Self::Text(text) => text.clone(),
             Self::File(path) => path.display().to_string(),
+        }
+    }
+
+    /// Compiles another text with the same files, with the engine.
+    pub(super) fn compile_other(&self, text: &str) -> Option<RawModel> {
+        match self {
+            Self::Text(_) => compile(&Self::Text(text.to_owned())),
+            Self::File(path) => {
+                let file = tempfile::Builder::new().prefix("other-").suffix(".xml").tempfile_in(path.parent()?).ok()?;
+                std::fs::write(file.path(), text).ok()?;
+                compile(&Self::File(file.path().to_owned()))
+            }
         }
     }
 }

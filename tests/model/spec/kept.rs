@@ -5,6 +5,7 @@ use std::path::Path;
 use mujoco_safe::spec::{Mount, Spec};
 use mujoco_safe::{Data, Error, math};
 
+use super::parse;
 use super::reading::all_models;
 
 /// A spec whose defaults and settings differ from those of most models.
@@ -130,4 +131,21 @@ fn compare(path: &Path, ours: &mujoco_safe::Model, theirs: &mujoco_safe::Model) 
         actuator_gainprm actuator_biasprm actuator_dynprm actuator_gear actuator_ctrlrange actuator_ctrllimited actuator_forcerange actuator_forcelimited
         sensor_cutoff sensor_noise
     );
+}
+
+/// A setting of the compiler that acts on meshes is not taken from an attached spec.
+#[test]
+fn settings_of_meshes_do_not_change_geoms_in_the_world() {
+    let mut spec = parse(
+        "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset>
+         <worldbody><geom name='g' type='box' mesh='m'/></worldbody></mujoco>",
+    );
+    let before = spec.compile().unwrap().geom_size().to_vec();
+    let child =
+        "<mujoco><compiler fitaabb='true'/><worldbody><body name='b'><geom size='.1'/></body></worldbody></mujoco>";
+    let mount = Mount::body(spec.world());
+    let error = spec.attach(&parse(child), mount, "").unwrap_err();
+    assert!(error.to_string().contains("fitaabb"), "{error}");
+    spec.attach(&parse(&child.replace("true", "false")), mount, "").unwrap();
+    assert_eq!(spec.compile().unwrap().geom_size()[0], before[0]);
 }

@@ -1,5 +1,6 @@
 //! Models in code, compared with texts that the engine compiles itself.
 
+mod alone;
 mod angles;
 mod attach;
 mod building;
@@ -15,6 +16,7 @@ mod operations;
 mod oracle;
 mod random;
 mod reading;
+mod removal;
 mod text;
 
 use mujoco_safe::Model;

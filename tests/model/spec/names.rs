@@ -231,3 +231,41 @@ fn elements_that_unknown_attributes_may_refer_to_are_not_removed() {
     }
     assert_eq!(spec.to_xml(), before);
 }
+
+/// The compiler gives the elements of a class the mesh of the class, so only these elements refer to it.
+#[test]
+fn a_removed_mesh_of_a_class_leaves_the_other_defaults_of_the_class() {
+    const MESHES: &str = "<mesh name='b' vertex='0 0 0 4 0 0 0 2 0 0 0 1'/>";
+    let mut spec = parse(&format!(
+        "<mujoco><default><default class='c'><geom type='mesh' mesh='a' friction='.3' density='70'/></default></default>
+         <asset><mesh name='a' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/>{MESHES}</asset>
+         <worldbody><geom class='c'/><geom name='other' class='c' mesh='b'/>
+         <body childclass='c'><geom/><geom type='sphere' size='1' mesh='b'/></body></worldbody></mujoco>"
+    ));
+    let mesh = spec.mesh("a").unwrap().id();
+    assert!(spec.remove(mesh).is_err());
+    spec.remove_with_references(mesh).unwrap();
+    same(
+        &spec,
+        &format!(
+            "<mujoco><default><geom friction='.3' density='70'/></default><asset>{MESHES}</asset>
+             <worldbody><geom name='other' type='mesh' mesh='b'/>
+             <body><geom type='sphere' size='1' mesh='b'/></body></worldbody></mujoco>"
+        ),
+    );
+}
+
+/// The bones in the file of a skin have names of bodies, which could be those of other bodies.
+#[test]
+fn a_prefix_for_the_bones_in_a_file_is_rejected() {
+    let child = parse(
+        "<mujoco><asset><skin name='s' file='s.skn'/></asset><worldbody><body name='b'><geom size='.1'/></body></worldbody></mujoco>",
+    );
+    let mut spec = child.clone();
+    let mount = Mount::body(spec.world());
+    let error = spec.attach(&child, mount, "p_").unwrap_err();
+    assert!(error.to_string().contains("skin 's'"), "{error}");
+    let mut spec = Spec::new("outer");
+    let mount = Mount::body(spec.world());
+    spec.attach(&child, mount, "").unwrap();
+}
