@@ -13,7 +13,9 @@ use crate::macros::with_methods;
 pub enum TransitionMethod {
     /// Differences of a step by the engine, [`Data::transition_fd`](crate::Data::transition_fd), in one thread.
     Engine,
-    /// The same differences, computed column by column and shared among the threads.
+    /// The same differences, computed column by column and shared among the threads. Without a step in
+    /// the options, those that disagree are repeated with others
+    /// ([`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES)).
     Columns,
     /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
