@@ -126,8 +126,34 @@ bitflags! {
     }
 }
 
+bitflags! {
+    /// Features of a model that add inputs to parts of the pipeline, or that the engine computes in
+    /// whole stages only.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) struct PipelineFeatures: u8 {
+        const ADHESION_ACTUATOR = 1;
+        /// Adhesion of geoms and of pairs of geoms.
+        const CONTACT_ADHESION = 1 << 1;
+        const TENDON_ARMATURE = 1 << 2;
+        const FLEX = 1 << 3;
+        /// Actuators that apply the compensation of gravity.
+        const GRAVITY_ACTUATION = 1 << 4;
+        const KINETIC_ENERGY_SENSOR = 1 << 5;
+        const DISCRETE_INTEGRATOR = 1 << 6;
+    }
+}
+
+type Features = PipelineFeatures;
+
 impl PipelineFlags {
-    /// Each part of the pipeline, its inputs among the other parts, and the method that computes it, in topological order.
+    /// Inputs of the reference accelerations. Newer engines subtract the part of the accelerations
+    /// of `connect` and `weld` that depends on velocities only.
+    pub(crate) const REFERENCE_INPUTS: Self =
+        if cfg!(engine_since = "3.6.0") { Self::CONSTRAINT.union(Self::COM_VEL) } else { Self::CONSTRAINT };
+
+    /// Each part of the pipeline, its inputs among the other parts, and the method that computes
+    /// it, in topological order. Features of a model add the inputs in
+    /// [`FEATURE_INPUTS`](Self::FEATURE_INPUTS).
     const PARTS: [(Self, Self, &'static str); 26] = [
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
@@ -143,7 +169,7 @@ impl PipelineFlags {
         (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "compute_actuator_velocity"),
         (Self::COM_VEL, Self::COM_POS, "com_vel"),
         (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY), "passive"),
-        (Self::REFERENCE, Self::CONSTRAINT, "reference_constraint"),
+        (Self::REFERENCE, Self::REFERENCE_INPUTS, "reference_constraint"),
         (Self::BIAS, Self::COM_VEL, "compute_qfrc_bias"),
         (Self::SUBTREE_VEL, Self::COM_VEL, "subtree_vel"),
         (Self::ACTUATION, Self::ACTUATOR_VELOCITY, "fwd_actuation"),
@@ -161,44 +187,105 @@ impl PipelineFlags {
         (Self::SENSOR_ACC, Self::FORCES, "sensor_acc"),
     ];
 
+    /// Further inputs of a part in models with a feature. The order of the parts remains
+    /// topological.
+    const FEATURE_INPUTS: [(Features, Self, Self); 5] = [
+        (Features::ADHESION_ACTUATOR, Self::TRANSMISSION, Self::CONSTRAINT),
+        (Features::CONTACT_ADHESION, Self::PASSIVE, Self::CONSTRAINT),
+        (Features::TENDON_ARMATURE, Self::CRB, Self::TENDON),
+        // The method `com_pos` computes the vertices.
+        (Features::FLEX, Self::COLLISION, Self::COM_POS),
+        (Features::GRAVITY_ACTUATION, Self::ACTUATION, Self::PASSIVE),
+    ];
+
+    /// Parts that the engine computes only together with others in models with a feature, because
+    /// it exports no function for a computation between them. The texts name the features.
+    const ONLY_IN_STAGES: [(Features, Self, &'static str); 3] = [
+        // The forces of tendons' armature on the bias.
+        (Features::TENDON_ARMATURE, Self::BIAS, "armature of tendons"),
+        // The velocities of edges.
+        (Features::FLEX, Self::PASSIVE, "flexes"),
+        // The engine adds springs and dampers to the inertia matrix, in memory that it allocates
+        // behind the constraints, and changes the constraints after the actuation.
+        (
+            Features::DISCRETE_INTEGRATOR,
+            Self::COLLISION
+                .union(Self::CONSTRAINT)
+                .union(Self::PROJECTION)
+                .union(Self::PASSIVE)
+                .union(Self::REFERENCE)
+                .union(Self::BIAS)
+                .union(Self::ACCELERATION)
+                .union(Self::SOLVER_COST)
+                .union(Self::SOLVED),
+            "the integrator discrete",
+        ),
+    ];
+
     /// Parts that neither forward dynamics nor a step marks as valid.
     const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
 
+    /// Returns the further inputs of these parts in a model with these features, without those
+    /// among the parts.
+    pub(crate) const fn feature_inputs(self, features: Features) -> Self {
+        let mut inputs = Self::empty();
+        let mut row = if features.is_empty() { Self::FEATURE_INPUTS.len() } else { 0 };
+        while row < Self::FEATURE_INPUTS.len() {
+            let (feature, part, reads) = Self::FEATURE_INPUTS[row];
+            if features.contains(feature) && self.contains(part) {
+                inputs = inputs.union(reads);
+            }
+            row += 1;
+        }
+        inputs.difference(self)
+    }
+
+    /// Returns the name of a feature for which the engine computes some of these parts only
+    /// together with others. Whole stages contain all of them.
+    pub(crate) fn only_in_stages(self, features: Features) -> Option<&'static str> {
+        if self.contains(Self::POSITION) || self.contains(Self::VELOCITY - Self::POSITION) {
+            return None;
+        }
+        let row = |&&(feature, parts, _): &&(Features, Self, _)| features.contains(feature) && self.intersects(parts);
+        Self::ONLY_IN_STAGES.iter().find(row).map(|&(_, _, name)| name)
+    }
+
     /// Returns all parts that depend on these, directly or indirectly. They become stale when these are recomputed.
-    const fn dependents(self) -> Self {
+    const fn dependents(self, features: Features) -> Self {
         let mut stale = Self::empty();
         let mut part = 0;
         // One pass is enough, because the table is in topological order.
         while part < Self::PARTS.len() {
             let (result, reads, _) = Self::PARTS[part];
-            if reads.intersects(self.union(stale)) {
+            if reads.union(result.feature_inputs(features)).intersects(self.union(stale)) {
                 stale = stale.union(result);
             }
             part += 1;
         }
+        // This sensor of the position stage reads `qvel`, which has changed if the velocities of
+        // bodies are computed again.
+        if features.contains(Features::KINETIC_ENERGY_SENSOR) && self.contains(Self::COM_VEL) {
+            stale = stale.union(Self::SENSOR_POS);
+        }
         stale
     }
 
-    /// Parts that depend on the constraints only in a model with an adhesion actuator.
-    const TRANSMISSION_AND_DEPENDENTS: Self = Self::TRANSMISSION.union(Self::TRANSMISSION.dependents());
-
-    /// Returns the parts that are valid after `results` has been recomputed.
-    pub(crate) const fn after(self, results: Self, adhesion: bool) -> Self {
-        let mut stale = results.dependents();
-        if adhesion && results.union(stale).intersects(Self::CONSTRAINT) {
-            stale = stale.union(Self::TRANSMISSION_AND_DEPENDENTS);
-        }
-        self.difference(stale).union(results)
+    /// Returns the parts that are valid after `results` has been recomputed in a model with these
+    /// features.
+    pub(crate) const fn after(self, results: Self, features: Features) -> Self {
+        self.difference(results.dependents(features)).union(results)
     }
 
     /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages up to `skip` left out.
-    pub(crate) fn sensors_after(self, skip: Stage, sensors: SensorUpdate) -> Self {
-        let kept = match skip {
+    pub(crate) fn sensors_after(self, skip: Stage, sensors: SensorUpdate, features: Features) -> Self {
+        let skipped = match skip {
             Stage::Nothing => Self::empty(),
             Stage::Position => Self::SENSOR_POS,
             Stage::Velocity | Stage::Acceleration => Self::SENSOR_POS | Self::SENSOR_VEL,
         };
-        let read = if sensors == SensorUpdate::Skip { Self::empty() } else { Self::SENSORS - kept };
+        let has_changed = skip == Stage::Position && features.contains(Features::KINETIC_ENERGY_SENSOR);
+        let kept = if has_changed { Self::empty() } else { skipped };
+        let read = if sensors == SensorUpdate::Skip { Self::empty() } else { Self::SENSORS - skipped };
         (self & kept) | read
     }
 
@@ -319,12 +406,13 @@ impl fmt::Debug for MissingResults {
 
 #[cfg(test)]
 mod tests {
-    use super::{PipelineFlags, SensorUpdate, Stage};
+    use super::{PipelineFeatures as Features, PipelineFlags, SensorUpdate, Stage};
 
     #[test]
     fn parts_are_in_topological_order() {
         let mut earlier = PipelineFlags::empty();
         for (part, reads, method) in PipelineFlags::PARTS {
+            let reads = reads | part.feature_inputs(Features::all());
             assert!(earlier.contains(reads), "{method} reads {:?}", reads - earlier);
             assert_eq!(part.bits().count_ones(), 1, "{method}");
             earlier |= part;
@@ -334,35 +422,53 @@ mod tests {
 
     #[test]
     fn recomputing_a_part_invalidates_its_dependents() {
-        let all = PipelineFlags::all();
-        assert_eq!(all.after(PipelineFlags::KINEMATICS, false), PipelineFlags::KINEMATICS | PipelineFlags::CURRENT);
-        let stale = all - all.after(PipelineFlags::COLLISION, false);
+        let (all, none) = (PipelineFlags::all(), Features::empty());
+        assert_eq!(all.after(PipelineFlags::KINEMATICS, none), PipelineFlags::KINEMATICS | PipelineFlags::CURRENT);
+        let stale = all - all.after(PipelineFlags::COLLISION, none);
         let rows = PipelineFlags::CONSTRAINT | PipelineFlags::PROJECTION | PipelineFlags::REFERENCE;
         let forces = PipelineFlags::SOLVER_COST | PipelineFlags::SOLVED | PipelineFlags::POST_CONSTRAINT;
         assert_eq!(stale, rows | forces | PipelineFlags::SENSORS);
-        let with_adhesion = all - all.after(PipelineFlags::COLLISION, true);
+        let with_adhesion = all - all.after(PipelineFlags::COLLISION, Features::ADHESION_ACTUATOR);
         let actuators = PipelineFlags::TRANSMISSION
             | PipelineFlags::ACTUATOR_VELOCITY
             | PipelineFlags::ACTUATION
             | PipelineFlags::ACCELERATION;
         assert_eq!(with_adhesion - stale, actuators);
-        assert_eq!(all - all.after(PipelineFlags::POST_CONSTRAINT, false), PipelineFlags::empty());
+        assert_eq!(all - all.after(PipelineFlags::POST_CONSTRAINT, none), PipelineFlags::empty());
+        let velocity = PipelineFlags::VELOCITY - PipelineFlags::POSITION;
+        assert!(all.after(velocity, none).contains(PipelineFlags::SENSOR_POS));
+        assert!(!all.after(velocity, Features::KINETIC_ENERGY_SENSOR).contains(PipelineFlags::SENSOR_POS));
+    }
+
+    #[test]
+    fn whole_stages_compute_what_single_parts_do_not() {
+        let all = Features::all();
+        let velocity = PipelineFlags::VELOCITY - PipelineFlags::POSITION;
+        for stage in [PipelineFlags::POSITION, PipelineFlags::POSITION | PipelineFlags::PROJECTION, velocity] {
+            assert_eq!(stage.only_in_stages(all), None);
+        }
+        assert_eq!(PipelineFlags::BIAS.only_in_stages(Features::TENDON_ARMATURE), Some("armature of tendons"));
+        assert_eq!(PipelineFlags::BIAS.only_in_stages(Features::FLEX), None);
+        assert_eq!(PipelineFlags::KINEMATICS.only_in_stages(all), None);
+        assert_eq!(velocity.feature_inputs(all), PipelineFlags::CONSTRAINT);
     }
 
     #[test]
     fn only_sensor_readings_of_skipped_stages_are_kept() {
-        let (all, none) = (PipelineFlags::all(), PipelineFlags::empty());
-        assert_eq!(none.sensors_after(Stage::Nothing, SensorUpdate::Compute), PipelineFlags::SENSORS);
-        assert_eq!(all.sensors_after(Stage::Nothing, SensorUpdate::Skip), none);
+        let (all, none, plain) = (PipelineFlags::all(), PipelineFlags::empty(), Features::empty());
+        assert_eq!(none.sensors_after(Stage::Nothing, SensorUpdate::Compute, plain), PipelineFlags::SENSORS);
+        assert_eq!(all.sensors_after(Stage::Nothing, SensorUpdate::Skip, plain), none);
         assert_eq!(
-            none.sensors_after(Stage::Position, SensorUpdate::Compute),
+            none.sensors_after(Stage::Position, SensorUpdate::Compute, plain),
             PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC
         );
-        assert_eq!(all.sensors_after(Stage::Position, SensorUpdate::Skip), PipelineFlags::SENSOR_POS);
-        assert_eq!(none.sensors_after(Stage::Velocity, SensorUpdate::Compute), PipelineFlags::SENSOR_ACC);
+        assert_eq!(all.sensors_after(Stage::Position, SensorUpdate::Skip, plain), PipelineFlags::SENSOR_POS);
+        assert_eq!(none.sensors_after(Stage::Velocity, SensorUpdate::Compute, plain), PipelineFlags::SENSOR_ACC);
         assert_eq!(
-            all.sensors_after(Stage::Velocity, SensorUpdate::Skip),
+            all.sensors_after(Stage::Velocity, SensorUpdate::Skip, plain),
             PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL
         );
+        let kinetic = all.sensors_after(Stage::Position, SensorUpdate::Compute, Features::KINETIC_ENERGY_SENSOR);
+        assert_eq!(kinetic, PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC);
     }
 }

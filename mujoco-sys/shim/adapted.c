@@ -53,7 +53,8 @@ void mujoco_sys_rotVecMatT(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[
 #endif
 }
 
-// The engine computes the same numbers as a part of mj_fwdVelocity: dense rows before 3.2.5, sparse rows since.
+// The engine computes the same numbers as a part of mj_fwdVelocity: dense rows before 3.2.5, sparse
+// rows since. Newer engines set them to zero if actuation is disabled.
 void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER >= 325
   struct mujoco_sys_row row;
@@ -63,8 +64,11 @@ void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d) {
   const int count = m->nu;
 #endif
   for (int i = 0; i < count; i++) {
-    mujoco_sys_momentRow(m, d, i, &row);
     d->actuator_velocity[i] = 0;
+#if mjVERSION_HEADER >= 337
+    if (m->opt.disableflags & mjDSBL_ACTUATION) continue;
+#endif
+    mujoco_sys_momentRow(m, d, i, &row);
     for (int j = 0; j < row.count; j++) {
       d->actuator_velocity[i] += row.values[j] * d->qvel[row.columns[j]];
     }

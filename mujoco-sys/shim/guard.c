@@ -244,6 +244,24 @@ GUARDED(mj_inverse, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED_SOLVER(mj_forwardSkip, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
 GUARDED(mj_inverseSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
 
+// Computes centres of mass and, since 3.0, the flexes, as the engine's position stage does.
+static void com_pos(const mjModel* m, mjData* d) {
+  mj_comPos(m, d);
+#if mjVERSION_HEADER >= 300
+  if (m->nflex > 0) mj_flex(m, d);
+#endif
+}
+
+// Computes the inertia matrix. `mj_crb` of newer engines leaves out the armature of tendons, and
+// 3.5.0 the copy of the matrix, `qM`.
+static void make_inertia(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 337
+  mj_makeM(m, d);
+#else
+  mj_crb(m, d);
+#endif
+}
+
 // Creates the rows of the constraints, and since 3.0 their islands, as the engine's position stage does. The engine allocates the arrays of
 // the rows at the place of those of an earlier call, but keeps the pointers to the islands, which it would read with the new rows.
 static void make_constraint(const mjModel* m, mjData* d) {
@@ -276,10 +294,10 @@ GUARDED(mj_kinematics, d, (const mjModel* m, mjData* d), (m, d))
 int mujoco_sys_parts(const mjModel* m, mjData* d, void (*const parts[])(const mjModel*, mjData*), int count) {
   GUARDED_RUN(d, for (int i = 0; i < count; i++) parts[i](m, d))
 }
-GUARDED(mj_comPos, d, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_mj_comPos(const mjModel* m, mjData* d) { GUARDED_RUN(d, com_pos(m, d)) }
 GUARDED(mj_camlight, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_tendon, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_crb, d, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_mj_crb(const mjModel* m, mjData* d) { GUARDED_RUN(d, make_inertia(m, d)) }
 GUARDED(mj_factorM, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_collision, d, (const mjModel* m, mjData* d), (m, d))
 int mujoco_sys_mj_makeConstraint(const mjModel* m, mjData* d) { GUARDED_RUN(d, make_constraint(m, d)) }

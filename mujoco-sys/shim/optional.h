@@ -17,10 +17,12 @@
 #pragma weak mj_addBufferVFS
 #pragma weak mj_compile
 #pragma weak mj_deleteSpec
+#pragma weak mj_flex
 #pragma weak mj_freeStack
 #pragma weak mj_island
 #pragma weak mj_loadPluginLibrary
 #pragma weak mj_loadTexture
+#pragma weak mj_makeM
 #pragma weak mj_markStack
 #pragma weak mj_parseXMLString
 #pragma weak mj_setKeyframe

@@ -132,9 +132,11 @@ guarded! {
     mujoco_sys_mj_inverseSkip = mj_inverse_skip(m: *const mjModel, d: *mut mjData, stage: c_int, skip_sensor: c_int);
 
     mujoco_sys_mj_kinematics = mj_kinematics(m: *const mjModel, d: *mut mjData);
+    /// `mj_comPos`, and since 3.0 `mj_flex` in a model with flexes.
     mujoco_sys_mj_comPos = mj_com_pos(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_camlight = mj_camlight(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_tendon = mj_tendon(m: *const mjModel, d: *mut mjData);
+    /// `mj_crb`, or its successor `mj_makeM`, which includes the armature of tendons.
     mujoco_sys_mj_crb = mj_crb(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_factorM = mj_factor_m(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_collision = mj_collision(m: *const mjModel, d: *mut mjData);

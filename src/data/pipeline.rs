@@ -10,30 +10,46 @@
 //! [`make_constraint`](Data::make_constraint) wake all bodies, because the engine does not wake those that the call needs. If one slept,
 //! all earlier results count as not computed.
 //!
+//! Features of newer engines add inputs to some parts. Where the engine exports no function for a
+//! computation between two parts, the parts that it would be missing from return
+//! [`Error::Unsupported`]: see the second table.
+//!
 //! A method has the prefix `compute_` if the plain name is that of a field or an element.
 //!
 //! | part | engine | computes | inputs |
 //! |---|---|---|---|
 //! | [`kinematics`](Data::kinematics) | `mj_kinematics` | poses | |
-//! | [`com_pos`](Data::com_pos) | `mj_comPos` | centres of mass, `cinert`, `cdof` | `kinematics` |
+//! | [`com_pos`](Data::com_pos) | `mj_comPos` | centres of mass, `cinert`, `cdof`; vertices and edges of flexes (`mj_flex`) | `kinematics` |
 //! | [`camlight`](Data::camlight) | `mj_camlight` | poses of cameras and lights | `com_pos` |
 //! | [`compute_tendon`](Data::compute_tendon) | `mj_tendon` | lengths and Jacobians of tendons | `com_pos` |
-//! | [`compute_crb`](Data::compute_crb) | `mj_crb` | `crb`, the inertia matrix `qM` | `com_pos` |
+//! | [`compute_crb`](Data::compute_crb) | `mj_crb`, newer engines `mj_makeM` | `crb`, the inertia matrix `qM` | `com_pos` |
 //! | [`factor_m`](Data::factor_m) | `mj_factorM` | its factorisation | `compute_crb` |
 //! | [`collision`](Data::collision) | `mj_collision` | contacts | `kinematics` |
 //! | [`make_constraint`](Data::make_constraint) | `mj_makeConstraint` | the rows of the constraints | `compute_tendon`, `collision` |
-//! | [`transmission`](Data::transmission) | `mj_transmission` | lengths and moments of actuators | `compute_tendon`; `make_constraint` in models with an adhesion actuator |
+//! | [`transmission`](Data::transmission) | `mj_transmission` | lengths and moments of actuators | `compute_tendon` |
 //! | [`project_constraint`](Data::project_constraint) | `mj_projectConstraint` | `efc_AR`, for PGS and the no-slip solver | `factor_m`, `make_constraint` |
 //! | [`compute_ten_velocity`](Data::compute_ten_velocity) | | `ten_velocity` | `compute_tendon` |
 //! | [`compute_actuator_velocity`](Data::compute_actuator_velocity) | | `actuator_velocity` | `transmission` |
 //! | [`com_vel`](Data::com_vel) | `mj_comVel` | `cvel`, `cdof_dot` | `com_pos` |
 //! | [`passive`](Data::passive) | `mj_passive` | `qfrc_passive` | `com_vel`, `compute_ten_velocity` |
-//! | [`reference_constraint`](Data::reference_constraint) | `mj_referenceConstraint` | `efc_vel`, `efc_aref` | `make_constraint` |
+//! | [`reference_constraint`](Data::reference_constraint) | `mj_referenceConstraint` | `efc_vel`, `efc_aref` | `make_constraint`; since 3.6 `com_vel` |
 //! | [`compute_qfrc_bias`](Data::compute_qfrc_bias) | `mj_rne` | `qfrc_bias` | `com_vel` |
 //! | [`fwd_actuation`](Data::fwd_actuation) | `mj_fwdActuation` | actuator forces, `act_dot` | `compute_actuator_velocity` |
 //! | [`fwd_acceleration`](Data::fwd_acceleration) | `mj_fwdAcceleration` | `qacc_smooth` | `factor_m`, `passive`, `compute_qfrc_bias`, `fwd_actuation` |
 //! | [`fwd_constraint`](Data::fwd_constraint) | `mj_fwdConstraint` | constraint forces, `qacc` | `project_constraint`, `reference_constraint`, `fwd_acceleration` |
 //! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all parts of the stage |
+//!
+//! Exceptions for features of a model:
+//!
+//! | feature | further inputs | only in `fwd_position`, `fwd_velocity`, `forward`, `step` and their inverse counterparts |
+//! |---|---|---|
+//! | adhesion actuators | `transmission`: `make_constraint` | |
+//! | adhesion of geoms or pairs | `passive`: `make_constraint` | |
+//! | flexes | `collision`: `com_pos` | `passive` |
+//! | `armature` of tendons, or of actuators on tendons | `compute_crb`: `compute_tendon` | `compute_qfrc_bias` |
+//! | `actuatorgravcomp` | `fwd_actuation`: `passive` | |
+//! | integrator `discrete` | | `collision`, `make_constraint`, `project_constraint`, `passive`, `reference_constraint`, `compute_qfrc_bias`, `fwd_acceleration`, `fwd_constraint`, `inv_constraint` |
+//! | sensors `e_kinetic` | their readings count as not computed after `com_vel`: call `sensor_pos` again | |
 //!
 //! Jacobians such as [`jac_site`](Data::jac_site) need `com_pos`, the inertia matrix [`full_m`](Data::full_m) the whole position stage.
 //!
@@ -64,15 +80,18 @@ macro_rules! parts {
             ///
             /// # Errors
             ///
-            /// [`Error::NotComputed`] if the inputs have not been computed, [`Error::Unstable`] if a position, velocity or control
-            /// is NaN or beyond ±10¹⁰, [`Error::Engine`] if the engine fails, [`Error::Poisoned`] after such a failure.
+            /// [`Error::NotComputed`] if the inputs have not been computed, [`Error::Unsupported`]
+            /// if the engine computes the part only in whole stages for this model (see
+            /// [`pipeline`](crate::data::pipeline)), [`Error::Unstable`] if a position, velocity or
+            /// control is NaN or beyond ±10¹⁰, [`Error::Engine`] if the engine fails,
+            /// [`Error::Poisoned`] after such a failure.
             #[doc(alias = $alias)]
             pub fn $method(&mut self) -> Result<()> {
                 const READS: PipelineFlags = $reads;
                 const RESULTS: PipelineFlags = $results;
+                self.check_is_single(stringify!($method), RESULTS)?;
                 self.wake_before(RESULTS);
-                self.check_parts(stringify!($method), READS)?;
-                self.check_inputs()?;
+                self.check_inputs_of(stringify!($method), READS, RESULTS)?;
                 self.clear_stale_inputs(RESULTS);
                 self.run($alias, self.after(RESULTS), |m, d| {
                     // SAFETY: `run` passes a model and a data of this model. The inputs of the function have been computed for
@@ -90,6 +109,7 @@ parts! {
     kinematics = mj_kinematics("mj_kinematics")
         reads C::empty(), computes C::KINEMATICS.union(C::CURRENT);
     /// Computes centres of mass of subtrees, inertias `cinert` about them, and motion axes `cdof`.
+    /// Also computes the vertices and edges of flexes.
     com_pos = mj_com_pos("mj_comPos")
         reads C::KINEMATICS, computes C::COM_POS;
     /// Computes poses of cameras and lights.
@@ -98,7 +118,8 @@ parts! {
     /// Computes paths, lengths and Jacobians of tendons.
     compute_tendon = mj_tendon("mj_tendon")
         reads C::COM_POS, computes C::TENDON;
-    /// Computes the inertia matrix `qM` by the composite rigid body algorithm (Featherstone, Rigid Body Dynamics Algorithms, chapter 6).
+    /// Computes the inertia matrix `qM` by the composite rigid body algorithm (Featherstone, Rigid
+    /// Body Dynamics Algorithms, chapter 6), with the armature of tendons.
     compute_crb = mj_crb("mj_crb")
         reads C::COM_POS, computes C::CRB;
     /// Computes the factorisation `LᵀDL` of the inertia matrix (Featherstone, chapter 8.5).
@@ -110,6 +131,9 @@ parts! {
     /// Creates the rows of all active constraints: equalities, friction, limits, contacts.
     make_constraint = mj_make_constraint("mj_makeConstraint")
         reads C::TENDON.union(C::COLLISION), computes C::CONSTRAINT;
+    /// Computes lengths and moments of actuators.
+    transmission = mj_transmission("mj_transmission")
+        reads C::TENDON, computes C::TRANSMISSION;
     /// Computes the matrix `efc_AR` of the dual problem, for PGS and the no-slip solver. Does nothing for the other solvers.
     project_constraint = mj_project_constraint("mj_projectConstraint")
         reads C::FACTOR_M.union(C::CONSTRAINT), computes C::PROJECTION;
@@ -121,7 +145,7 @@ parts! {
         reads C::COM_VEL.union(C::TENDON_VELOCITY).union(C::CURRENT), computes C::PASSIVE;
     /// Computes velocities `efc_vel` and reference accelerations `efc_aref` of the constraints.
     reference_constraint = mj_reference_constraint("mj_referenceConstraint")
-        reads C::CONSTRAINT.union(C::CURRENT), computes C::REFERENCE;
+        reads C::REFERENCE_INPUTS.union(C::CURRENT), computes C::REFERENCE;
     /// Computes linear velocities and angular momenta of subtrees, `subtree_linvel` and `subtree_angmom`.
     subtree_vel = mj_subtree_vel("mj_subtreeVel")
         reads C::COM_VEL, computes C::SUBTREE_VEL;
@@ -157,7 +181,7 @@ parts! {
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
         reads C::FORCES.union(C::ACTUATION), computes C::empty();
 
-    /// Evaluates the sensors of the position stage.
+    /// Evaluates the sensors of the position stage, among them those of the kinetic energy.
     sensor_pos = mj_sensor_pos("mj_sensorPos")
         reads C::POSITION.union(C::CURRENT), computes C::SENSOR_POS;
     /// Evaluates the sensors of the velocity stage.
@@ -179,23 +203,6 @@ parts! {
 
 /// # Partial steps and integrators
 impl Data {
-    /// Computes lengths and moments of actuators.
-    ///
-    /// # Errors
-    ///
-    /// As for the other parts, such as [`kinematics`](Self::kinematics).
-    #[doc(alias = "mj_transmission")]
-    pub fn transmission(&mut self) -> Result<()> {
-        // Adhesion acts through the constraints of contacts.
-        let needs = if self.model().has_adhesion() { C::TENDON | C::CONSTRAINT } else { C::TENDON };
-        self.check_parts("transmission", needs)?;
-        self.check_inputs()?;
-        self.run("mj_transmission", self.after(C::TRANSMISSION), |m, d| {
-            // SAFETY: as for the other parts.
-            unsafe { guard::mj_transmission(m, d) }
-        })
-    }
-
     /// Computes velocities of tendons, `ten_velocity`. The engine has no separate function; its
     /// [`fwd_velocity`](Self::fwd_velocity) includes this part.
     ///
@@ -203,8 +210,7 @@ impl Data {
     ///
     /// As for the other parts, such as [`kinematics`](Self::kinematics).
     pub fn compute_ten_velocity(&mut self) -> Result<()> {
-        self.check_parts("compute_ten_velocity", C::TENDON | C::CURRENT)?;
-        self.check_inputs()?;
+        self.check_inputs_of("compute_ten_velocity", C::TENDON | C::CURRENT, C::TENDON_VELOCITY)?;
         let nv = self.model().nv();
         for tendon in 0..self.model().ntendon() {
             let row = self.tendon_row(tendon);
@@ -220,15 +226,15 @@ impl Data {
         Ok(())
     }
 
-    /// Computes velocities of actuators, `actuator_velocity`. The engine has no separate function; its
+    /// Computes velocities of actuators, `actuator_velocity`. With newer engines they are zero if
+    /// actuation is disabled. The engine has no separate function; its
     /// [`fwd_velocity`](Self::fwd_velocity) includes this part.
     ///
     /// # Errors
     ///
     /// As for the other parts, such as [`kinematics`](Self::kinematics).
     pub fn compute_actuator_velocity(&mut self) -> Result<()> {
-        self.check_parts("compute_actuator_velocity", C::TRANSMISSION | C::CURRENT)?;
-        self.check_inputs()?;
+        self.check_inputs_of("compute_actuator_velocity", C::TRANSMISSION | C::CURRENT, C::ACTUATOR_VELOCITY)?;
         // SAFETY: the model of this data, whose transmission was computed.
         unsafe { sys::adapted::actuator_velocity(self.model().as_ptr(), self.as_mut_ptr()) };
         self.computed = self.after(C::ACTUATOR_VELOCITY);
@@ -243,8 +249,8 @@ impl Data {
     /// As for the other parts, such as [`kinematics`](Self::kinematics).
     #[doc(alias = "mj_rne")]
     pub fn compute_qfrc_bias(&mut self) -> Result<()> {
-        self.check_parts("compute_qfrc_bias", C::COM_VEL | C::CURRENT)?;
-        self.check_inputs()?;
+        self.check_is_single("compute_qfrc_bias", C::BIAS)?;
+        self.check_inputs_of("compute_qfrc_bias", C::COM_VEL | C::CURRENT, C::BIAS)?;
         self.run("mj_rne", self.after(C::BIAS), |m, d| {
             // SAFETY: as for the other parts; the result is an array of this data with nv elements.
             unsafe { guard::mj_rne(m, d, 0, (*d).qfrc_bias) }
@@ -266,7 +272,7 @@ impl Data {
         };
         self.check_parts("forward_skip", needs)?;
         self.check_inputs()?;
-        let results = C::FORWARD | self.computed.sensors_after(skip, sensors);
+        let results = C::FORWARD | self.computed.sensors_after(skip, sensors, self.model().features());
         self.run("mj_forwardSkip", results, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_forward_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }
@@ -290,7 +296,8 @@ impl Data {
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
         self.clear_stale_inputs(results);
-        let computes = (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, sensors);
+        let computes =
+            (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, sensors, self.model().features());
         self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_inverse_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }
@@ -334,6 +341,22 @@ impl Data {
         })
     }
 
+    /// Returns an error if the engine computes these results only in whole stages for this model.
+    fn check_is_single(&self, call: &'static str, results: PipelineFlags) -> Result<()> {
+        let Some(feature) = results.only_in_stages(self.model().features()) else { return Ok(()) };
+        Err(Error::Unsupported(format!(
+            "{call} of a model with {feature}, for which the engine computes this part only together with others: call fwd_position and \
+             fwd_velocity, forward or step"
+        )))
+    }
+
+    /// Returns an error unless the inputs of a call that computes `results` are valid: `reads`, and
+    /// those that depend on features of the model.
+    fn check_inputs_of(&self, call: &'static str, reads: PipelineFlags, results: PipelineFlags) -> Result<()> {
+        self.check_parts(call, reads | results.feature_inputs(self.model().features()))?;
+        self.check_inputs()
+    }
+
     /// Returns an error if parts of the pipeline that `call` needs have not been computed.
     #[inline]
     pub(crate) fn check_parts(&self, call: &'static str, needs: PipelineFlags) -> Result<()> {
@@ -372,7 +395,7 @@ impl Data {
 
     /// Returns the valid results after a call that computes `results`.
     pub(super) fn after(&self, results: PipelineFlags) -> PipelineFlags {
-        self.computed.after(results, self.model().has_adhesion())
+        self.computed.after(results, self.model().features())
     }
 
     /// Clears contacts and rows of earlier calls that the computation of `results` would read.

@@ -2,15 +2,14 @@
 
 use std::ops::RangeInclusive;
 
-use mujoco_sys::{
-    mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjTRN_BODY,
-};
+use mujoco_sys::{mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER};
 
 #[cfg(engine_since = "3.6.0")]
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT};
 
 use super::Model;
 use crate::ffi;
+use crate::stage::PipelineFeatures;
 
 /// Sizes of a height field whose sums, squares and quotients are finite.
 const RAY_SAFE_SIZES: RangeInclusive<f64> = 1e-100..=1e100;
@@ -43,7 +42,7 @@ impl Model {
     /// an array.
     #[inline]
     pub(crate) fn has_adhesion(&self) -> bool {
-        self.has_adhesion
+        self.features.contains(PipelineFeatures::ADHESION_ACTUATOR)
     }
 
     /// Returns `true` if each step casts rays at height fields, which requires valid poses: see
@@ -55,10 +54,6 @@ impl Model {
 
     pub(super) fn find_rangefinder_and_height_field(&self) -> bool {
         self.nhfield() > 0 && self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
-    }
-
-    pub(super) fn find_adhesion(&self) -> bool {
-        self.actuator_trntype().contains(&(mjTRN_BODY as i32))
     }
 
     /// Reserves space for the moments of an actuator on all degrees of freedom, except with a joint, as older engines do. Newer ones reserve

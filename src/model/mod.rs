@@ -22,6 +22,7 @@ mod engine_features;
 mod engine_limits;
 #[cfg(validates_binaries)]
 mod mjb;
+mod pipeline_features;
 mod position;
 mod save;
 mod schema;
@@ -55,6 +56,7 @@ pub use crate::field_docs::FieldDoc;
 use crate::field_docs::field_docs;
 use crate::id::Lineage;
 use crate::macros::with_aliases;
+use crate::stage::PipelineFeatures;
 
 with_aliases! {
     pub use self::options::{
@@ -101,8 +103,8 @@ pub struct Model {
     raw: NonNull<mjModel>,
     lineage: Lineage,
     warnings: Vec<String>,
-    /// See [`has_adhesion`](Model::has_adhesion).
-    has_adhesion: bool,
+    /// See [`features`](Model::features), without the integrator.
+    features: PipelineFeatures,
     /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
     has_rangefinder_and_height_field: bool,
     /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8 vertices (`find_unsafe_polygons`).
@@ -134,7 +136,7 @@ impl Model {
             raw,
             lineage,
             warnings,
-            has_adhesion: false,
+            features: PipelineFeatures::empty(),
             has_rangefinder_and_height_field: false,
             has_unsafe_polygons: false,
             has_addresses: false,
@@ -142,7 +144,7 @@ impl Model {
             #[cfg(engine_since = "3.6.0")]
             compiled_moments: 0,
         };
-        model.has_adhesion = model.find_adhesion();
+        model.features = model.find_features();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
         model.has_addresses = model.find_addresses();
         #[cfg(engine_since = "3.6.0")]

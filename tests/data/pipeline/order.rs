@@ -14,7 +14,7 @@ macro_rules! parts {
 }
 
 /// In the order of the engine's forward dynamics.
-const IN_ORDER: [Part; 19] = parts! {
+pub(super) const IN_ORDER: [Part; 19] = parts! {
     kinematics com_pos camlight compute_tendon compute_crb factor_m collision make_constraint transmission project_constraint
     compute_ten_velocity compute_actuator_velocity com_vel passive reference_constraint compute_qfrc_bias
     fwd_actuation fwd_acceleration fwd_constraint
@@ -240,7 +240,7 @@ fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
 }
 
 #[track_caller]
-fn assert_same(name: &str, ours: &Data, theirs: &Data) {
+pub(super) fn assert_same(name: &str, ours: &Data, theirs: &Data) {
     let same = |what: &str, ours: &[f64], theirs: &[f64]| {
         // The velocities of actuators with sparse moments are summed in another order than by the engine.
         let is_sparse = cfg!(engine_since = "3.2.5");
@@ -249,6 +249,11 @@ fn assert_same(name: &str, ours: &Data, theirs: &Data) {
         let differs = ours.iter().zip(theirs).position(|(&a, &b)| !is_same(a, b));
         assert!(ours.len() == theirs.len() && differs.is_none(), "{name}: {what} at {differs:?}");
     };
+    same("ten_length", ours.ten_length(), theirs.ten_length());
+    same("actuator_length", ours.actuator_length(), theirs.actuator_length());
+    same("crb", ours.crb().as_flattened(), theirs.crb().as_flattened());
+    same("full_m", ours.full_m().unwrap().as_slice(), theirs.full_m().unwrap().as_slice());
+    same("efc_aref", ours.efc_aref(), theirs.efc_aref());
     same("qacc", ours.qacc(), theirs.qacc());
     same("qfrc_bias", ours.qfrc_bias(), theirs.qfrc_bias());
     same("qfrc_passive", ours.qfrc_passive(), theirs.qfrc_passive());
