@@ -222,17 +222,20 @@ struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// Compiles and simulates a text. The results of all texts are kept, because many attributes are compared with the same model.
+    /// Compiles and simulates a text. The results are kept, because many attributes are compared
+    /// with the same model. The messages are not: thousands of strings between the blocks of the
+    /// engine fragment gigabytes of the heap.
     fn of(text: &str) -> Result<Self, String> {
-        static KNOWN: Mutex<BTreeMap<u64, Result<Fingerprint, String>>> = Mutex::new(BTreeMap::new());
+        static KNOWN: Mutex<BTreeMap<u64, Fingerprint>> = Mutex::new(BTreeMap::new());
         let key = hash(&text);
         let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        let old = known().get(&key).cloned();
-        old.unwrap_or_else(|| {
-            let new = Self::computed(text);
-            known().insert(key, new.clone());
-            new
-        })
+        let old = known().get(&key).copied();
+        if let Some(old) = old {
+            return Ok(old);
+        }
+        let new = Self::computed(text)?;
+        known().insert(key, new);
+        Ok(new)
     }
 
     fn computed(text: &str) -> Result<Self, String> {

@@ -89,9 +89,12 @@ pub fn words(document: &Node) -> Vec<String> {
     all
 }
 
-/// Returns `true` if the message says that an attribute needs a keyword or a name.
+/// Returns `true` if the message says that an attribute needs a keyword or a name. No word helps without the plugin.
 pub fn needs_word(message: &str) -> bool {
-    ["keyword", "unrecognized", "unknown", "not found", "could not find"].iter().any(|part| message.contains(part))
+    !message.contains("plugin mujoco.")
+        && ["keyword", "unrecognized", "unknown", "not found", "could not find"]
+            .iter()
+            .any(|part| message.contains(part))
 }
 
 /// Returns a value, or the names of all elements of the kind that it stands for.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mujoco_safe::{Data, Model};
 
-use super::outcome::{WITHOUT_EFFECT, is_close};
+use super::outcome::{FLAGS, HIERARCHY, is_close};
 use super::{Numbers, SetNumbers, all_fields, generator};
 
 const TABLE: &str = include_str!("../../../build/knowledge/derived.tsv");
@@ -33,6 +33,7 @@ fn add_unlisted(model: &Model, unlisted: &mut BTreeMap<&'static str, Vec<String>
         return;
     }
     let before = all_fields(&reference);
+    let is_internal = |field: &str| FLAGS.contains(&field) || HIERARCHY.contains(&field);
     macro_rules! edit {
         ($($writer:ident($field:ident))*) => { $(
             let mut edited = model.clone();
@@ -46,7 +47,7 @@ fn add_unlisted(model: &Model, unlisted: &mut BTreeMap<&'static str, Vec<String>
                 let listed: Vec<&str> = row[2].split([' ', ';']).collect();
                 for (field, values) in all_fields(&edited) {
                     let is_equal = values.iter().zip(&before[field]).all(|(left, right)| is_close(*left, *right, 1e-9));
-                    if !is_equal && field != stringify!($field) && !listed.contains(&field) && !WITHOUT_EFFECT.contains(&field) {
+                    if !is_equal && field != stringify!($field) && !listed.contains(&field) && !is_internal(field) {
                         unlisted.entry(field).or_default().push(stringify!($field).to_owned());
                     }
                 }
