@@ -27,7 +27,8 @@ struct Eye {
     right: [f64; 3],
     up: [f64; 3],
     forward: [f64; 3],
-    /// Horizontal and vertical focal length, pixels; pixels per metre if the camera is orthographic.
+    /// Horizontal and vertical focal length, pixels; pixels per metre if the camera is
+    /// orthographic.
     focal: [f64; 2],
     /// Principal point, pixels from the upper left.
     principal: [f64; 2],
@@ -66,7 +67,8 @@ impl Eye {
         Self { pos, right: [sin, -cos, 0.0], up: [-down * cos, -down * sin, along], forward, focal, ..Self::ahead() }
     }
 
-    /// Returns the origin and the direction of the ray through the centre of a pixel. The direction is scaled so that distance is depth.
+    /// Returns the origin and the direction of the ray through the centre of a pixel. The direction
+    /// is scaled so that distance is depth.
     fn ray(&self, [x, y]: [usize; 2]) -> [[f64; 3]; 2] {
         let x = (x as f64 + 0.5 - self.principal[0]) / self.focal[0];
         let y = (self.principal[1] - y as f64 - 0.5) / self.focal[1];
@@ -136,7 +138,8 @@ fn points_of_a_depth_image_are_where_rays_hit() {
     }
 }
 
-/// Asserts that the pinhole camera, the points of the depth image and the segmentation are those of the eye.
+/// Asserts that the pinhole camera, the points of the depth image and the segmentation are those of
+/// the eye.
 fn assert_images_equal_hits(data: &mut Data, renderer: &mut Renderer, eye: &Eye, camera: &mut Camera) {
     let mut snapshot = renderer.snapshot(data, camera).unwrap();
     let (depth, segmentation) = (snapshot.depth().unwrap(), snapshot.segmentation().unwrap());

@@ -186,7 +186,8 @@ fn cylinder_side(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> Part {
     Part::new(round(if z > 10.0 * x.max(y) { RoundShape::LongCylinder } else { RoundShape::Cylinder }), size)
 }
 
-/// Returns the bottom, the side and the top of a cylinder, in the order in which the engine blends them.
+/// Returns the bottom, the side and the top of a cylinder, in the order in which the engine blends
+/// them.
 fn cylinder(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     let [x, y, z] = size;
     let end = Part::new(round(RoundShape::Disk), [x, y, z]);
@@ -202,8 +203,9 @@ fn capsule(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     [cylinder_side(size, round), top, bottom]
 }
 
-/// Returns the parts of an arrow from the origin along z: the end of the shaft, the shaft, its other end, the head and its base. The arrow is
-/// half as long as `size` states; two thirds of it are the shaft.
+/// Returns the parts of an arrow from the origin along z: the end of the shaft, the shaft, its
+/// other end, the head and its base. The arrow is half as long as `size` states; two thirds of it
+/// are the shaft.
 fn arrow(size: [f32; 3], head_scale: f32, round: impl Fn(RoundShape) -> u32) -> [Part; 5] {
     let [x, y, length] = size;
     let sixth = length / 6.0;
@@ -219,7 +221,8 @@ fn arrow(size: [f32; 3], head_scale: f32, round: impl Fn(RoundShape) -> u32) -> 
     ]
 }
 
-/// Returns the parts of a double arrow centred on the origin: the shaft, the lower head with its base, and the upper one.
+/// Returns the parts of a double arrow centred on the origin: the shaft, the lower head with its
+/// base, and the upper one.
 fn double_arrow(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 5] {
     let [x, y, length] = size;
     let third = length / 3.0;

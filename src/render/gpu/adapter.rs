@@ -265,7 +265,8 @@ fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(BLOCK)));
 }
 
-/// Returns the format of the depth buffer with a stencil component, for the features of a device or an adapter.
+/// Returns the format of the depth buffer with a stencil component, for the features of a device or
+/// an adapter.
 pub(super) fn stencil_format(features: wgpu::Features) -> wgpu::TextureFormat {
     if features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
         wgpu::TextureFormat::Depth32FloatStencil8

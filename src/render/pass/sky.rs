@@ -30,7 +30,8 @@ pub(crate) struct Sky {
     slices: u32,
 }
 
-/// Distance of the haze, as a fraction of the distance of the skybox. Haze without a width would otherwise be in the surface of the skybox.
+/// Distance of the haze, as a fraction of the distance of the skybox. Haze without a width would
+/// otherwise be in the surface of the skybox.
 const HAZE_FRACTION: f64 = 0.9999;
 
 impl Sky {

@@ -17,7 +17,8 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     var out: Varyings;
     let start = view.clip * vec4f(to_world(instance, vec3f(0.0)), 1.0);
     let end = view.clip * vec4f(to_world(instance, vec3f(0.0, 0.0, 1.0)), 1.0);
-    // Clip at the near plane here: points behind the camera have no direction on the screen. Lines in that plane are visible in spite of rounding.
+    // Clip at the near plane here: points behind the camera have no direction on the screen. Lines
+    // in that plane are visible in spite of rounding.
     let depths = 1.0001 * vec2f(start.w, end.w) - vec2f(start.z, end.z);
     let cut = select(vec2f(0.0, 1.0), vec2f(depths.x / (depths.x - depths.y)), depths < vec2f(0.0));
     let is_hidden = depths.x < 0.0 && depths.y < 0.0;

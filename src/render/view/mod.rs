@@ -19,8 +19,9 @@ const SKY_FRACTION: f64 = 0.7;
 /// View frustum and projection of a frame, in model space.
 #[derive(Debug, Clone)]
 pub(crate) struct ViewFrustum {
-    /// Projection from world space to clip space, whose depth is 1 in the near plane and 0 in the far plane: depths in single precision are then
-    /// precise at every distance, as in the images of engines from 3.0.1.
+    /// Projection from world space to clip space, whose depth is 1 in the near plane and 0 in the
+    /// far plane: depths in single precision are then precise at every distance, as in the images
+    /// of engines from 3.0.1.
     pub(crate) clip: Matrix4,
     /// Row vector whose product with a point (x, y, z, 1) is its depth, m.
     pub(crate) depth: [f64; 4],

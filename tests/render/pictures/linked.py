@@ -415,7 +415,8 @@ def settings():
         "linewidth": '<global linewidth="4"/>', "glow": '<global glow=".9"/>', "alpha": '<map alpha=".1"/>',
     }.items():
         scene(f"settings_{name}", text(visual), visual=everything + (" TRANSPARENT" if name == "alpha" else ""), steps=20)
-    # Debian's llvmpipe draws the depth of lines half a pixel aside, if it has several samples per pixel: without, the lines are equal.
+    # Debian's llvmpipe draws the depth of lines half a pixel aside, if it has several samples per
+    # pixel: without, the lines are equal.
     scene("settings_rgba_one_sample", text(f'<rgba {colours}/><quality offsamples="0"/>'), visual=everything, steps=20)
     scene("settings_fovy", text('<global fovy="80"/>'))
     scene("settings_near", text('<map znear=".8" zfar="2"/>'))
