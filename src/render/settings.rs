@@ -1,5 +1,6 @@
 //! Renderer options and the visual settings of a model.
 
+use super::shape::Tessellation;
 use crate::macros::with_methods;
 use crate::model::Model;
 
@@ -74,6 +75,8 @@ pub(crate) struct VisualSettings {
     pub(crate) haze_color: [f32; 4],
     /// Radial width of the haze, as a fraction of the distance to the horizon.
     pub(crate) haze: f32,
+    /// Number of slices of round shapes.
+    pub(crate) slices: u32,
     /// Line width in wireframe mode, pixels.
     pub(crate) line_width: f32,
     /// Far plane of the model's own frustum, m.
@@ -98,6 +101,7 @@ impl VisualSettings {
             fog_color: visual.rgba.fog.map(fraction),
             haze_color: visual.rgba.haze.map(fraction),
             haze: fraction(map.haze),
+            slices: Tessellation::of_model(model).slices,
             line_width: if visual.global.linewidth.is_finite() {
                 visual.global.linewidth.clamp(0.1, 100.0)
             } else {

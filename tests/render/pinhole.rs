@@ -1,8 +1,8 @@
 //! Pinhole cameras and point clouds agree with the engine's poses, fields of view and rays.
 
 use mujoco_safe::data::RayOptions;
-use mujoco_safe::render::{RenderError, Renderer, RendererOptions};
-use mujoco_safe::scene::{Camera, PinholeCamera, Scene, Transform};
+use mujoco_safe::render::{RenderError, Renderer, RendererOptions, SegmentationImage};
+use mujoco_safe::scene::{Camera, PinholeCamera, Scene, SceneObject, Transform};
 use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
@@ -21,13 +21,18 @@ const TABLE: &str = r#"<mujoco>
     </worldbody>
   </mujoco>"#;
 
-/// Pose and field of view of a camera, computed without the scene.
+/// Pose and intrinsics of a camera, computed without the scene.
 struct Eye {
     pos: [f64; 3],
     right: [f64; 3],
     up: [f64; 3],
     forward: [f64; 3],
-    fovy: f64,
+    /// Horizontal and vertical focal length, pixels; pixels per metre if the camera is
+    /// orthographic.
+    focal: [f64; 2],
+    /// Principal point, pixels from the upper left.
+    principal: [f64; 2],
+    orthographic: bool,
 }
 
 impl Eye {
@@ -36,7 +41,21 @@ impl Eye {
         let mat = data.cam_xmat()[id.index()];
         let column = |column: usize| [0, 3, 6].map(|row| mat[row + column]);
         let (pos, fovy) = (data.cam_xpos()[id.index()], data.model().cam_fovy()[id.index()]);
-        Self { pos, right: column(0), up: column(1), forward: column(2).map(|part| -part), fovy }
+        let eye = Self { pos, right: column(0), up: column(1), forward: column(2).map(|part| -part), ..Self::ahead() };
+        Self { focal: [focal_length(fovy); 2], ..eye }
+    }
+
+    /// Returns an eye whose principal point is the centre of the image.
+    fn ahead() -> Self {
+        Self {
+            pos: [0.0; 3],
+            right: [1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            forward: [0.0, 0.0, -1.0],
+            focal: [1.0; 2],
+            principal: SIZE.map(|length| length as f64 / 2.0),
+            orthographic: false,
+        }
     }
 
     fn of_free(model: &Model, camera: &Camera) -> Self {
@@ -44,22 +63,28 @@ impl Eye {
         let (down, along) = camera.elevation.to_radians().sin_cos();
         let forward = [along * cos, along * sin, down];
         let pos = [0, 1, 2].map(|axis| camera.lookat[axis] - camera.distance * forward[axis]);
-        let fovy = f64::from(model.visual().global.fovy);
-        Self { pos, right: [sin, -cos, 0.0], up: [-down * cos, -down * sin, along], forward, fovy }
+        let focal = [focal_length(f64::from(model.visual().global.fovy)); 2];
+        Self { pos, right: [sin, -cos, 0.0], up: [-down * cos, -down * sin, along], forward, focal, ..Self::ahead() }
     }
 
-    /// Returns the direction through the centre of a pixel, scaled so that distance is depth.
-    fn direction(&self, [x, y]: [usize; 2]) -> [f64; 3] {
-        let [width, height] = SIZE.map(|length| length as f64);
-        let pixel = 2.0 * (self.fovy.to_radians() / 2.0).tan() / height;
-        let (x, y) = ((x as f64 + 0.5 - width / 2.0) * pixel, (height / 2.0 - y as f64 - 0.5) * pixel);
-        [0, 1, 2].map(|axis| self.forward[axis] + x * self.right[axis] + y * self.up[axis])
+    /// Returns the origin and the direction of the ray through the centre of a pixel. The direction
+    /// is scaled so that distance is depth.
+    fn ray(&self, [x, y]: [usize; 2]) -> [[f64; 3]; 2] {
+        let x = (x as f64 + 0.5 - self.principal[0]) / self.focal[0];
+        let y = (self.principal[1] - y as f64 - 0.5) / self.focal[1];
+        let aside = [0, 1, 2].map(|axis| x * self.right[axis] + y * self.up[axis]);
+        let moved = |vector: [f64; 3]| [0, 1, 2].map(|axis| vector[axis] + aside[axis]);
+        if self.orthographic { [moved(self.pos), self.forward] } else { [self.pos, moved(self.forward)] }
     }
 
     fn assert_equals(&self, camera: &PinholeCamera) {
-        let focal_length = SIZE[1] as f64 / (2.0 * (self.fovy.to_radians() / 2.0).tan());
-        assert!((camera.fx - focal_length).abs() < 1e-6 * focal_length && camera.fx == camera.fy, "{camera:?}");
-        assert!((camera.cx - 80.0).abs() < 1e-4 && (camera.cy - 60.0).abs() < 1e-4, "{camera:?}");
+        for (actual, expected) in [camera.fx, camera.fy].into_iter().zip(self.focal) {
+            assert!((actual - expected).abs() < 1e-6 * expected, "{camera:?} has not the focal length {expected}");
+        }
+        for (actual, expected) in [camera.cx, camera.cy].into_iter().zip(self.principal) {
+            assert!((actual - expected).abs() < 1e-4, "{camera:?} has not the principal point {:?}", self.principal);
+        }
+        assert_eq!(camera.orthographic, self.orthographic);
         let Self { pos, right, up, forward, .. } = self;
         for axis in 0..3 {
             assert!((camera.pos[axis] - pos[axis]).abs() < 1e-6, "{camera:?}");
@@ -69,8 +94,17 @@ impl Eye {
     }
 }
 
+/// Returns the focal length for a vertical field of view in degrees, pixels.
+fn focal_length(fovy: f64) -> f64 {
+    SIZE[1] as f64 / (2.0 * (fovy.to_radians() / 2.0).tan())
+}
+
 fn table() -> (Data, Renderer) {
-    let mut data = Data::new(Model::from_xml_str(TABLE).unwrap()).unwrap();
+    rendered(TABLE)
+}
+
+fn rendered(xml: &str) -> (Data, Renderer) {
+    let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
     data.forward().unwrap();
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
     let [width, height] = SIZE.map(|length| length as u32);
@@ -100,20 +134,35 @@ fn points_of_a_depth_image_are_where_rays_hit() {
     let eyes = [Eye::of_model(&data, "tilted"), Eye::of_free(data.model(), &free)];
     let fixed = Camera::fixed(data.model(), "tilted").unwrap();
     for (eye, mut camera) in eyes.iter().zip([fixed, free]) {
-        let mut snapshot = renderer.snapshot(&mut data, &mut camera).unwrap();
-        let depth = snapshot.depth().unwrap();
-        let camera = snapshot.pinhole_camera().unwrap();
-        assert_points_equal_hits(&data, eye, &depth.points(&camera).collect::<Vec<_>>());
-        for ([x, y], point) in depth.points(&camera) {
-            let [u, v] = camera.project(&point).unwrap();
-            assert!((u - x as f64 - 0.5).abs() < 1e-9 && (v - y as f64 - 0.5).abs() < 1e-9, "[{x}, {y}]: [{u}, {v}]");
-        }
+        assert_images_equal_hits(&mut data, &mut renderer, eye, &mut camera);
     }
 }
 
-fn assert_points_equal_hits(data: &Data, eye: &Eye, points: &[([usize; 2], [f64; 3])]) {
+/// Asserts that the pinhole camera, the points of the depth image and the segmentation are those of
+/// the eye.
+fn assert_images_equal_hits(data: &mut Data, renderer: &mut Renderer, eye: &Eye, camera: &mut Camera) {
+    let mut snapshot = renderer.snapshot(data, camera).unwrap();
+    let (depth, segmentation) = (snapshot.depth().unwrap(), snapshot.segmentation().unwrap());
+    let camera = snapshot.pinhole_camera().unwrap();
+    eye.assert_equals(&camera);
+    assert_points_equal_hits(data, eye, &depth.points(&camera).collect::<Vec<_>>(), &segmentation);
+    for ([x, y], point) in depth.points(&camera) {
+        let [u, v] = camera.project(&point).unwrap();
+        assert!((u - x as f64 - 0.5).abs() < 1e-9 && (v - y as f64 - 0.5).abs() < 1e-9, "[{x}, {y}]: [{u}, {v}]");
+    }
+}
+
+fn assert_points_equal_hits(
+    data: &Data,
+    eye: &Eye,
+    points: &[([usize; 2], [f64; 3])],
+    segmentation: &SegmentationImage,
+) {
     let [width, height] = SIZE;
-    let hit = |pixel: [usize; 2]| data.ray(eye.pos, eye.direction(pixel), &RayOptions::default()).unwrap();
+    let hit = |pixel: [usize; 2]| {
+        let [origin, direction] = eye.ray(pixel);
+        data.ray(origin, direction, &RayOptions::default()).unwrap()
+    };
     let hits: Vec<_> = (0..width * height).map(|index| hit([index % width, index / width])).collect();
     let mut found = vec![None; hits.len()];
     for &([x, y], point) in points {
@@ -127,13 +176,15 @@ fn assert_points_equal_hits(data: &Data, eye: &Eye, points: &[([usize; 2], [f64;
         if around.into_iter().any(|neighbour| geom(neighbour) != geom(index)) {
             continue; // an outline
         }
+        let seen = segmentation.pixel(x, y).map(|segment| segment.object.unwrap());
+        assert_eq!(seen, hits[index].map(|hit| SceneObject::Geom(hit.geom)), "[{x}, {y}]");
         let Some(hit) = hits[index] else {
             assert_eq!(found[index], None, "sky at [{x}, {y}]");
             counts[0] += 1;
             continue;
         };
-        let direction = eye.direction([x, y]);
-        let expected = [0, 1, 2].map(|axis| eye.pos[axis] + hit.distance * direction[axis]);
+        let [origin, direction] = eye.ray([x, y]);
+        let expected = [0, 1, 2].map(|axis| origin[axis] + hit.distance * direction[axis]);
         let length = |vector: [f64; 3]| vector.iter().map(|part| part * part).sum::<f64>().sqrt();
         let name = data.geom(hit.geom).name().unwrap();
         if name == "sphere" {
@@ -149,7 +200,7 @@ fn assert_points_equal_hits(data: &Data, eye: &Eye, points: &[([usize; 2], [f64;
         assert!(error <= limit, "{name} at [{x}, {y}]: {point:?}, the ray hits {expected:?}");
         counts[["", "floor", "box", "sphere"].iter().position(|geom| *geom == name).unwrap()] += 1;
     }
-    assert!(counts.iter().all(|&count| count > 200), "pixels of sky, floor, box and sphere: {counts:?}");
+    assert!(counts.iter().all(|&count| count > 100), "pixels of sky, floor, box and sphere: {counts:?}");
 }
 
 #[test]
@@ -178,12 +229,12 @@ fn camera_with_two_eyes_has_the_pinhole_model_of_the_image() {
 
 /// Returns the centroid of the pixels that show a geom, pixels from the upper left corner.
 #[cfg(engine_since = "3.2.0")]
-fn centroid(segmentation: &mujoco_safe::render::SegmentationImage, data: &Data, name: &str) -> [f64; 2] {
+fn centroid(segmentation: &SegmentationImage, data: &Data, name: &str) -> [f64; 2] {
     let id = data.model().geom(name).unwrap().id();
     let width = segmentation.width();
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for (index, segment) in segmentation.pixels().enumerate() {
-        if segment.and_then(|segment| segment.object) == Some(mujoco_safe::scene::SceneObject::Geom(id)) {
+        if segment.and_then(|segment| segment.object) == Some(SceneObject::Geom(id)) {
             sum = [sum[0] + (index % width) as f64 + 0.5, sum[1] + (index / width) as f64 + 0.5];
             count += 1.0;
         }
@@ -238,6 +289,56 @@ fn a_camera_with_a_sensor_has_its_focal_lengths_and_principal_point() {
     }
 }
 
+/// Attributes of an orthographic camera.
+#[cfg(engine_since = "3.2.0")]
+const ORTHOGRAPHIC: &str =
+    if cfg!(engine_since = "3.5.0") { r#"projection="orthographic""# } else { r#"orthographic="true""# };
+
+#[cfg(engine_since = "3.2.0")]
+#[test]
+fn points_of_cameras_with_any_intrinsics_are_where_rays_hit() {
+    let [width, height] = SIZE.map(|length| length as f64);
+    // Sensor, focal length and principal point, m.
+    for [sensor, focal, principal] in [
+        [[0.0064, 0.0048], [0.006, 0.004], [0.0, 0.0]],
+        [[0.0064, 0.0048], [0.006, 0.004], [-0.0008, -0.0004]],
+        [[0.0064, 0.0048], [0.004, 0.006], [0.0009, 0.0006]],
+        [[0.006, 0.006], [0.005, 0.005], [0.0006, -0.0007]],
+        [[0.01, 0.004], [0.008, 0.003], [0.0015, 0.0003]],
+        [[0.003, 0.009], [0.003, 0.007], [-0.0003, 0.001]],
+    ] {
+        let list = |[x, y]: [f64; 2]| format!("{x} {y}");
+        let (sensor_text, focal_text, principal_text) = (list(sensor), list(focal), list(principal));
+        let sensor_camera = format!(
+            r#"sensorsize="{sensor_text}" focal="{focal_text}" principal="{principal_text}" resolution="160 120""#
+        );
+        let (mut data, mut renderer) = rendered(&TABLE.replace(r#"fovy="50""#, &sensor_camera));
+        // See above: the principal point of 3.5.0 is mirrored vertically.
+        let upwards = if cfg!(engine_since = "3.17.0") { 1.0 } else { -1.0 };
+        let eye = Eye {
+            focal: [width * focal[0] / sensor[0], height * focal[1] / sensor[1]],
+            principal: [width * (0.5 - principal[0] / sensor[0]), height * (0.5 - upwards * principal[1] / sensor[1])],
+            ..Eye::of_model(&data, "tilted")
+        };
+        let mut camera = Camera::fixed(data.model(), "tilted").unwrap();
+        assert_images_equal_hits(&mut data, &mut renderer, &eye, &mut camera);
+    }
+}
+
+#[cfg(engine_since = "3.2.0")]
+#[test]
+fn points_of_orthographic_cameras_are_where_rays_hit() {
+    let xml = TABLE.replace(r#"fovy="50""#, &format!(r#"{ORTHOGRAPHIC} fovy="2.4""#));
+    let (mut data, mut renderer) = rendered(&xml.replace(r#"fovy="38""#, r#"orthographic="true" fovy="3.5""#));
+    let free = free(data.model());
+    let orthographic = |eye: Eye, length: f64| Eye { focal: [SIZE[1] as f64 / length; 2], orthographic: true, ..eye };
+    let fixed = Camera::fixed(data.model(), "tilted").unwrap();
+    let eyes = [(Eye::of_model(&data, "tilted"), 2.4, fixed), (Eye::of_free(data.model(), &free), 3.5, free)];
+    for (eye, length, mut camera) in eyes {
+        assert_images_equal_hits(&mut data, &mut renderer, &orthographic(eye, length), &mut camera);
+    }
+}
+
 #[cfg(engine_since = "3.2.0")]
 #[test]
 fn the_image_of_a_square_sensor_is_stretched() {
@@ -249,9 +350,7 @@ fn the_image_of_a_square_sensor_is_stretched() {
 #[cfg(engine_since = "3.2.0")]
 #[test]
 fn an_orthographic_camera_has_the_same_scale_at_every_depth() {
-    let attribute =
-        if cfg!(engine_since = "3.5.0") { r#"projection="orthographic""# } else { r#"orthographic="true""# };
-    let ([a, b], camera) = spheres(&format!(r#"{attribute} fovy="1.2""#));
+    let ([a, b], camera) = spheres(&format!(r#"{ORTHOGRAPHIC} fovy="1.2""#));
     // 240 pixels are 1.2 m.
     assert!(camera.orthographic && (camera.fx - 200.0).abs() < 1e-3 && (camera.fy - 200.0).abs() < 1e-3, "{camera:?}");
     for (at, expected) in [(a, [220.0, 80.0]), (b, [90.0, 170.0])] {

@@ -88,6 +88,9 @@ fn camera(model: &Model, row: &Value) -> Camera {
     if let Some(camera) = row["camera"].as_str() {
         return Camera::fixed(model, camera).unwrap();
     }
+    if row.get("default").is_some() {
+        return Camera::free(model);
+    }
     let body = row.get("track").map(|body| model.body(body.as_str().unwrap()).unwrap().id());
     Camera {
         view: body.map_or(CameraView::Free, CameraView::Tracking),

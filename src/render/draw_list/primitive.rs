@@ -186,12 +186,13 @@ fn cylinder_side(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> Part {
     Part::new(round(if z > 10.0 * x.max(y) { RoundShape::LongCylinder } else { RoundShape::Cylinder }), size)
 }
 
-/// Returns the side, the top and the bottom of a cylinder.
+/// Returns the bottom, the side and the top of a cylinder, in the order in which the engine blends
+/// them.
 fn cylinder(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     let [x, y, z] = size;
     let end = Part::new(round(RoundShape::Disk), [x, y, z]);
     let (top, bottom) = (end.shifted(z).texture_shifted(1.0), end.flipped().shifted(-z).texture_shifted(-1.0));
-    [cylinder_side(size, round), top, bottom]
+    [bottom, cylinder_side(size, round), top]
 }
 
 /// Returns the side, the upper and the lower hemisphere of a capsule.
@@ -202,8 +203,9 @@ fn capsule(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     [cylinder_side(size, round), top, bottom]
 }
 
-/// Returns the parts of an arrow from the origin along z: the shaft, its two ends, the head and its base. The arrow is
-/// half as long as `size` states; two thirds of it are the shaft.
+/// Returns the parts of an arrow from the origin along z: the end of the shaft, the shaft, its
+/// other end, the head and its base. The arrow is half as long as `size` states; two thirds of it
+/// are the shaft.
 fn arrow(size: [f32; 3], head_scale: f32, round: impl Fn(RoundShape) -> u32) -> [Part; 5] {
     let [x, y, length] = size;
     let sixth = length / 6.0;
@@ -211,15 +213,16 @@ fn arrow(size: [f32; 3], head_scale: f32, round: impl Fn(RoundShape) -> u32) -> 
     let end = Part::new(round(RoundShape::Disk), shaft);
     let head = [head_scale * x, head_scale * y, sixth];
     [
+        end.flipped().texture_shifted(-1.0),
         Part::new(round(RoundShape::LongCylinder), shaft).shifted(sixth),
         end.shifted(2.0 * sixth).texture_shifted(1.0),
-        end.flipped().texture_shifted(-1.0),
         Part::new(round(RoundShape::Cone), head).shifted(2.0 * sixth),
         Part::new(round(RoundShape::Disk), head).flipped().shifted(2.0 * sixth),
     ]
 }
 
-/// Returns the parts of a double arrow centred on the origin: the shaft, and each head with its base.
+/// Returns the parts of a double arrow centred on the origin: the shaft, the lower head with its
+/// base, and the upper one.
 fn double_arrow(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 5] {
     let [x, y, length] = size;
     let third = length / 3.0;
@@ -228,10 +231,10 @@ fn double_arrow(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 5] 
     let base = Part::new(round(RoundShape::Disk), head);
     [
         Part::new(round(RoundShape::LongCylinder), [x, y, third]),
-        cone.shifted(third),
-        base.flipped().shifted(third),
         cone.reversed().shifted(-third),
         base.shifted(-third),
+        cone.shifted(third),
+        base.flipped().shifted(third),
     ]
 }
 
@@ -260,14 +263,14 @@ mod tests {
 
     #[test]
     fn the_disks_of_a_cylinder_are_on_its_ends() {
-        let [side, top, bottom] = cylinder([0.25, 0.25, 2.0], round);
+        let [bottom, side, top] = cylinder([0.25, 0.25, 2.0], round);
         assert_eq!(extent(&side, [-1.0, 1.0]), [-2.0, 2.0]);
         assert_eq!((extent(&top, [0.0; 2])[0], extent(&bottom, [0.0; 2])[0]), (2.0, -2.0));
     }
 
     #[test]
     fn an_arrow_starts_at_the_origin_and_has_no_gap() {
-        let [shaft, top, bottom, cone, base] = arrow([0.1, 0.1, 6.0], 1.75, round);
+        let [bottom, shaft, top, cone, base] = arrow([0.1, 0.1, 6.0], 1.75, round);
         assert_eq!(extent(&shaft, [-1.0, 1.0]), [0.0, 2.0]);
         assert_eq!((extent(&top, [0.0; 2])[0], extent(&bottom, [0.0; 2])[0]), (2.0, 0.0));
         assert_eq!(extent(&cone, [0.0, 1.0]), [2.0, 3.0]);
@@ -290,7 +293,7 @@ mod tests {
 
     #[test]
     fn a_double_arrow_is_symmetric() {
-        let [shaft, up, _, down, _] = double_arrow([0.1, 0.1, 6.0], round);
+        let [shaft, down, _, up, _] = double_arrow([0.1, 0.1, 6.0], round);
         assert_eq!(extent(&shaft, [-1.0, 1.0]), [-2.0, 2.0]);
         assert_eq!(extent(&up, [0.0, 1.0]), [2.0, 3.0]);
         assert_eq!(extent(&down, [0.0, 1.0]), [-3.0, -2.0]);

@@ -63,7 +63,8 @@ impl GpuKind {
 }
 
 /// Device features that are enabled if supported. The renderer has a fallback for each.
-const OPTIONAL_FEATURES: wgpu::Features = wgpu::Features::POLYGON_MODE_LINE;
+const OPTIONAL_FEATURES: wgpu::Features =
+    wgpu::Features::POLYGON_MODE_LINE.union(wgpu::Features::DEPTH32FLOAT_STENCIL8);
 
 /// Backends in the order of attempts. OpenGL is last because its enumeration is slow.
 const BACKENDS: [wgpu::Backends; 2] = [wgpu::Backends::PRIMARY, wgpu::Backends::GL];
@@ -264,9 +265,19 @@ fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(BLOCK)));
 }
 
+/// Returns the format of the depth buffer with a stencil component, for the features of a device or
+/// an adapter.
+pub(super) fn stencil_format(features: wgpu::Features) -> wgpu::TextureFormat {
+    if features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
+        wgpu::TextureFormat::Depth32FloatStencil8
+    } else {
+        wgpu::TextureFormat::Depth24PlusStencil8
+    }
+}
+
 /// Returns the bitwise OR of the sample counts that both the colour and the depth format support.
 fn sample_counts(adapter: &wgpu::Adapter) -> u32 {
-    let formats = [wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Depth24PlusStencil8];
+    let formats = [wgpu::TextureFormat::Rgba8Unorm, stencil_format(adapter.features())];
     [1, 2, 4, 8].into_iter().fold(0, |samples, count| {
         let all = formats
             .iter()

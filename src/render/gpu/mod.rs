@@ -115,6 +115,11 @@ impl Gpu {
         self.shared.device.features().contains(feature)
     }
 
+    /// Returns the format of the depth buffer with a stencil component.
+    pub(crate) fn stencil_format(&self) -> wgpu::TextureFormat {
+        adapter::stencil_format(self.shared.device.features())
+    }
+
     /// Returns wgpu's counts of allocated resources.
     #[cfg(test)]
     pub(crate) fn report(&self) -> Option<wgpu::wgc::global::GlobalReport> {

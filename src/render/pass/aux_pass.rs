@@ -23,7 +23,7 @@ impl AuxTarget {
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let texture = create_texture(gpu, size, ID_DEPTH_FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
-        let depth = default_view(&create_texture(gpu, size, depth_format(false), 1, usage));
+        let depth = default_view(&create_texture(gpu, size, depth_format(gpu, false), 1, usage));
         Self { color: default_view(&texture), texture, depth, size }
     }
 
@@ -105,7 +105,7 @@ pub(crate) fn begin_ids<'e>(
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &target.depth,
             depth_ops: Some(wgpu::Operations {
-                load: if is_first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                load: if is_first { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load },
                 store,
             }),
             stencil_ops: None,

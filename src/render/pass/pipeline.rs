@@ -214,7 +214,7 @@ impl Pipelines {
     }
 
     fn create(&self, gpu: &Gpu, key: &PipelineKey, light_sets: &[Vec<LightFeatures>]) -> wgpu::RenderPipeline {
-        let state = PipelineState::new(key);
+        let state = PipelineState::new(gpu, key);
         // Unlit shapes of a lit pass, such as lines, use the same bind group of the view.
         let bound: &[LightFeatures] =
             if key.pass_kind.has_lights() { &light_sets[key.light_set as usize] } else { &[] };

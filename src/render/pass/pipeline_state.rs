@@ -21,7 +21,7 @@ pub(super) struct PipelineState {
 }
 
 impl PipelineState {
-    pub(super) fn new(key: &PipelineKey) -> Self {
+    pub(super) fn new(gpu: &Gpu, key: &PipelineKey) -> Self {
         let geom = if key.line { ShaderKind::Line } else { ShaderKind::Surface };
         let (shader, output) = match key.pass_kind {
             PassKind::Shadow => (ShaderKind::Depth, Output::DepthOnly),
@@ -41,7 +41,7 @@ impl PipelineState {
             blend: blend(key),
             color_writes,
             primitive: primitive(key, shader),
-            depth_stencil: depth_stencil(key),
+            depth_stencil: depth_stencil(gpu, key),
         }
     }
 }
@@ -95,7 +95,7 @@ fn primitive(key: &PipelineKey, shader: ShaderKind) -> wgpu::PrimitiveState {
     }
 }
 
-fn depth_stencil(key: &PipelineKey) -> wgpu::DepthStencilState {
+fn depth_stencil(gpu: &Gpu, key: &PipelineKey) -> wgpu::DepthStencilState {
     let ignores_depth = matches!(key.pass_kind, PassKind::MirrorStencil | PassKind::Label);
     let face = |compare, pass_op| wgpu::StencilFaceState {
         compare,
@@ -112,12 +112,12 @@ fn depth_stencil(key: &PipelineKey) -> wgpu::DepthStencilState {
         _ => wgpu::StencilFaceState::IGNORE,
     };
     wgpu::DepthStencilState {
-        format: depth_format(key.stencil),
+        format: depth_format(gpu, key.stencil),
         depth_write_enabled: Some(!ignores_depth && !key.pass_kind.is_transparent()),
-        depth_compare: Some(if ignores_depth {
-            wgpu::CompareFunction::Always
-        } else {
-            wgpu::CompareFunction::LessEqual
+        depth_compare: Some(match key.pass_kind {
+            _ if ignores_depth => wgpu::CompareFunction::Always,
+            PassKind::Shadow => wgpu::CompareFunction::LessEqual,
+            _ => wgpu::CompareFunction::GreaterEqual,
         }),
         stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask: 0xFF },
         bias: if key.pass_kind == PassKind::Shadow && ALL_FACES_CAST_SHADOWS {

@@ -26,21 +26,18 @@ pub(crate) struct Sky {
     /// Vertices of the skybox, a cylinder of radius 1 from z = -1 to 1, followed by those of the haze.
     vertices: Vec<SkyVertex>,
     skybox_vertices: usize,
+    /// Number of slices of the cylinder and of the haze: the model's for round shapes.
+    slices: u32,
 }
 
-/// Number of slices of the cylinder and of the haze: the engine's default for round shapes.
-const SLICES: u32 = 28;
+/// Distance of the haze, as a fraction of the distance of the skybox. Haze without a width would
+/// otherwise be in the surface of the skybox.
+const HAZE_FRACTION: f64 = 0.9999;
 
 impl Sky {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let disk = shape::disk(SLICES, 1);
-        let mut vertices = unindexed(&shape::cylinder(SLICES, 1), |position| position);
-        for sign in [1.0, -1.0] {
-            vertices.extend(unindexed(&disk, |[x, y, z]| [x, sign * y, sign + sign * z]));
-        }
-        let mut buffer = GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX);
-        buffer.write(gpu, bytemuck::cast_slice(&vertices))?;
-        Ok(Self { buffer, is_visible: false, skybox_vertices: vertices.len(), vertices })
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let buffer = GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX);
+        Self { buffer, is_visible: false, vertices: Vec::new(), skybox_vertices: 0, slices: 0 }
     }
 
     /// Returns `true` if the last preparation added haze.
@@ -65,14 +62,31 @@ impl Sky {
         if !self.is_visible {
             return Ok(());
         }
-        // The buffer has contained the skybox since its creation.
+        let has_other_slices = self.slices != settings.slices;
+        if has_other_slices {
+            self.vertices = skybox(settings.slices);
+            (self.slices, self.skybox_vertices) = (settings.slices, self.vertices.len());
+        }
         self.vertices.truncate(self.skybox_vertices);
-        if let Some(horizon) = list.horizon.filter(|_| has_haze) {
-            add_haze(&horizon, frustum, settings, &mut self.vertices);
+        let horizon = list.horizon.filter(|_| has_haze);
+        if let Some(horizon) = &horizon {
+            add_haze(horizon, frustum, settings, &mut self.vertices);
+        }
+        // The buffer contains the skybox of the previous frame.
+        if has_other_slices || horizon.is_some() {
             self.buffer.write(gpu, bytemuck::cast_slice(&self.vertices))?;
         }
         Ok(())
     }
+}
+
+fn skybox(slices: u32) -> Vec<SkyVertex> {
+    let disk = shape::disk(slices, 1);
+    let mut vertices = unindexed(&shape::cylinder(slices, 1), |position| position);
+    for sign in [1.0, -1.0] {
+        vertices.extend(unindexed(&disk, |[x, y, z]| [x, sign * y, sign + sign * z]));
+    }
+    vertices
 }
 
 /// Expands indexed triangles to a triangle list of skybox vertices.
@@ -105,8 +119,9 @@ fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings
         && frustum.corners.iter().all(|&corner| {
             let descent = -dot(up, corner);
             let length = dot(corner, corner).sqrt() * (height / descent);
-            // The sides of the polygonal cylinder are slightly nearer than its edges.
-            descent > 0.0 && length < 0.95 * (1.0 - f64::from(settings.haze)) * frustum.sky_distance()
+            // The sides of the polygonal cylinder are nearer than its edges.
+            let nearest = 0.95 * (std::f64::consts::PI / f64::from(settings.slices)).cos();
+            descent > 0.0 && length < nearest * (1.0 - f64::from(settings.haze)) * frustum.sky_distance()
         })
 }
 
@@ -117,14 +132,14 @@ fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings,
     if height < 0.0 {
         return;
     }
-    let distance = frustum.sky_distance();
+    let distance = HAZE_FRACTION * frustum.sky_distance();
     let width = f64::from(settings.haze);
     // The haze is densest on the line of sight from the camera to the intersection of the plane with the skybox.
     let slope = 1.0_f64.atan2(width);
     let densest = 0.5_f64.sqrt() * width * slope.sin() / (0.75 * std::f64::consts::PI - slope).sin();
     let [red, green, blue, _] = settings.haze_color;
     let vertex = |slice: u32, up: f64, alpha: f32| {
-        let angle = std::f64::consts::TAU * f64::from(slice) / f64::from(SLICES);
+        let angle = std::f64::consts::TAU * f64::from(slice) / f64::from(settings.slices);
         let radius = 1.0 - width * (1.0 - up);
         let local = [distance * radius * angle.cos(), distance * radius * angle.sin(), height * (up - 1.0)];
         let mat = horizon.mat.map(f64::from);
@@ -135,7 +150,7 @@ fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings,
         SkyVertex { position, is_haze: 1.0, rgba: [red, green, blue, alpha] }
     };
     for [(low, low_alpha), (high, high_alpha)] in [[(0.0, 0.0), (densest, 1.0)], [(densest, 1.0), (1.0, 0.0)]] {
-        for slice in 0..SLICES {
+        for slice in 0..settings.slices {
             let [a, b] = [slice, slice + 1].map(|slice| vertex(slice, low, low_alpha));
             let [d, c] = [slice, slice + 1].map(|slice| vertex(slice, high, high_alpha));
             vertices.extend([a, b, c, a, c, d]);

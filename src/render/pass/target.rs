@@ -29,7 +29,7 @@ impl Target {
         check_size(gpu, size)?;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let multisampled = (samples > 1).then(|| default_view(&create_texture(gpu, size, format, samples, usage)));
-        let depth = default_view(&create_texture(gpu, size, depth_format(stencil), samples, usage));
+        let depth = default_view(&create_texture(gpu, size, depth_format(gpu, stencil), samples, usage));
         Ok(Self { size, format, samples, stencil, multisampled, depth })
     }
 
@@ -39,8 +39,8 @@ impl Target {
 }
 
 /// Returns the format of the depth buffer.
-pub(crate) fn depth_format(stencil: bool) -> wgpu::TextureFormat {
-    if stencil { wgpu::TextureFormat::Depth24PlusStencil8 } else { wgpu::TextureFormat::Depth32Float }
+pub(crate) fn depth_format(gpu: &Gpu, stencil: bool) -> wgpu::TextureFormat {
+    if stencil { gpu.stencil_format() } else { wgpu::TextureFormat::Depth32Float }
 }
 
 /// Returns an error for an empty image or an image that exceeds the limits of the adapter.

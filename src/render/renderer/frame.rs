@@ -47,18 +47,18 @@ pub(super) struct TargetNeeds {
 }
 
 impl Frame {
-    pub(super) fn new(gpu: &Gpu, shadow_size: u32) -> Result<Self, RenderError> {
-        Ok(Self {
+    pub(super) fn new(gpu: &Gpu, shadow_size: u32) -> Self {
+        Self {
             list: DrawList::default(),
             shadow_maps: ShadowMaps::new(shadow_size),
             instances: GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX),
             main_pass: MainPass::new(gpu),
-            sky: Sky::new(gpu)?,
+            sky: Sky::new(gpu),
             labels: Labels::new(gpu),
             aux_uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
             aux_view: None,
             view: None,
-        })
+        }
     }
 
     /// Prepares a colour image: the draw list, and uploads of instances and uniforms.

@@ -138,7 +138,7 @@ impl Renderer {
                 samples: gpu.samples(samples),
                 shadow_size,
                 size,
-                frame: Frame::new(gpu, shadow_size)?,
+                frame: Frame::new(gpu, shadow_size),
                 aux_target: None,
                 target: None,
                 color: None,

@@ -97,7 +97,7 @@ impl TiledImages {
         read: &mut Read<'_>,
     ) -> Result<bool, RenderError> {
         if self.frames.len() == self.pending {
-            self.frames.push(Frame::new(&assets.gpu, shadow_size)?);
+            self.frames.push(Frame::new(&assets.gpu, shadow_size));
         }
         let frame = &mut self.frames[self.pending];
         match aux {

@@ -17,8 +17,9 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
     var out: Varyings;
     let start = view.clip * vec4f(to_world(instance, vec3f(0.0)), 1.0);
     let end = view.clip * vec4f(to_world(instance, vec3f(0.0, 0.0, 1.0)), 1.0);
-    // Clip at the near plane here: points behind the camera have no direction on the screen.
-    let depths = vec2f(start.z, end.z);
+    // Clip at the near plane here: points behind the camera have no direction on the screen. Lines
+    // in that plane are visible in spite of rounding.
+    let depths = 1.0001 * vec2f(start.w, end.w) - vec2f(start.z, end.z);
     let cut = select(vec2f(0.0, 1.0), vec2f(depths.x / (depths.x - depths.y)), depths < vec2f(0.0));
     let is_hidden = depths.x < 0.0 && depths.y < 0.0;
     let a = mix(start, end, cut.x);
@@ -34,7 +35,7 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#end
     let centre = mix(a, b, vertex.position.x);
     let offset = across * vertex.position.y * width / view.pixels.xy * centre.w;
-    out.position = select(vec4f(centre.xy + offset, centre.zw), vec4f(0.0, 0.0, -1.0, 1.0), is_hidden);
+    out.position = select(vec4f(centre.xy + offset, min(centre.z, centre.w), centre.w), vec4f(0.0, 0.0, -1.0, 1.0), is_hidden);
     let world = to_world(instance, vec3f(0.0, 0.0, mix(cut.x, cut.y, vertex.position.x)));
     out.rgba = vec4f(instance.rgba.rgb * view.camera.w, instance.rgba.a);
     out.depth = dot(view.depth, vec4f(world, 1.0));

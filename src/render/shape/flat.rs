@@ -78,21 +78,32 @@ pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) ->
 /// Points of a face from two coordinates, and the axes of its texture.
 type Face = (fn(f32, f32) -> [f32; 3], [usize; 2]);
 
-/// Generates the cube from -1 to 1, with each face subdivided into `cells` by `cells` cells. The +z face is the first.
+/// Generates the cube from -1 to 1, with each face subdivided into `cells` by `cells` cells.
 pub(crate) fn cuboid(cells: u32) -> Triangles {
-    let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
+    let cells = cells.clamp(1, Tessellation::MAX);
+    let lines = uniform_lines(cells);
     let mut triangles = Triangles::default();
     let faces: [Face; 6] = [
         (|u, v| [u, v, 1.0], [0, 1]),
         (|u, v| [u, -v, -1.0], [0, 1]),
         (|u, v| [1.0, u, v], [1, 2]),
         (|u, v| [-1.0, -u, v], [1, 2]),
-        (|u, v| [-u, 1.0, v], [0, 2]),
         (|u, v| [u, -1.0, v], [0, 2]),
+        (|u, v| [-u, 1.0, v], [0, 2]),
     ];
     for (face, axes) in faces {
         grid(&mut triangles, [&lines, &lines], face, axes, face(0.0, 0.0));
     }
+    // The engine blends one cell of each face after the other, along both axes of the faces.
+    let last = cells as usize - 1;
+    let quads = triangles.indices.as_chunks::<6>().0.to_vec();
+    let ordered = (0..=last).flat_map(|x| (0..=last).flat_map(move |y| (0..6).map(move |face| (x, y, face))));
+    let at = |(x, y, face): (usize, usize, usize)| {
+        let column = if matches!(face, 3 | 5) { last - x } else { x };
+        let row = if face == 1 { last - y } else { y };
+        quads[(face * (last + 1) + row) * (last + 1) + column]
+    };
+    triangles.indices = ordered.flat_map(at).collect();
     // Convert negative zero to zero.
     for vertex in &mut triangles.vertices {
         vertex.normal = vertex.normal.map(|component| component + 0.0);

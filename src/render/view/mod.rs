@@ -19,7 +19,9 @@ const SKY_FRACTION: f64 = 0.7;
 /// View frustum and projection of a frame, in model space.
 #[derive(Debug, Clone)]
 pub(crate) struct ViewFrustum {
-    /// Projection from world space to clip space.
+    /// Projection from world space to clip space, whose depth is 1 in the near plane and 0 in the
+    /// far plane: depths in single precision are then precise at every distance, as in the images
+    /// of engines from 3.0.1.
     pub(crate) clip: Matrix4,
     /// Row vector whose product with a point (x, y, z, 1) is its depth, m.
     pub(crate) depth: [f64; 4],
@@ -55,7 +57,7 @@ impl ViewFrustum {
         let half = viewpoint.half_width(f64::from(width) / f64::from(height));
         let center = f64::from(viewpoint.frustum_center);
         let project = if viewpoint.orthographic { orthographic } else { perspective };
-        let projection = project([center - half, center + half], [bottom, top], range);
+        let projection = reversed(project([center - half, center + half], [bottom, top], range));
         let mut view = look_to(wide(viewpoint.pos), wide(viewpoint.forward), wide(viewpoint.up));
         let mut scale = 1.0;
         if let Some(transform) = scene.transform() {
@@ -178,10 +180,15 @@ impl ViewFrustum {
             plane(-1.0, x, w),
             plane(1.0, y, w),
             plane(-1.0, y, w),
-            plane(1.0, z, [0.0; 4]),
             plane(-1.0, z, w),
+            plane(1.0, z, [0.0; 4]),
         ]
     }
+}
+
+/// Reverses the depth of a projection.
+fn reversed(projection: Matrix4) -> Matrix4 {
+    projection.map(|[x, y, z, w]| [x, y, w - z, w])
 }
 
 fn check(viewpoint: &Viewpoint) -> Result<()> {

@@ -27,7 +27,8 @@ RECORDED = (
     "texture_2d_capsule_false_2.5_3 texture_2d_cylinder_false_2.5_3 texture_2d_plane_true_2.5_3 texture_2d_mesh_uv_false_2.5_3 texture_skin_3 "
     "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum islands flex_3_edges shadow_in_transparent visual_many light_type_point_false "
     "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog wireframe_hfield texture_2d_skin_plain "
-    "texture_cube_skin_plain transform_small tendon_active_0.3"
+    "texture_cube_skin_plain transform_small tendon_active_0.3 "
+    "haze_0 haze_coarse camera_default_ortho distant_plates"
 ).split()
 VERSION = tuple(int(part) for part in mujoco.__version__.split(".")[:3])
 
@@ -316,6 +317,9 @@ def decoration():
     scene("ellipsoid_inertia", xml(LIGHT + FLOOR + MACHINE, visual='<global ellipsoidinertia="true"/>'), visual="INERTIA", steps=20, since=(3, 2, 5))
     if VERSION >= (3, 4, 0):
         scene("rangefinder_camera", xml(LIGHT + FLOOR + MACHINE, more='<sensor><rangefinder camera="eye" data="point"/></sensor>'), steps=20, since=(3, 5, 0))
+        # The same 2,357 spheres with as few vertices as the coarse level of small ones.
+        scene("rangefinder_coarse", xml(LIGHT + FLOOR + MACHINE, more='<sensor><rangefinder camera="eye" data="point"/></sensor>', visual='<quality numslices="14" numstacks="6"/>'),
+              steps=20, since=(3, 5, 0), no_render="SHADOW")
 
 
 def effects():
@@ -411,6 +415,9 @@ def settings():
         "linewidth": '<global linewidth="4"/>', "glow": '<global glow=".9"/>', "alpha": '<map alpha=".1"/>',
     }.items():
         scene(f"settings_{name}", text(visual), visual=everything + (" TRANSPARENT" if name == "alpha" else ""), steps=20)
+    # Debian's llvmpipe draws the depth of lines half a pixel aside, if it has several samples per
+    # pixel: without, the lines are equal.
+    scene("settings_rgba_one_sample", text(f'<rgba {colours}/><quality offsamples="0"/>'), visual=everything, steps=20)
     scene("settings_fovy", text('<global fovy="80"/>'))
     scene("settings_near", text('<map znear=".8" zfar="2"/>'))
     scene("settings_near_far", text('<map znear=".0005" zfar="500"/>'))
@@ -439,6 +446,13 @@ def views():
     text = xml(LIGHT + FLOOR + MACHINE, more=MORE)
     scene("camera_tracking", text, steps=20, track="fore")
     scene("camera_ortho_tracking", xml(LIGHT + FLOOR + MACHINE, more=MORE, visual='<global orthographic="true" fovy="2"/>'), steps=20, track="fore", since=(3, 1, 0))
+    view = '<global azimuth="30" elevation="-60" {}/>'
+    scene("camera_default", xml(LIGHT + FLOOR + MACHINE, more=MORE, visual=view.format("")), default=True)
+    scene("camera_default_ortho", xml(LIGHT + FLOOR + MACHINE, more=MORE, visual=view.format('orthographic="true" fovy="2.5"')), default=True, since=(3, 1, 0))
+    for elevation in (-90.0, -60.0, 0.0, 90.0):
+        for kind, visual in {"": "", "ortho_": '<global orthographic="true" fovy="2.5"/>'}.items():
+            scene(f"camera_free_{kind}{elevation:.0f}", xml(LIGHT + FLOOR + MACHINE, more=MORE, visual=visual), free=(-70.0, elevation, 2.5), lookat=(0.1, 0.2, 0.3),
+                  since=(3, 1, 0) if visual else (2, 2, 2))
     for body in ("base", "fore", "free"):
         for active in (0, 1, 2, 3):
             scene(f"perturb_{body}_{active}", text, steps=20, visual="PERTFORCE PERTOBJ SELECT", perturb={"body": body, "active": active})
@@ -503,8 +517,10 @@ def surfaces():
     scene("mirror_skin", skin_xml(asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'))
     scene("mirror_flex", flex_xml(3, asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
     scene("fog_transparent", xml(LIGHT + FLOOR + BODIES + '<geom size=".4" pos="0 0 .3" rgba=".3 .9 .3 .4"/>', asset=SKY, visual='<map fogstart="1" fogend="2.5"/><rgba fog=".7 .2 .2 1"/>'), render="FOG")
-    for haze in (0.1, 0.8):
+    for haze in (0, 0.1, 0.8):
         scene(f"haze_{haze}", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY, visual=f'<map haze="{haze}"/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0))
+    scene("haze_coarse", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY,
+          visual='<quality numslices="5"/><map haze=".4"/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0), lookat=(0.0, 0.0, 2.0))
     scene("haze_tilted", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6" euler="10 0 0"/>', asset=SKY), free=(140.0, -5.0, 3.0))
     scene("haze_two_planes", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/><geom type="plane" size="0 0 1" pos="0 -4 0" euler="-90 0 0" rgba=".5 .3 .3 1"/>', asset=SKY), free=(140.0, -5.0, 3.0))
     for name, light in {
@@ -516,6 +532,8 @@ def surfaces():
         "coloured_shadows": "".join(f'<light directional="true" pos="0 0 3" dir="{np.cos(2 * k):.3f} {np.sin(2 * k):.3f} -1" diffuse="{" ".join(".5" if i == k else "0" for i in range(3))}"/>' for k in range(3)),
     }.items():
         scene(f"lamp_{name}", xml(light + FLOOR + BODIES))
+    # The same floor with shadow maps that are small enough not to be reduced: it is equal.
+    scene("lamp_shadows_unreduced", next(row for row in SCENES if row["name"] == "lamp_coloured_shadows")["xml"].replace("<visual>", '<visual><quality shadowsize="1024"/>'))
     # The engine adds a light with a shadow map once for each of the surfaces that coincide.
     lit = LIGHT.replace('castshadow="true"', 'castshadow="false"')
     pairs = ('material="m"', 'rgba=".9 .5 .2 1"', 'material="n"')
@@ -542,9 +560,59 @@ def surfaces():
     scene("additive", machine, steps=20, render="ADDITIVE", visual="TRANSPARENT")
     scene("both_sides", xml(LIGHT + FLOOR + BODIES + '<geom type="mesh" mesh="tetra"/>', asset=MESHES), no_render="CULL_FACE", camera=None, lookat=(0.3, 0.3, 0.2), free=(140.0, -25.0, 0.4))
     scene("inside_box", xml(LIGHT + '<geom type="box" size="1 1 1"/><geom size=".2"/>'), free=(140.0, -25.0, 0.8))
+    # Thin plates on a floor, from afar: the depth buffer must separate their surfaces.
+    for name, asset in {"": "", "_mirror": '<material name="m" reflectance=".3" rgba=".5 .6 .5 1"/>'}.items():
+        plane = '<geom type="plane" size="3 3 1" material="m"/>' if asset else FLOOR.replace("-.6", "0")
+        scene(f"distant_plates{name}", xml(LIGHT + plane + "".join(f'<geom type="box" size=".5 .5 {h}" pos="{1.2 * k - 1.2} 0 {h}" rgba=".9 {.3 * k} .1 1"/>' for k, h in enumerate((0.0005, 0.001, 0.002))),
+              asset=asset, visual='<global fovy="6"/>'), free=(90.0, -60.0, 40.0), since=(3, 0, 1))
     scene("flat_skin", flex_xml(3).replace("<flexcomp", '<flexcomp flatskin="true"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
     scene("skin_inflated", skin_xml().replace("<skin ", '<skin inflate=".08" '))
     scene("skin_transparent", skin_xml(material='rgba=".3 .6 .8 .4"'))
+
+
+def combinations():
+    """Effects that act on each other."""
+    asset = CHECKER + SKY + '<texture name="u" type="2d" file="channels4.png" nchannel="4"/>' if VERSION >= (3, 2, 0) else CHECKER + SKY + CHECKER.replace('"t"', '"u"')
+    asset += (
+        '<texture name="v" type="cube" builtin="gradient" width="32" height="192" rgb1=".9 .4 .1" rgb2=".1 .3 .8"/>'
+        '<material name="mirror" texture="t" texuniform="true" texrepeat="2 2" reflectance=".4" specular=".8"/><material name="clear" texture="t" texrepeat="2 3" rgba="1 .9 .8 .5"/>'
+        '<material name="holes" texture="u" rgba="1 1 1 .8"/><material name="cube" texture="v" emission=".2" specular=".9" shininess=".3"/>'
+    )
+    visual = '<map fogstart="1" fogend="2.2"/><rgba fog=".6 .4 .7 1" haze=".9 .8 .6 1"/>'
+    bodies = (
+        '<geom type="box" size=".3 .2 .3" pos="-.5 0 -.1" euler="10 0 30" material="clear"/><geom size=".3" pos=".5 .1 0" material="cube"/>'
+        '<geom type="capsule" size=".1 .4" pos="0 .5 0" euler="70 0 20" material="holes"/><geom type="cylinder" size=".2 .2" pos="0 -.5 -.2" rgba=".3 .8 .4 .6"/>'
+        '<geom type="ellipsoid" size=".1 .2 .3" pos="-.1 0 .2" material="clear"/><site type="box" size=".1 .1 .1" pos=".3 -.5 .3" rgba=".9 .2 .3 .5"/>'
+    )
+    floor = '<geom type="plane" size="{}" pos="0 0 -.6" material="mirror"/>'
+    lamps = lambda count, shadows: "".join(
+        f'<light pos="{1.5 * np.cos(2.4 * k):.3f} {1.5 * np.sin(2.4 * k):.3f} 2.5" dir="{-0.5 * np.cos(2.4 * k):.3f} {-0.5 * np.sin(2.4 * k):.3f} -1" cutoff="{25 + 6 * k}" exponent="{k}" '
+        f'diffuse="{0.3 if k % 3 else 0.1} {0.3 if k % 2 else 0.1} .2" specular=".2 .2 .2" directional="{"true" if k % 4 == 3 else "false"}" castshadow="{"true" if k < shadows else "false"}"/>'
+        for k in range(count)
+    )
+    for name, size, lights, flags, changed in (
+        ("plain", "0 0 1", LIGHT, "", visual), ("fog", "0 0 1", LIGHT, "FOG", visual), ("finite", "1.2 1 .1", LIGHT, "FOG", visual), ("additive", "1.2 1 .1", LIGHT, "FOG ADDITIVE", visual),
+        ("lamps", "1.2 1 .1", lamps(7, 4), "", visual), ("lamps_fog", "0 0 1", lamps(6, 2), "FOG", visual), ("many_lamps", "1.2 1 .1", lamps(12, 3), "", visual),
+        ("dark", "1.2 1 .1", lamps(3, 3), "", visual + '<headlight active="0"/>'), ("bright", "1.2 1 .1", lamps(5, 5).replace('diffuse="', 'ambient=".2 .1 0" diffuse="'), "", visual + '<headlight ambient=".4 .4 .4" diffuse="1 1 1"/>'),
+    ):
+        scene(f"combined_{name}", xml(lights + bodies + floor.format(size), asset=asset, visual=changed), render=flags)
+    for flag in ("SHADOW", "REFLECTION", "CULL_FACE", "HAZE"):
+        scene(f"combined_no_{flag.lower()}", xml(lamps(3, 2) + bodies + floor.format("0 0 1"), asset=asset, visual=visual), render="FOG", no_render=flag)
+    scene("combined_ids", xml(LIGHT + bodies + floor.format("0 0 1"), asset=asset, visual=visual), render="SEGMENT FOG")
+    scene("combined_ortho", xml(lamps(3, 2) + bodies + floor.format("0 0 1"), asset=asset, visual=visual + '<global orthographic="true" fovy="2.5"/>'), render="FOG", since=(3, 1, 0))
+    scene("combined_low", xml(lamps(3, 2) + bodies + floor.format("0 0 1"), asset=asset, visual=visual), render="FOG", free=(200.0, -4.0, 2.5))
+    scene("combined_transform", xml(lamps(3, 2) + bodies + floor.format("0 0 1"), asset=asset, visual=visual), render="FOG",
+          transform={"translate": [0.1, 0.2, 0.1], "rotate": [0.98, 0.0, 0.0, 0.199], "scale": 1.3})
+    decor = [{"kind": "ARROW", "size": [0.04], "from": [-0.6, -0.7, 0.2], "to": [-0.4, 0.3, 0.7]}, {"kind": "LINE", "size": [3], "from": [-0.9, 0, 0.1], "to": [0.9, 0.2, 0.1]}]
+    scene("combined_decor", xml(lamps(2, 2) + bodies + floor.format("1.2 1 .1"), asset=asset, visual=visual), render="FOG", decor=[{**geom, "rgba": [0.9, 0.6, 0.2, 0.6]} for geom in decor])
+    # Coordinates for the material of the skin or the flex, and a floor that mirrors it.
+    onto = lambda text, lights: text.replace('<geom name="floor"', '<geom name="floor" material="mirror"').replace(LIGHT, lights)
+    for alpha in (1, 0.5):
+        cloth = asset + f'<material name="cloth" texture="t" texrepeat="2 2" rgba="1 1 1 {alpha}"/>'
+        for name, lights, flags in (("", LIGHT, ""), ("_fog", lamps(4, 3), "FOG"), ("_additive", lamps(4, 3), "ADDITIVE")):
+            scene(f"combined_skin_{alpha}{name}", onto(skin_xml(asset=cloth, material='material="cloth"', texcoord=True, visual=visual), lights), render=flags)
+            scene(f"combined_flex_{alpha}{name}", onto(flex_xml(2, asset=cloth, material='material="cloth"'), lights), render=flags, since=(3, 0, 0), lookat=(0, 0, 0.5))
+        scene(f"combined_solid_flex_{alpha}", onto(flex_xml(3, asset=cloth, material='material="cloth"'), lamps(4, 3)), since=(3, 0, 0), lookat=(0, 0, 0.5), visual="FLEXEDGE FLEXVERT")
 
 
 def flags(names, kind, prefix):
@@ -604,6 +672,8 @@ def draw(row, out, is_recorded=False):
         if "track" in row:
             camera.type, camera.trackbodyid = mujoco.mjtCamera.mjCAMERA_TRACKING, model.body(row["track"]).id
         camera.distance, camera.azimuth, camera.elevation = row["distance"], row["azimuth"], row["elevation"]
+        if "default" in row:
+            mujoco.mjv_defaultFreeCamera(model, camera)
     picture = mujoco.MjvScene(model, maxgeom=20_000)
     for index in flags(row["render"], mujoco.mjtRndFlag, "mjRND_"):
         picture.flags[index] = 1
@@ -722,7 +792,7 @@ def record():
 
 
 def main():
-    for part in (cameras, textures, lights, flexes, decoration, effects, sources, tendons, settings, views, surfaces):
+    for part in (cameras, textures, lights, flexes, decoration, effects, sources, tendons, settings, views, surfaces, combinations):
         part()
     if sys.argv[1] == "--record":
         return record()
