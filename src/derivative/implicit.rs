@@ -49,9 +49,6 @@ use crate::model::{DisableFlags, Model};
 /// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
 
-/// Largest difference of `∂g/∂x` to the right and to the left, relative to an entry and to the largest, that needs no closer look.
-const SMOOTH: [f64; 2] = [0.01, 1e-6];
-
 /// Indices of evaluations at the base point, to its right and to its left.
 const BASE: usize = 0;
 const RIGHT: usize = 1;
@@ -198,26 +195,33 @@ impl Linearisation {
         self.has_acceleration_sensors
     }
 
-    /// Computes the derivatives of the acceleration sensors with respect to the acceleration of one degree of freedom.
+    /// Computes the derivatives of the acceleration sensors with respect to the acceleration of one
+    /// degree of freedom, and returns their kinks, such as a reading at its cutoff.
     pub(super) fn acceleration_row(
         &mut self,
         point: &mut PerturbedData,
         settings: Settings<'_>,
         dof: usize,
         row: &mut [f64],
-    ) -> Result<()> {
-        // Sensors of other stages keep their values. Acceleration sensors are linear, except for elliptic cones.
-        let eps = ACCELERATION_EPS_FACTOR * settings.step.eps;
-        for (side, by) in [(RIGHT, eps), (LEFT, -eps)] {
-            point.data.qacc_mut()[dof] = self.qacc[dof] + by;
-            point.data.inv_constraint()?;
-            point.data.sensor_acc()?;
-            self.sensors[side].copy_from_slice(point.data.sensordata());
-        }
-        point.data.qacc_mut()[dof] = self.qacc[dof];
-        let [_, right, left] = &self.sensors;
-        quotient(row, left, right, 2.0 * eps);
-        Ok(())
+    ) -> Result<Kinks> {
+        let mut trials = std::mem::take(&mut self.trials);
+        let kinks = trials.run(settings, row, |Settings { step, keep, .. }, row| {
+            // Sensors of other stages keep their values. Acceleration sensors are linear, except
+            // for elliptic cones.
+            let eps = ACCELERATION_EPS_FACTOR * step.eps;
+            for (side, by) in [(RIGHT, eps), (LEFT, -eps)] {
+                point.data.qacc_mut()[dof] = self.qacc[dof] + by;
+                point.data.inv_constraint()?;
+                point.data.sensor_acc()?;
+                self.sensors[side].copy_from_slice(point.data.sensordata());
+            }
+            point.data.qacc_mut()[dof] = self.qacc[dof];
+            let [base, right, left] = &self.sensors;
+            quotient(row, left, right, 2.0 * eps);
+            Ok(disagreement([base, right, left], keep, eps))
+        });
+        self.trials = trials;
+        kinks
     }
 
     /// Computes a column of the linear system, and returns its kinks. `acceleration_sensors` holds the rows of
@@ -271,14 +275,8 @@ impl Linearisation {
         }
         let [of_residual, of_velocity] = &mut self.disagreements;
         let [base, right, left] = &self.residuals;
-        let mut is_smooth = true;
-        let scale = self.column.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         for (dof, value) in of_residual.iter_mut().enumerate() {
             *value = (right[dof] - 2.0 * base[dof] + left[dof]) / step.eps;
-            is_smooth &= value.abs() <= SMOOTH[0] * self.column[dof].abs() + SMOOTH[1] * scale;
-        }
-        if is_smooth {
-            return worst;
         }
         of_velocity.fill(0.0);
         add_product(of_velocity, &self.p_transposed, of_residual, -model.raw().opt.timestep);

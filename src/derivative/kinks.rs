@@ -20,6 +20,11 @@ const TOLERANCE: f64 = 1e-12;
 /// In a smooth step they differ by the step times the curvature.
 const MAX_DISAGREEMENT: [f64; 2] = [0.02, 1e-4];
 
+/// Largest disagreement, as a multiple of that of a smooth step, with which differences are not
+/// repeated. Where the curvature jumps, such as at contacts as deep as the width of `solimp`, it is
+/// twice the error.
+const SMOOTH: f64 = 0.1;
+
 /// Largest of some values, for comparison with the disagreement of an entry among them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
@@ -65,8 +70,8 @@ impl Trials {
         Self { best: vec![0.0; length], least: f64::INFINITY }
     }
 
-    /// Computes a column by a function that returns its disagreement, with the step of the settings, and then with larger ones as long as
-    /// the differences disagree. Returns the kinks.
+    /// Computes a column by a function that returns its disagreement, with the step of the
+    /// settings, and then with others as long as the differences disagree. Returns the kinks.
     pub(super) fn run(
         &mut self,
         settings: Settings<'_>,
@@ -76,16 +81,28 @@ impl Trials {
         self.least = f64::INFINITY;
         for step in settings.step.trials() {
             let disagreement = difference(Settings { step, ..settings }, row)?;
-            if disagreement <= 1.0 {
+            // A step below the tolerance of the solver or of a collision function has no effect on
+            // either side.
+            if step.eps < settings.step.eps && self.distance(row) > self.least {
+                continue;
+            }
+            if disagreement <= SMOOTH {
                 return Ok(Kinks::empty());
             }
             if disagreement < self.least || self.least == f64::INFINITY {
                 self.least = disagreement;
-                self.best.copy_from_slice(row);
+                self.best[..row.len()].copy_from_slice(row);
             }
         }
-        row.copy_from_slice(&self.best);
-        Ok(Kinks::DIFFERENCES)
+        row.copy_from_slice(&self.best[..row.len()]);
+        Ok(if self.least > 1.0 { Kinks::DIFFERENCES } else { Kinks::empty() })
+    }
+
+    /// Returns the disagreement of a column with the one that is kept.
+    fn distance(&self, row: &[f64]) -> f64 {
+        let best = &self.best[..row.len()];
+        let scale = Scale::of(best.iter().copied());
+        best.iter().zip(row).map(|(best, value)| scale.disagreement(value - best, *best)).fold(0.0, f64::max)
     }
 }
 

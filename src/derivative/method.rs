@@ -66,7 +66,7 @@ impl TransitionOptions {
             TransitionMethod::Implicit | TransitionMethod::Analytic => 1e-7,
             TransitionMethod::Engine | TransitionMethod::Columns => 1e-6,
         };
-        Step { differences: self.differences, eps: self.eps.unwrap_or(suitable), may_grow: self.eps.is_none() }
+        Step { differences: self.differences, eps: self.eps.unwrap_or(suitable), may_change: self.eps.is_none() }
     }
 }
 
@@ -75,15 +75,15 @@ impl TransitionOptions {
 pub(super) struct Step {
     pub(super) differences: Differences,
     pub(super) eps: f64,
-    /// True if differences that do not converge may be repeated with a larger step.
-    pub(super) may_grow: bool,
+    /// True if differences that do not converge may be repeated with another step.
+    pub(super) may_change: bool,
 }
 
 impl Step {
     /// Returns the step, and those with which differences are repeated if those to the right and to the left disagree.
     pub(super) fn trials(self) -> impl Iterator<Item = Self> {
-        let count = if self.may_grow && self.differences == Differences::Central { 3 } else { 1 };
-        [1.0, 10.0, 100.0].into_iter().take(count).map(move |factor| Self { eps: factor * self.eps, ..self })
+        let count = if self.may_change && self.differences == Differences::Central { 4 } else { 1 };
+        [1.0, 0.1, 10.0, 100.0].into_iter().take(count).map(move |factor| Self { eps: factor * self.eps, ..self })
     }
 }
 
@@ -208,15 +208,21 @@ bitflags! {
         /// The force of an actuator is at an end of its range. The method `Analytic` gives the derivative inside the range. The others report
         /// [`DIFFERENCES`](Self::DIFFERENCES).
         const FORCES = 1 << 3;
-        /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the distance equals the margin, or the force
-        /// is zero. The method `Analytic` gives the derivative for the constraints that act at present. The others report
-        /// [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
+        /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the
+        /// distance equals the margin, or the force is zero. Or the friction loss of a joint or a
+        /// tendon is exactly at its limit. The method `Analytic` gives the derivative for the
+        /// constraints that act at present. The others report [`DIFFERENCES`](Self::DIFFERENCES),
+        /// except for inverse dynamics.
         const CONSTRAINTS = 1 << 4;
-        /// Differences to the right and to the left disagree by more than 2 %, with each step that was tried, so that some entries are not derivatives. Either
-        /// there is a kink, of which central differences give the mean slope of the sides, or they do not converge because the result
-        /// jumps: for example contacts of meshes, whose collision function stops at a tolerance, or bodies that penetrate each other deeply.
-        /// Without a step in the [options](super::TransitionOptions::eps), differences that disagree are repeated with steps that are 10 and 100
-        /// times larger. Only [central](super::Differences::Central) differences can be checked, and not those of the method `Engine`.
+        /// Differences to the right and to the left disagree by more than 2 %, with each step that
+        /// was tried, so that some entries are not derivatives. Either there is a kink, of which
+        /// central differences give the mean slope of the sides, or they do not converge because
+        /// the result jumps: for example contacts of meshes, whose collision function stops at a
+        /// tolerance, or bodies that penetrate each other deeply. Without a step in the
+        /// [options](super::TransitionOptions::eps), differences that disagree by more than 0.2 %
+        /// are repeated with steps that are 10 times smaller, and 10 and 100 times larger. Only
+        /// [central](super::Differences::Central) differences can be checked, and not those of the
+        /// method `Engine`.
         const DIFFERENCES = 1 << 5;
         /// The length of a tendon is at an end of the range in which its spring is slack
         /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The others

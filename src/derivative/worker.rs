@@ -232,22 +232,24 @@ fn differentiate_implicitly(
     for worker in &mut *workers {
         worker.prepared = None;
     }
+    let mut kinks = Kinks::empty();
     if settings.wanted.sensors && workers[0].implicit.has_acceleration_sensors() {
         let width = acceleration_sensors.ncols().max(1);
         let items = (0..settings.model.nv()).zip(acceleration_sensors.as_mut_slice().chunks_exact_mut(width));
         let queue = WorkQueue::new(items);
-        share(workers, |worker, first| {
+        kinks |= share(workers, |worker, first| {
+            let mut kinks = Kinks::empty();
             if (first || queue.is_worth_joining()) && worker.prepare_implicit(base, settings)? {
                 while let Some((dof, row)) = queue.take() {
-                    worker.implicit.acceleration_row(&mut worker.point, settings, dof, row)?;
+                    kinks |= worker.implicit.acceleration_row(&mut worker.point, settings, dof, row)?;
                 }
             }
-            Ok(Kinks::empty())
+            Ok(kinks)
         })?;
     }
     let acceleration_sensors = &*acceleration_sensors;
     let queue = column_queue(settings, order, rows);
-    let kinks = share(workers, |worker, first| {
+    kinks |= share(workers, |worker, first| {
         let mut kinks = Kinks::empty();
         if (first || queue.is_worth_joining()) && worker.prepare_implicit(base, settings)? {
             kinks |= worker.implicit.kinks;

@@ -31,8 +31,8 @@ impl Lineariser {
     /// present side, and differences those to the right. The report names
     /// [`CONSTRAINTS`](crate::derivative::Kinks::CONSTRAINTS) and
     /// [`SPRINGS`](crate::derivative::Kinks::SPRINGS) with both methods, and
-    /// [`FORCES`](crate::derivative::Kinks::FORCES) with the closed form. Other kinks of differences are
-    /// not reported.
+    /// [`FORCES`](crate::derivative::Kinks::FORCES) and friction loss at its limit with the closed
+    /// form. Other kinks of differences are not reported.
     ///
     /// # Errors
     ///

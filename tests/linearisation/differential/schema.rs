@@ -162,7 +162,6 @@ fn check(tallies: &[Tally]) {
 }
 
 #[test]
-#[cfg_attr(engine_since = "2.3.0", ignore = "open: with 4.0.0 a weld beside a contact differs by up to 0.7 %")]
 fn some_attributes_of_the_schema_are_linearised() {
     let tallies = compare_schema(20, 0..usize::MAX, 1, 1, MOST_DOFS[0]);
     assert!(tallies.iter().all(|tally| tally.compared > 5000), "{:?}", tallies.map(|tally| tally.compared));

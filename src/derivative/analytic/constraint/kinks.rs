@@ -1,4 +1,4 @@
-//! Constraints at the point where they begin or cease to act.
+//! Constraints at the point where they begin or cease to act, and friction at its limit.
 
 use mujoco_sys::{mjCNSTR_EQUALITY, mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON};
 
@@ -12,7 +12,7 @@ use crate::math;
 use crate::model::{DisableFlags, Model};
 
 /// Returns the kinks of constraints at the present state: distances that equal the margin, and rows
-/// whose residual is zero, if the residuals `jar` are known.
+/// at a threshold of their residuals `jar`, if these are known.
 pub(in crate::derivative::analytic) fn of_state(data: &Data, jar: &[f64]) -> Kinks {
     let model = data.model();
     let disabled = DisableFlags::from_bits_retain(model.raw().opt.disableflags as u32);
@@ -27,13 +27,21 @@ pub(in crate::derivative::analytic) fn of_state(data: &Data, jar: &[f64]) -> Kin
             .iter()
             .zip(data.efc_aref())
             .enumerate()
-            .any(|(row, (jar, aref))| jar.abs() <= f64::EPSILON * aref.abs() && is_one_sided(data, row));
+            .any(|(row, (jar, aref))| is_at_threshold(data, row, *jar, *aref));
     if begins { Kinks::CONSTRAINTS } else { Kinks::empty() }
 }
 
-/// Returns `true` for a row whose force is zero on one side of the residual zero.
-fn is_one_sided(data: &Data, row: usize) -> bool {
-    ![mjCNSTR_EQUALITY, mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON].contains(&(data.efc_type()[row] as u32))
+/// Returns `true` for a row with a residual at which its force begins, or at which the force of
+/// friction reaches its limit.
+fn is_at_threshold(data: &Data, row: usize, jar: f64, aref: f64) -> bool {
+    #[expect(non_upper_case_globals, reason = "the engine's constants")]
+    match data.efc_type()[row] as u32 {
+        mjCNSTR_EQUALITY => false,
+        mjCNSTR_FRICTION_DOF | mjCNSTR_FRICTION_TENDON => {
+            is_at(jar.abs() / (data.efc_R()[row] * data.efc_frictionloss()[row]), 1.0)
+        }
+        _ => jar.abs() <= f64::EPSILON * aref.abs(),
+    }
 }
 
 fn is_at_joint_limit(data: &Data, joint: usize) -> bool {

@@ -2,10 +2,13 @@
 
 mod muscles;
 
-use mujoco_safe::derivative::{InverseForce, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{
+    Fallback, InverseForce, Kinks, LinearisationReport, TransitionMethod, TransitionOptions,
+};
 use mujoco_safe::{Data, Lineariser, StateSpace};
 
 use super::analytic::model;
+use super::oracle::Oracle;
 use super::{assert_near, deviation};
 
 const METHODS: [TransitionMethod; 4] =
@@ -275,6 +278,149 @@ fn limits_and_contacts_that_begin_are_reported() {
         data.qpos_mut()[0] = qpos;
         for method in METHODS {
             assert_eq!(linearise(&mut data, method).1.kinks, Kinks::empty(), "{qpos} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_reading_at_its_cutoff_is_reported() {
+    // The acceleration depends on the control alone.
+    let mut data = model(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
+             <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/><site name="s"/></body></worldbody>
+             <actuator><motor joint="j"/></actuator>
+             <sensor><accelerometer site="s" cutoff="1"/></sensor></mujoco>"#,
+    );
+    for (ctrl, slope) in [(1.9, Some(0.5)), (2.0, None), (2.1, Some(0.0)), (-2.0, None)] {
+        data.ctrl_mut()[0] = ctrl;
+        for method in WITH_SIDES {
+            let (system, report) = linearise(&mut data, method);
+            let kinks = if slope.is_none() { Kinks::DIFFERENCES } else { Kinks::empty() };
+            assert_eq!((report.fallback, report.kinks), (None, kinks), "{ctrl} {method:?}: {system:?}");
+            let Some(slope) = slope else { continue };
+            assert!((system.d[(0, 0)] - slope).abs() < 1e-7, "{ctrl} {method:?}: {system:?}");
+        }
+    }
+}
+
+/// The gap is inside the margin, or, with newer engines, beyond it.
+#[test]
+fn contacts_with_a_gap_have_a_kink_where_the_engine_adds_rows() {
+    for (geom, pair) in [(r#"margin="0.25" gap="0.125""#, ""), ("", r#"margin="0.25" gap="0.125""#)] {
+        let pair = if pair.is_empty() { String::new() } else { format!(r#"<pair geom1="f" geom2="b" {pair}/>"#) };
+        let mut data = model(&format!(
+            r#"<mujoco><option gravity="0 0 0"/><worldbody><geom name="f" type="plane" size="1 1 1" {geom}/>
+                 <body pos="0 0 0.5"><joint type="slide" axis="0 0 1"/><geom name="b" size="0.5" mass="2"/></body></worldbody>
+               <contact>{pair}</contact></mujoco>"#
+        ));
+        let has_rows = |data: &mut Data, distance: f64| {
+            data.qpos_mut()[0] = distance;
+            data.forward().unwrap();
+            data.nefc() > 0
+        };
+        let distances = [0.0, 0.125, 0.25, 0.375];
+        let begins = distances.map(|at| has_rows(&mut data, at - 1e-6) && !has_rows(&mut data, at + 1e-6));
+        assert_eq!(begins.iter().filter(|&&begins| begins).count(), 1, "{begins:?}");
+        for (distance, begins) in distances.into_iter().zip(begins) {
+            data.qpos_mut()[0] = distance;
+            let kinks = |kind: Kinks| if begins { kind } else { Kinks::empty() };
+            let report = linearise(&mut data, TransitionMethod::Analytic).1;
+            assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, kinks(Kinks::CONSTRAINTS)));
+            for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
+                assert_eq!(linearise(&mut data, method).1.kinks, kinks(Kinks::DIFFERENCES), "{distance} {method:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn friction_loss_at_its_limit_is_reported() {
+    // D of the row is m d / (1 − d) = 18, with the impedance d = 0.9, so that the friction of a
+    // body at rest is at its limit if the force is 0.9 / d.
+    let of_joint = slide("", r#"frictionloss="0.9""#, r#"<motor joint="j"/>"#);
+    let of_tendon = model(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
+             <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body></worldbody>
+             <tendon><fixed name="t" frictionloss="0.9"><joint joint="j" coef="1"/></fixed></tendon>
+             <actuator><motor joint="j"/></actuator></mujoco>"#,
+    );
+    for mut data in [of_joint, of_tendon] {
+        for (ctrl, inertia) in [(1.0, None), (-1.0, None), (0.999, Some(2.0 + 18.0)), (-1.001, Some(2.0))] {
+            data.ctrl_mut()[0] = ctrl;
+            for method in WITH_SIDES {
+                let (system, report) = linearise(&mut data, method);
+                let kink = if method == TransitionMethod::Analytic { Kinks::CONSTRAINTS } else { Kinks::DIFFERENCES };
+                let expected = if inertia.is_none() { kink } else { Kinks::empty() };
+                assert_eq!((report.fallback, report.kinks), (None, expected), "{ctrl} {method:?}");
+                let Some(inertia) = inertia else { continue };
+                assert!((system.b[(1, 0)] - 0.01 / inertia).abs() < 1e-7, "{ctrl} {method:?}: {system:?}");
+            }
+        }
+    }
+}
+
+/// Springs yield at the end of a step, so that its velocities have no kink.
+#[test]
+fn a_step_of_a_spring_that_yields_has_no_kink() {
+    for (joint, tendon) in [(r#"stiffness="30" springyield="0.25""#, ""), ("", r#"stiffness="30" springyield="0.25""#)]
+    {
+        let Ok(model) = mujoco_safe::Model::from_xml_str(&format!(
+            r#"<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+                 <body><joint name="j" type="slide" axis="1 0 0" {joint}/><geom size="0.1" mass="2"/></body>
+                 <body><joint name="k" type="slide" axis="0 1 0" {joint}/><geom pos="0 0 9" size="0.1" mass="2"/></body></worldbody>
+               <tendon><fixed {tendon}><joint joint="j" coef="1"/></fixed><fixed {tendon}><joint joint="k" coef="1"/></fixed></tendon>
+             </mujoco>"#
+        )) else {
+            assert!(cfg!(not(engine_since = "4.0.0")));
+            return;
+        };
+        let mut data = Data::new(model).unwrap();
+        for qpos in [0.2, 0.25, 0.251, 0.5] {
+            data.qpos_mut().copy_from_slice(&[qpos, -qpos]);
+            for method in WITH_SIDES {
+                let (system, report) = linearise(&mut data, method);
+                let fallback = Some(Fallback::NotUnderstood { field: "nplastic", element: 0 });
+                assert_eq!(
+                    (report.fallback, report.kinks),
+                    (fallback.filter(|_| method != TransitionMethod::Columns), Kinks::empty())
+                );
+                for dof in 0..2 {
+                    let slope = system.a[(2 + dof, dof)];
+                    assert!((slope + 0.01 * 30.0 / 2.0).abs() < 1e-7, "{qpos} {method:?}: {slope}");
+                }
+            }
+        }
+    }
+}
+
+/// The impedance of a contact is constant beyond the width of `solimp`, where its curvature jumps
+/// from zero to about `0.05 / width²`, so that differences with the default step are several
+/// percent wrong.
+#[test]
+fn contacts_as_deep_as_the_width_of_their_impedance_have_a_derivative() {
+    let mut data = model(
+        r#"<mujoco><option timestep="0.004"/><worldbody><geom type="plane" size="5 5 0.1"/>
+             <body pos="0 0 0.099"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="1"/></body></worldbody></mujoco>"#,
+    );
+    data.qvel_mut().copy_from_slice(&[-0.346, -0.576, -0.531, 0.533, -0.0392, 0.18]);
+    let systems = WITH_SIDES.map(|method| (method, linearise(&mut data, method)));
+    let mut oracle = Oracle::new(&data);
+    let base = oracle.base();
+    for (column, side) in (0..12).flat_map(|column| [(column, 1.0), (column, -1.0)]) {
+        let expected = oracle.one_sided(column, side, &base);
+        let largest = expected.iter().fold(1.0, |largest: f64, (value, _)| largest.max(value.abs()));
+        for (method, (system, report)) in &systems {
+            // The steps of `Columns` are ten times larger.
+            if *method == TransitionMethod::Columns && report.kinks == Kinks::DIFFERENCES {
+                continue;
+            }
+            assert_eq!(report.kinks, Kinks::empty(), "{method:?}");
+            for (row, (expected, error)) in expected.iter().enumerate() {
+                let value = system.a[(row, column)];
+                let tolerance = 2e-3 * expected.abs() + 1e-4 * largest + 10.0 * error;
+                let is_near = (value - expected).abs() <= tolerance;
+                assert!(is_near, "{method:?} [{row}, {column}] is {value:e} instead of {expected:e}, side {side}");
+            }
         }
     }
 }
