@@ -51,7 +51,8 @@ struct Table<'t> {
     counts: HashSet<&'t str>,
 }
 
-/// Returns `true` for a field with a mutable accessor. Of an array of the model, the derived quantities must be known.
+/// Returns `true` for a field with a mutable accessor. Of an array of the model, the derived
+/// quantities must be known.
 fn is_written(owner: &str, name: &str, access: Access) -> bool {
     access != Access::ReadOnly && (owner != "Model" || derived::is_known(name))
 }

@@ -63,8 +63,8 @@ pub(in crate::control) struct Search {
 }
 
 impl Search {
-    /// Creates a search over `steps` steps, which starts from zero controls and gains. Returns an error for more than there is
-    /// memory for.
+    /// Creates a search over `steps` steps, which starts from zero controls and gains. Returns an
+    /// error for more than there is memory for.
     pub(in crate::control) fn new(model: &Model, steps: usize, method: TransitionMethod) -> Result<Self> {
         let (nx, nu, ny) = sizes(model);
         // The linear system, the gain, and two states and controls.

@@ -67,8 +67,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the range is empty, or if memory does not suffice for the actions of the longest delay. Those of
-    /// [`reset`](Self::reset).
+    /// [`Error::Invalid`] if the range is empty, or if memory does not suffice for the actions of
+    /// the longest delay. Those of [`reset`](Self::reset).
     pub fn action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
         if steps.is_empty() {
             return Err(Error::invalid("the range of the delay", format!("{steps:?}"), "not empty"));
