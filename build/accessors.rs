@@ -51,6 +51,12 @@ struct Table<'t> {
     counts: HashSet<&'t str>,
 }
 
+/// Returns `true` for a field with a mutable accessor. Of an array of the model, the derived
+/// quantities must be known.
+fn is_written(owner: &str, name: &str, access: Access) -> bool {
+    access != Access::ReadOnly && (owner != "Model" || derived::is_known(name))
+}
+
 /// Returns the paths of the generated files in the repository, and their contents. `default` is the table of 2.2.2, and
 /// `version` the `mjVERSION_HEADER` of the engine of `table`.
 pub(crate) fn generate(table: &str, default: &str, version: u32) -> [(&'static str, String); 7] {
@@ -69,9 +75,7 @@ pub(crate) fn generate(table: &str, default: &str, version: u32) -> [(&'static s
             field.owner == owner && !is_vector && !is_by_hand && !is_workspace
         })
     };
-    let is_written = |field: &Field<'_>| {
-        field.access() != Access::ReadOnly && (field.owner != "Model" || derived::is_known(field.name))
-    };
+    let is_written = |field: &Field<'_>| is_written(field.owner, field.name, field.access());
 
     let mut model = head(
         "use crate::ffi;\nuse crate::matrix::MatrixView;\nuse crate::model::Model;\n",
@@ -434,4 +438,22 @@ fn writer(text: &mut String, field: Field<'_>) {
         "    /// Returns [`{name}`](crate::{}::{name}) for writing.{check}\n{update}    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Access, is_written};
+
+    #[test]
+    fn a_writable_array_is_read_only_until_its_derived_quantities_are_known() {
+        for (owner, name, access, expected) in [
+            ("Model", "body_mass", Access::Free, true),
+            ("Model", "body_mass", Access::ReadOnly, false),
+            ("Model", "body_magic", Access::Free, false),
+            ("Model", "body_magic", Access::Checked, false),
+            ("Data", "magic", Access::Free, true),
+        ] {
+            assert_eq!(is_written(owner, name, access), expected, "{owner} {name} {access:?}");
+        }
+    }
 }

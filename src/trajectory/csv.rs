@@ -15,7 +15,8 @@ const LONGEST_CELL: usize = 1000;
 impl Trajectory {
     /// Writes the records as CSV with a header line: the columns `time`, `qpos0`, …, `qvel0`, …, `act0`, …, `ctrl0`, … and, if recorded,
     /// `sensordata0`, …. Reading the file restores every value bit for bit, except that the sign and the payload of a NaN are
-    /// lost.
+    /// lost: it is written as `NaN`, because other programs do not read the payload. NumPy files
+    /// (`save_npz`) keep them.
     ///
     /// # Errors
     ///

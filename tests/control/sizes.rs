@@ -130,3 +130,17 @@ fn invalid_options_are_errors() {
     let options = good().with_iterations(7);
     assert_eq!(Ilqr::new(sample::cartpole(), options.clone()).unwrap().options(), &options);
 }
+
+#[test]
+fn a_horizon_without_memory_is_an_error() {
+    use mujoco_safe::control::predictive::IlqrPlanner;
+
+    for horizon in [usize::MAX, usize::MAX / 2, 1 << 61, 1 << 48, 1 << 40] {
+        match IlqrPlanner::new(sample::cartpole(), horizon, IlqrOptions::default()) {
+            Err(Error::Invalid { what, .. }) => assert_eq!(what, "the number of steps"),
+            Err(error) => panic!("{error}"),
+            Ok(_) => panic!("a horizon of {horizon} steps"),
+        }
+    }
+    IlqrPlanner::new(sample::cartpole(), 1000, IlqrOptions::default()).unwrap();
+}

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::model::DisableFlags;
+use mujoco_safe::model::{DisableFlags, EnableFlags};
 use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
 use mujoco_safe::{Data, Error, Model, ModelMut};
 
@@ -59,6 +59,19 @@ fn edited_sizes_positions_and_margins_find_their_contacts() {
     check("margin", &plain, |model| model.geom_mut("sphere").unwrap().set_margin(0.9));
     let capsule = model(r#"type="capsule" size=".05 .9" pos="-1 0 0" quat="1 1 0 0""#, "");
     check("quat", &capsule, |model| *model.geom_mut("sphere").unwrap().quat_mut() = [1.0, 0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn the_margin_of_the_override_option_finds_its_contacts() {
+    let plain = model(PLAIN, NO_CONTACT);
+    check("override", &plain, |model| {
+        model
+            .edit_options(|options| {
+                options.enable |= EnableFlags::OVERRIDE;
+                options.o_margin = 0.9;
+            })
+            .unwrap();
+    });
 }
 
 #[test]

@@ -142,3 +142,25 @@ fn a_step_index_out_of_range_panics() {
     let result = new().run().unwrap();
     result.state(0, NSTEP + 1);
 }
+
+#[test]
+fn vector_environments_without_memory_are_errors() {
+    use mujoco_safe::environment::{Hopper, VectorEnvironment};
+
+    for count in [usize::MAX, usize::MAX / 2, 1 << 61, 1 << 48, 1 << 40] {
+        let error = VectorEnvironment::new(Hopper::model(), Hopper, count, 1).map(|_| ()).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{count}: {error}");
+        let two = VectorEnvironment::new(Hopper::model(), Hopper, 2, 1).unwrap();
+        match two.action_delay(0..=count) {
+            Err(Error::Invalid { what, .. }) => assert_eq!(what, "the number of steps of the delay"),
+            Err(error) => panic!("{error}"),
+            Ok(_) => panic!("a delay of {count} steps"),
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "there is not enough memory for a matrix")]
+fn observations_without_memory_panic_and_do_not_abort() {
+    let _ = Batch::new(sample::cartpole(), 2).unwrap().observe(1 << 45, |_, _| ());
+}

@@ -132,7 +132,7 @@ fn root() -> &'static Path {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn an_array_is_read_only_until_its_derived_quantities_are_known() {
+    fn an_array_without_decisions_is_read_only() {
         let table = "owner\tkind\ttype\tname\trows\tcolumns\tcomment\nModel\tarray\tmjtNum\tinvented\tnbody\t1\tinvention\n\
                      Model\tarray\tmjtNum\tbody_mass\tnbody\t1\tmass\n";
         let [(_, _), (_, writers), ..] = super::accessors::generate(table, table, 222);

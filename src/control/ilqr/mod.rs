@@ -228,7 +228,7 @@ impl Ilqr {
             return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
         }
         Error::check_shape("the controls of Ilqr::solve", controls.shape(), (steps, model.nu()))?;
-        let mut search = Search::new(model, steps, self.lineariser.options().method);
+        let mut search = Search::new(model, steps, self.lineariser.options().method)?;
         self.forward.start(data, cost)?;
         self.forward.nominal(controls, cost, &mut search.nominal)?;
         let mut costs = vec![search.nominal.cost];

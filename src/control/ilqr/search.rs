@@ -7,9 +7,10 @@ use super::cost::TrajectoryCost;
 use super::forward::{Forward, Trial};
 use super::{IlqrOptions, IlqrStatus};
 use crate::data::{Data, StateSpec};
-use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionMethod};
+use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionMethod, sizes};
 use crate::error::Result;
 use crate::matrix::Matrix;
+use crate::memory;
 use crate::model::Model;
 
 /// Smallest non-zero regularisation.
@@ -62,9 +63,15 @@ pub(in crate::control) struct Search {
 }
 
 impl Search {
-    /// Creates a search over `steps` steps, which starts from zero controls and gains.
-    pub(in crate::control) fn new(model: &Model, steps: usize, method: TransitionMethod) -> Self {
-        Self {
+    /// Creates a search over `steps` steps, which starts from zero controls and gains. Returns an
+    /// error for more than there is memory for.
+    pub(in crate::control) fn new(model: &Model, steps: usize, method: TransitionMethod) -> Result<Self> {
+        let (nx, nu, ny) = sizes(model);
+        // The linear system, the gain, and two states and controls.
+        let numbers = (nx + ny) * (nx + nu) + nx * nu + 2 * (model.state_size(StateSpec::PHYSICS) + nu);
+        let structs = size_of::<(StateSpace, LinearisationReport)>() + size_of::<Matrix>();
+        memory::check("steps", steps, numbers * size_of::<f64>() + structs)?;
+        Ok(Self {
             nominal: Trial::zeros(model, steps),
             policy: AffinePolicy::zeros(model, steps),
             times: IlqrTimes::default(),
@@ -72,7 +79,7 @@ impl Search {
             starts: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
             systems: vec![(StateSpace::zeros(model), LinearisationReport::new(method, None)); steps],
             regularisation: Regularisation::default(),
-        }
+        })
     }
 
     /// Moves the nominal trajectory and the gains forward by some steps. The last controls and gains are repeated.

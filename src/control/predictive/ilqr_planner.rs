@@ -42,7 +42,8 @@ impl IlqrPlanner {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless the horizon has at least one step, and the errors of [`Ilqr::new`](crate::control::ilqr::Ilqr::new).
+    /// [`Error::Invalid`] unless the horizon has at least one step, and at most as many as there is
+    /// memory for. The errors of [`Ilqr::new`](crate::control::ilqr::Ilqr::new).
     pub fn new(model: impl IntoModel, horizon: usize, options: IlqrOptions) -> Result<Self> {
         let model = model.into_model();
         if horizon == 0 {
@@ -53,7 +54,7 @@ impl IlqrPlanner {
         Ok(Self {
             lineariser: Lineariser::new(model.clone(), transition)?,
             forward: Forward::new(model.clone(), options.threads),
-            search: Search::new(&model, horizon, transition.method),
+            search: Search::new(&model, horizon, transition.method)?,
             initial: Matrix::zeros(horizon, model.nu()),
             start: None,
             options,

@@ -30,6 +30,11 @@ pub(super) struct Obstacles {
 
 impl Obstacles {
     pub(super) fn of(model: &Model) -> Self {
+        Self::with_check(model, unknown)
+    }
+
+    /// Returns the obstacles. `unknown` checks the fields that no statement is about.
+    fn with_check(model: &Model, unknown: impl Fn(&Model) -> Option<Fallback>) -> Self {
         let always = (!IS_PROVED).then_some(Fallback::EngineVersion).or_else(|| unknown(model));
         let inverse = always.or_else(|| motion(model));
         let actuators = always.or_else(|| actuators(model));
@@ -126,7 +131,7 @@ fn find_other<T: Copy + Debug + PartialEq>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Fallback, Model, find_other, predicates};
+    use super::{Fallback, InverseForce, Model, Obstacles, TransitionMethod, find_other, predicates};
     use crate::enums::Integrator;
 
     part! { invented(model)
@@ -152,6 +157,20 @@ mod tests {
         assert_eq!(array_of_joints(&model("", r#"range="0 1" limited="true""#)), not_understood("jnt_range", 1));
         assert_eq!(find_other("f", &[-1, -1, 2], 1, -1), not_understood("f", 2));
         assert_eq!(find_other("f", &[0.0, f64::NAN], 1, 0.0), not_understood("f", 1));
+    }
+
+    #[test]
+    fn a_field_without_a_statement_is_an_obstacle_to_every_computation() {
+        let model = Model::from_xml_str("<mujoco/>").unwrap();
+        let reason = Some(Fallback::NotUnderstood { field: "opt.timestep", element: 0 });
+        let obstacles = Obstacles::with_check(&model, invented);
+        for method in [TransitionMethod::Analytic, TransitionMethod::Implicit] {
+            assert_eq!(obstacles.method(method), (TransitionMethod::Columns, reason));
+        }
+        for force in [InverseForce::Total, InverseForce::WithoutActuators] {
+            assert_eq!(obstacles.to_inverse(force), reason);
+        }
+        assert_eq!(Obstacles::of(&model).method(TransitionMethod::Analytic), (TransitionMethod::Analytic, None));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::VectorEnvironment;
 use crate::environment::Task;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
+use crate::memory;
 use crate::rollout::Random;
 
 /// Stream of the random numbers for noise and delays in an episode.
@@ -66,17 +67,16 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the range is empty. Those of [`reset`](Self::reset).
-    ///
-    /// # Panics
-    ///
-    /// If memory does not suffice for the actions of the longest delay.
+    /// [`Error::Invalid`] if the range is empty, or if memory does not suffice for the actions of
+    /// the longest delay. Those of [`reset`](Self::reset).
     pub fn action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
         if steps.is_empty() {
             return Err(Error::invalid("the range of the delay", format!("{steps:?}"), "not empty"));
         }
         let slots = steps.end().saturating_add(1);
-        self.disturbance.recent = Matrix::zeros(self.len(), slots.saturating_mul(self.batch.model().nu()));
+        let nu = self.batch.model().nu();
+        memory::check("steps of the delay", slots, self.len() * nu * size_of::<f64>())?;
+        self.disturbance.recent = Matrix::zeros(self.len(), slots.saturating_mul(nu));
         self.disturbance.range = steps;
         self.disturb()
     }

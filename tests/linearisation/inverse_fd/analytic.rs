@@ -4,7 +4,7 @@ use mujoco_safe::derivative::{
     DifferencedTerms, Fallback, InverseForce, InverseJacobians, InverseOutputs, LinearisationReport, TransitionMethod,
     TransitionOptions,
 };
-use mujoco_safe::{Data, Lineariser, Matrix, Model, StateSpec, sample};
+use mujoco_safe::{Data, Lineariser, Matrix, Model, StateSpec, sample, sys};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -346,4 +346,54 @@ fn sensors_read_the_forces_of_actuators_at_the_present_state() {
             }
         }
     }
+}
+
+/// Returns the slopes of the force of a muscle by length and by velocity, from differences of the engine's functions.
+fn muscle_slopes(model: &Model, [length, velocity]: [f64; 2], activation: f64) -> [f64; 2] {
+    let (range, acc0) = (model.actuator_lengthrange()[0], model.actuator_acc0()[0]);
+    let (gain, bias) = (&model.actuator_gainprm()[0], &model.actuator_biasprm()[0]);
+    let force = |length: f64, velocity: f64| {
+        // SAFETY: the functions read two numbers of the range and nine of the parameters.
+        unsafe {
+            let (range, gain, bias) = (range.as_ptr(), gain.as_ptr(), bias.as_ptr());
+            activation * sys::mju_muscleGain(length, velocity, range, acc0, gain)
+                + sys::mju_muscleBias(length, range, acc0, bias)
+        }
+    };
+    let step = 1e-5;
+    [
+        (force(length + step, velocity) - force(length - step, velocity)) / (2.0 * step),
+        (force(length, velocity + step) - force(length, velocity - step)) / (2.0 * step),
+    ]
+}
+
+/// Newer engines have another force of muscles far from their range of lengths.
+#[test]
+fn muscles_outside_of_their_range_of_lengths_agree_with_the_engine() {
+    let mut data = model(
+        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
+             <worldbody><body><joint name="j" type="slide" axis="1 0 0" ref="0.6"/><geom size=".1" mass="1"/></body></worldbody>
+             <actuator><muscle joint="j" gear="-12.348" lengthrange="-1.63 0.78" force="29.21" timeconst=".02 .05"/></actuator></mujoco>"#,
+    );
+    let gear = -12.348;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
+    let mut outside = 0;
+    for state in 0..60 {
+        data.qpos_mut()[0] = -3.0 + 6.0 * f64::from(state) / 59.0;
+        data.qvel_mut()[0] = random.random_range(-0.3..0.3);
+        data.act_mut()[0] = random.random_range(0.1..0.9);
+        accelerate(&mut data, &mut random);
+        check_force(&format!("state {state}"), &mut data, InverseForce::WithoutActuators);
+        let (jacobians, _) = analytic(&mut data, InverseForce::WithoutActuators);
+        let [length, velocity] = [data.qpos()[0], data.qvel()[0]].map(|value| gear * value);
+        let [shortest, longest] = data.model().actuator_lengthrange()[0];
+        outside += usize::from(!(shortest..=longest).contains(&length));
+        let slopes = muscle_slopes(data.model(), [length, velocity], data.act()[0]);
+        // The force of the actuator is subtracted, and its length and velocity are those of the joint times the gear.
+        for (found, slope) in [jacobians.df_dq[(0, 0)], jacobians.df_dv[(0, 0)]].into_iter().zip(slopes) {
+            let expected = -gear * gear * slope;
+            assert!((found - expected).abs() <= 1e-4 * (1.0 + expected.abs()), "state {state}: {found}, {expected}");
+        }
+    }
+    assert!((20..60).contains(&outside), "{outside} states outside of the range");
 }
