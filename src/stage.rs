@@ -151,6 +151,9 @@ impl PipelineFlags {
     pub(crate) const REFERENCE_INPUTS: Self =
         if cfg!(engine_since = "3.6.0") { Self::CONSTRAINT.union(Self::COM_VEL) } else { Self::CONSTRAINT };
 
+    /// True if the islands of the constraints contain copies of the inertia matrix and its factor.
+    const ISLANDS_COPY_INERTIA: bool = cfg!(all(engine_since = "3.3.0", not(engine_since = "3.12.0")));
+
     /// Each part of the pipeline, its inputs among the other parts, and the method that computes
     /// it, in topological order. Features of a model add the inputs in
     /// [`FEATURE_INPUTS`](Self::FEATURE_INPUTS).
@@ -252,7 +255,10 @@ impl PipelineFlags {
 
     /// Returns all parts that depend on these, directly or indirectly. They become stale when these are recomputed.
     const fn dependents(self, features: Features) -> Self {
-        let mut stale = Self::empty();
+        // The constraints themselves do not read the factor, so it does not have to be computed
+        // before them.
+        let has_old_copies = Self::ISLANDS_COPY_INERTIA && self.contains(Self::FACTOR_M);
+        let mut stale = if has_old_copies { Self::CONSTRAINT } else { Self::empty() };
         let mut part = 0;
         // One pass is enough, because the table is in topological order.
         while part < Self::PARTS.len() {
@@ -435,6 +441,8 @@ mod tests {
             | PipelineFlags::ACCELERATION;
         assert_eq!(with_adhesion - stale, actuators);
         assert_eq!(all - all.after(PipelineFlags::POST_CONSTRAINT, none), PipelineFlags::empty());
+        let keeps_constraints = all.after(PipelineFlags::FACTOR_M, none).contains(PipelineFlags::CONSTRAINT);
+        assert_eq!(keeps_constraints, !PipelineFlags::ISLANDS_COPY_INERTIA);
         let velocity = PipelineFlags::VELOCITY - PipelineFlags::POSITION;
         assert!(all.after(velocity, none).contains(PipelineFlags::SENSOR_POS));
         assert!(!all.after(velocity, Features::KINETIC_ENERGY_SENSOR).contains(PipelineFlags::SENSOR_POS));

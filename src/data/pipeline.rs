@@ -25,7 +25,7 @@
 //! | [`compute_crb`](Data::compute_crb) | `mj_crb`, newer engines `mj_makeM` | `crb`, the inertia matrix `qM` | `com_pos` |
 //! | [`factor_m`](Data::factor_m) | `mj_factorM` | its factorisation | `compute_crb` |
 //! | [`collision`](Data::collision) | `mj_collision` | contacts | `kinematics` |
-//! | [`make_constraint`](Data::make_constraint) | `mj_makeConstraint` | the rows of the constraints | `compute_tendon`, `collision` |
+//! | [`make_constraint`](Data::make_constraint) | `mj_makeConstraint` | the rows of the constraints | `compute_tendon`, `collision`; from 3.3 to 3.11 again after `factor_m` |
 //! | [`transmission`](Data::transmission) | `mj_transmission` | lengths and moments of actuators | `compute_tendon` |
 //! | [`project_constraint`](Data::project_constraint) | `mj_projectConstraint` | `efc_AR`, for PGS and the no-slip solver | `factor_m`, `make_constraint` |
 //! | [`compute_ten_velocity`](Data::compute_ten_velocity) | | `ten_velocity` | `compute_tendon` |

@@ -6,7 +6,7 @@ use mujoco_safe::{Data, Error, Model, Stage, StateSpec};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::order::{IN_ORDER, assert_same};
+use super::order::{IN_ORDER, assert_within};
 
 /// Number of parts of the position stage, and of both first stages, at the start of `IN_ORDER`.
 const POSITION_PARTS: usize = 10;
@@ -150,11 +150,17 @@ fn compute_in_random_order(
 ) -> Vec<&'static str> {
     let mut left: Vec<usize> = (done..IN_ORDER.len()).collect();
     let mut order = Vec::new();
-    for _ in 0..5000 {
+    let (mut rejected, mut in_order) = (0, false);
+    for _ in 0..20_000 {
         if left.is_empty() {
             return order;
         }
-        let index = left[random.random_range(0..left.len())];
+        // A part has made the results of an earlier one invalid: the documented order remains.
+        if !in_order && rejected > 300 {
+            in_order = true;
+            left = (done..IN_ORDER.len()).collect();
+        }
+        let index = if in_order { left[0] } else { left[random.random_range(0..left.len())] };
         let (name, part) = IN_ORDER[index];
         let (computed, called) = match (part(data), index) {
             (Err(Error::Unsupported(_)), ..POSITION_PARTS) => {
@@ -180,8 +186,9 @@ fn compute_in_random_order(
                     left.retain(|&other| other != index);
                 }
                 order.push(name);
+                rejected = 0;
             }
-            Err(Error::NotComputed { .. }) => {}
+            Err(Error::NotComputed { .. }) => rejected += 1,
             Err(error) => panic!("{what}: {name}: {error}"),
         }
     }
@@ -226,7 +233,8 @@ fn every_accepted_order_equals_forward_dynamics() {
             parts.sensor_pos().unwrap();
             parts.sensor_vel().unwrap();
             parts.sensor_acc().unwrap();
-            assert_same(&format!("{what}, {order:?}"), &parts, &whole);
+            // 2.2.2 normalises quaternions in each computation, which changes their last bits.
+            assert_within(&format!("{what}, {order:?}"), &parts, &whole, 1e-9);
         }
         assert!(met_constraints, "{name} must have constraints");
     }
