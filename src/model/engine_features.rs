@@ -100,7 +100,8 @@ impl Model {
                 ));
             }
         }
-        self.check_skins()
+        self.check_skins()?;
+        self.check_flexes()
     }
 
     /// Checks that the faces of skins refer to vertices of the skin, which the visualiser assumes and compilers before 4.0 do not check.
@@ -115,6 +116,48 @@ impl Model {
                 return Err(format!("skin_face[{at}] is {index}; it must be from 0 to {}", vertices - 1));
             }
         }
+        Ok(())
+    }
+
+    /// Checks that the elements, the shell and the texture coordinates of flexes are inside the
+    /// arrays of the flex, which the visualiser assumes. It uses the vertices of a shell also as
+    /// indices of texture coordinates.
+    #[cfg(engine_since = "3.3.0")]
+    fn check_flexes(&self) -> Result<(), String> {
+        let starts = self.flex_texcoordadr();
+        for flex in 0..self.nflex() {
+            let vertices = self.flex_vertnum()[flex];
+            let next = starts[flex + 1..].iter().find(|&&start| start >= 0);
+            let coordinates = next.map_or(self.nflextexcoord() as i32, |&start| start) - starts[flex];
+            let has_texture = starts[flex] >= 0;
+            let (corners, dim) = (self.flex_dim()[flex] + 1, self.flex_dim()[flex]);
+            let elements = (self.flex_elemdataadr()[flex], self.flex_elemnum()[flex] * corners);
+            let shell = (self.flex_shelldataadr()[flex].max(0), self.flex_shellnum()[flex] * dim);
+            let drawn = if has_texture && dim > 1 { coordinates.min(vertices) } else { vertices };
+            let (indices, textured) = (self.flex_elem(), self.flex_elemtexcoord());
+            for (name, array, (start, count), end) in [
+                ("flex_elem", indices, elements, vertices),
+                ("flex_shell", self.flex_shell(), shell, drawn),
+                ("flex_elemtexcoord", textured, elements, if has_texture { coordinates } else { i32::MAX }),
+            ] {
+                let start = ffi::size(start);
+                let range = &array[start..start + ffi::size(count)];
+                if let Some(at) = range.iter().position(|index| !(0..end).contains(index)) {
+                    let (at, index) = (start + at, range[at]);
+                    return Err(format!("{name}[{at}] is {index}; it must be from 0 to {}", end - 1));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[cfg(not(engine_since = "3.3.0"))]
+    #[allow(
+        clippy::unused_self,
+        clippy::unnecessary_wraps,
+        reason = "older engines have no indices of texture coordinates"
+    )]
+    fn check_flexes(&self) -> Result<(), String> {
         Ok(())
     }
 

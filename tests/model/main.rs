@@ -33,6 +33,7 @@ mod load;
 #[cfg(validates_binaries)]
 mod mutated_binaries;
 mod rejected_files;
+mod rejected_flexes;
 mod rejected_texts;
 // Binary models load with 2.2.2 and 3.5.0 only.
 #[cfg(validates_binaries)]

@@ -111,6 +111,7 @@ impl Model {
     ///   in an attribute that this crate does not know,
     /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with nonexistent vertices, vertices
     ///   that are not finite,
+    /// * flexes of tetrahedra without a border, flexes with lists of contradictory lengths,
     /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer
     ///   than 100 constraints, a rangefinder together with a height field of more rows than columns.
     ///

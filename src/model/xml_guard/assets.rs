@@ -4,6 +4,8 @@
 use std::borrow::Cow;
 
 use super::files::{Files, Found, abbreviated, directory};
+use super::flexes::{self, Dim, Mesh};
+use super::tags::Tag;
 
 /// Largest number of values in the image of a texture or in a height field.
 pub(super) const MOST_NUMBERS: u64 = 500_000_000;
@@ -28,21 +30,34 @@ pub(super) enum Format {
     HeightField,
     /// Texture in the engine's own format.
     Texture,
+    /// Mesh of a flex of this dimension.
+    Flex(Dim),
+    /// Mesh of a flex in the format of Gmsh.
+    Gmsh,
     /// A format that the compiler checks itself or does not support.
     Other,
 }
 
 impl Format {
-    pub(super) fn of(element: &[u8], name: &[u8]) -> Self {
-        let ends = |end: &[u8]| name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end);
-        match element {
-            b"mesh" if ends(b"msh") => Self::Msh,
-            b"mesh" | b"flexcomp" if ends(b"obj") => Self::Obj,
+    pub(super) fn of(tag: &Tag<'_>, name: &[u8]) -> Self {
+        let ends = |end| ends(name, end);
+        match tag.name {
+            b"mesh" => Self::of_mesh(name),
+            b"flexcomp" if tag.attribute(b"type").as_deref() == Some(b"gmsh") => Self::Gmsh,
+            b"flexcomp" => Self::Flex(Dim::of(tag)),
             b"skin" => Self::Skin,
             b"texture" if ends(b".png") => Self::Png,
             b"hfield" if ends(b".png") => Self::HeightPng,
             b"texture" => Self::Texture,
             b"hfield" => Self::HeightField,
+            _ => Self::Other,
+        }
+    }
+
+    fn of_mesh(name: &[u8]) -> Self {
+        match name {
+            _ if ends(name, b"msh") => Self::Msh,
+            _ if ends(name, b"obj") => Self::Obj,
             _ => Self::Other,
         }
     }
@@ -58,6 +73,11 @@ impl Format {
         match self {
             Self::Msh => msh(content),
             Self::Obj => obj(content).or_else(|| materials(path, content, files)),
+            Self::Flex(dim) => {
+                let own = Self::of_mesh(path).reject(path, content, files);
+                own.or_else(|| Mesh::of_file(path, content).reject(dim))
+            }
+            Self::Gmsh => flexes::gmsh(content),
             Self::Skin => skin(content),
             Self::Png | Self::HeightPng => png(content),
             Self::HeightField => grid(content, 4),
@@ -88,6 +108,11 @@ impl Format {
             _ => None,
         }
     }
+}
+
+/// Returns `true` if a name has an extension, in any case.
+pub(super) fn ends(name: &[u8], end: &[u8]) -> bool {
+    name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
 }
 
 /// Returns the message for a rejected file.
@@ -190,16 +215,16 @@ fn is_large(width: u64, height: u64) -> bool {
 }
 
 /// Returns the lines of a text without leading whitespace.
-fn lines(content: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn lines(content: &[u8]) -> impl Iterator<Item = &[u8]> {
     content.split(|byte| b"\n\r".contains(byte)).map(<[u8]>::trim_ascii_start)
 }
 
 /// Returns the rest of a line that starts with a word.
-fn after_word<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
+pub(super) fn after_word<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
     line.strip_prefix(word).filter(|rest| matches!(rest.first(), Some(b' ' | b'\t')))
 }
 
-fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|field| !field.is_empty())
 }
 

@@ -87,9 +87,9 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         _ if !(1..=i32::MAX as u64).contains(&size(tag, b"activelayers", 1)) => {
             Some("activelayers must be an integer from 1".to_owned())
         }
-        // 3.17.0 crashes if a flex has no cells.
-        _ if numbers(&tag.attribute(b"cellcount").unwrap_or_default()).any(|count| count == Some(0)) => {
-            Some("cellcount must not be 0".to_owned())
+        // The compiler crashes without cells, and on negative counts with a positive product.
+        _ if numbers(&tag.attribute(b"cellcount").unwrap_or_default()).flatten().any(|count| count < 1) => {
+            Some("cellcount must be at least 1".to_owned())
         }
         _ if nodes(tag) > MOST_NODES => Some("a flex is too large".to_owned()),
         // The compiler of 4.0 crashes if the model has keyframes too. It knows no frame that it could find.

@@ -5,6 +5,7 @@
 mod assets;
 mod expansion;
 mod files;
+mod flexes;
 mod fusion;
 mod joint_types;
 mod limits;
@@ -27,6 +28,7 @@ pub(super) use self::tags::{Tags, decoded};
 use self::assets::Format;
 use self::expansion::{Expansion, Size};
 use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::flexes::{Dim, Mesh};
 use self::fusion::Fusion;
 use self::joint_types::JointTypes;
 use self::parents::Parent;
@@ -87,13 +89,15 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
+        meshes: Vec::new(),
+        flexes: Vec::new(),
         muscles: Muscles::default(),
         rangefinders: Rangefinders::default(),
         fusion: Fusion::default(),
         joint_types: JointTypes::default(),
     };
     check.model(source_name, text, &Rc::new(Place::new(files.directory)))?;
-    check.assets()?;
+    check.assets(source_name)?;
     // The compiler performs a step, so a check of the compiled model would be too late.
     if check.has_adhesion && check.has_small_njmax {
         let message =
@@ -131,6 +135,9 @@ struct Check<'f> {
     /// Directories that may contain assets.
     folders: Vec<Vec<u8>>,
     assets: Vec<Asset>,
+    /// Meshes in the texts, and dimensions of the flexes that may have a mesh of the model.
+    meshes: Vec<Mesh>,
+    flexes: Vec<Dim>,
     muscles: Muscles,
     rangefinders: Rangefinders,
     fusion: Fusion,
@@ -152,6 +159,7 @@ type Text<'f> = (Candidate, Cow<'f, [u8]>);
 /// Mesh, skin, height field or texture file.
 struct Asset {
     format: Format,
+    is_mesh: bool,
     name: Vec<u8>,
     /// The name of the text that refers to it, and the directories of that text.
     source_name: String,
@@ -203,6 +211,7 @@ impl<'f> Check<'f> {
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
             let why = (names.find_map(|name| reject_name(tag.name, &name)))
                 .or_else(|| limits::reject(&tag, &self.composite))
+                .or_else(|| flexes::reject(&tag).map(str::to_owned))
                 .or_else(|| if self.model.urdf.is_urdf() { None } else { limits::reject_unknown(&tag) });
             if let Some(why) = why {
                 return reject(tag.position, &why);
@@ -305,6 +314,11 @@ impl<'f> Check<'f> {
 
     /// Records the asset files that a tag names, and the directories that may contain them.
     fn record_files(&mut self, tag: &Tag<'_>, source_name: &str, place: &Rc<Place>) {
+        match tag.name {
+            b"mesh" => self.meshes.push(Mesh::of_tag(tag)),
+            b"flexcomp" if !is_empty(tag, b"mesh") => self.flexes.push(Dim::of(tag)),
+            _ => {}
+        }
         if tag.name == b"compiler" {
             for folder in [&b"meshdir"[..], b"texturedir", b"assetdir"].iter().filter_map(|name| tag.attribute(name)) {
                 if !self.folders.iter().any(|known| *known == *folder) {
@@ -314,18 +328,24 @@ impl<'f> Check<'f> {
             return;
         }
         for name in FILES.iter().filter_map(|attribute| tag.attribute(attribute)) {
-            let format = Format::of(tag.name, &name);
+            let format = Format::of(tag, &name);
+            let is_mesh = tag.name == b"mesh";
             if ![&b"include"[..], b"model"].contains(&tag.name) {
                 let (name, source_name) = (name.into_owned(), source_name.to_owned());
-                self.assets.push(Asset { format, name, source_name, place: place.clone() });
+                self.assets.push(Asset { format, is_mesh, name, source_name, place: place.clone() });
             }
         }
     }
 
     /// Checks the asset files. A later part of the text may change the directory that the compiler uses, and whether it uses
     /// the directory in the name. Therefore all candidate paths are checked.
-    fn assets(&mut self) -> Result<()> {
+    fn assets(&mut self, model: &str) -> Result<()> {
         let mut seen = HashSet::new();
+        let of_flex = |mesh: &Mesh| self.flexes.iter().find_map(|&dim| mesh.reject(dim));
+        if let Some(reason) = self.meshes.iter().find_map(of_flex) {
+            let message = format!("a mesh of the text, which a flexcomp may have, {reason}");
+            return Err(Error::Load { source_name: model.to_owned(), message });
+        }
         for asset in &self.assets {
             let reject = |name: &[u8], reason| {
                 Err(Error::Load { source_name: asset.source_name.clone(), message: assets::message(name, reason) })
@@ -349,7 +369,10 @@ impl<'f> Check<'f> {
                             Found::Content(content) => {
                                 let size = asset.format.rows_and_columns(&content);
                                 self.rangefinders.record_field(size, &asset.source_name);
-                                asset.format.reject(&path, &content, self.files)
+                                asset.format.reject(&path, &content, self.files).or_else(|| {
+                                    let is_of_flex = asset.is_mesh && !self.flexes.is_empty();
+                                    is_of_flex.then(|| Mesh::of_file(&path, &content)).and_then(|mesh| of_flex(&mesh))
+                                })
                             }
                         };
                         if let Some(reason) = reason {

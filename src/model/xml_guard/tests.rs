@@ -50,7 +50,7 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         ),
         #[cfg(not(engine_since = "3.17.0"))]
         ("<flexcomp type='box' count='3 1 3'/>", "must be at least 2"),
-        ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must not be 0"),
+        ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must be at least 1"),
         ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
         #[cfg(not(engine_since = "4.0.0"))]
         ("<flexcomp type='box' dof='trilinear'><pin gridrange='0 0 0 9 9 9'/></flexcomp>", "flexcomp of type grid"),
@@ -77,6 +77,82 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         let message = message(text);
         assert!(message.contains(expected), "{text}: {message}");
     }
+}
+
+/// Boundary of a simplex of four dimensions: each face belongs to two tetrahedra.
+const CLOSED: &str = "0 1 2 3 0 1 2 4 0 1 3 4 0 2 3 4 1 2 3 4";
+
+#[test]
+fn flexes_without_a_border_are_rejected() {
+    for element in ["0 1 2 3 0 1 2 3", "0 1 2 3 1 2 0 3", "0 1 2 3 3 2 1 0 0 1 2 3", CLOSED] {
+        for tag in ["<flex", "<flexcomp type='direct'"] {
+            let message = message(&format!("{tag} dim=' 3' element='{element}'/>"));
+            assert!(message.contains("no face that belongs to only one"), "{tag} {element}: {message}");
+        }
+    }
+    for text in [
+        format!("<flex dim='3' element='{CLOSED} 5 6 7 8'/><flexcomp type='direct' dim='3' element='0 1 2 3'/>"),
+        // Surfaces and lines may be closed.
+        format!("<flex dim='2' element='0 1 2 0 1 2'/><flex element='{CLOSED}'/><flex dim='1' element='{CLOSED}'/>"),
+    ] {
+        assert_eq!(message(&text), "");
+    }
+}
+
+#[test]
+fn flexes_with_contradictory_lists_are_rejected() {
+    const NODES: &str = "needs at least 8, the attribute vertex, and a body for each vertex";
+    const TEXTURE: &str = "texcoord must have two numbers for each";
+    for (text, expected) in [
+        ("<flex node='a' body='a' vertex='0 0 0'/>", NODES),
+        ("<flex node='a b c d e f g h' body='a' vertex='0 0 0 1 0 0'/>", NODES),
+        ("<flex node='a b c d e f g h' body='a b'/>", NODES),
+        (
+            "<flex node='a b c d e f g h' body='a' vertex='0 0 0' nodecoord='0 0 0 1 1 1'/>",
+            "three numbers for each node",
+        ),
+        ("<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 1 2 0'/>", TEXTURE),
+        ("<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 1'/>", TEXTURE),
+        ("<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 1 3'/>", TEXTURE),
+        ("<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 1 -1'/>", TEXTURE),
+        ("<flex element='0 1 2' texcoord='0 0 1' elemtexcoord='0 0 0'/>", TEXTURE),
+        ("<flexcomp type='direct' point='0 0 0 1 0 0 0 1 0' element='0 1 2' texcoord='0 0'/>", TEXTURE),
+        ("<flexcomp type='grid' element='0 1 2'/>", "only a flexcomp of type direct"),
+        ("<flexcomp point='0 1 2'/>", "only a flexcomp of type direct"),
+        ("<flexcomp dof='trilinear' cellcount='3 -1 -1'/>", "cellcount must be at least 1"),
+        #[cfg(not(engine_since = "4.0.0"))]
+        ("<flexcomp type='gmsh' file='a.msh' texcoord='0 0'/>", "without texcoord"),
+        #[cfg(not(engine_since = "4.0.0"))]
+        ("<mesh texcoord='0 0' vertex='0 0 0' face='0 0 0'/><flexcomp mesh='m' dim='3'/>", "must have dim 2"),
+        #[cfg(not(engine_since = "3.17.0"))]
+        ("<flex dim='1' element='0 1' texcoord='0 0 1 1'/>", "dim 1 need elemtexcoord"),
+        (
+            "<mesh vertex='0 0 0 1 0 0 0 1 0 0 -0.0 0' face='0 1 2 1 2 3'/><flexcomp mesh='m' dim='3'/>",
+            "has a face twice",
+        ),
+    ] {
+        let message = message(text);
+        assert!(message.contains(expected), "{text}: {message}");
+    }
+    for text in [
+        "<flex node='a b c d e f g h' body='a b' vertex='0 0 0 1 0 0'/><flex node='' body='a' vertex='0 0 0 1 0 0'/>",
+        "<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 2 2'/><flex element='0 1 2' texcoord='0 0 1 0 1 1'/>",
+        "<flex dim='1' element='0 1' texcoord='0 0 1 1' elemtexcoord='0 1'/>",
+        "<flexcomp type='direct' point='0 0 0 1 0 0 0 1 0' element='0 1 2' texcoord='0 0 1 0 1 1'/>",
+        "<mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 2 1 2 3'/><flexcomp mesh='m' dim='3'/>",
+        "<mesh vertex='0 0 0 1 0 0' face='0 1 1 0 1 1'/><flexcomp mesh='m' dim='2'/>",
+    ] {
+        assert_eq!(message(text), "");
+    }
+}
+
+/// The compiler renumbers all later points for each point that no element has.
+#[test]
+fn flexes_with_many_unused_points_are_rejected() {
+    let text =
+        |points: usize| format!("<flexcomp type='direct' dim='1' element='0 1' point='{}'/>", "0 0 0 ".repeat(points));
+    assert!(message(&text(320_000)).contains("too many points that no element uses"));
+    assert_eq!(message(&text(310_000)), "");
 }
 
 #[test]

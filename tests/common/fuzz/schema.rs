@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::Data;
+use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
+use mujoco_safe::{Data, Scene};
 
 use super::binary::{is_small, use_model};
 use super::{Bytes, Verdict, schema_models, sequence, text};
@@ -24,9 +25,21 @@ pub(super) fn load_and_call(text: &str, calls: usize, bytes: &mut Bytes<'_>, log
     };
     let verdict = use_model(model.clone(), log);
     if is_small(&model)
-        && let Ok(data) = Data::new(model.clone())
+        && let Ok(mut data) = Data::new(model.clone())
     {
+        log("the scene");
+        draw(&mut data);
         sequence::make_calls(model, data, calls, bytes, log);
     }
     verdict
+}
+
+/// Updates a scene with each of the two forms of flexes.
+fn draw(data: &mut Data) {
+    let Ok(mut scene) = Scene::new(data.model(), 1000) else { return };
+    let mut camera = Camera::free(data.model());
+    for flag in [VisualFlags::FLEXFACE, VisualFlags::FLEXSKIN] {
+        let options = SceneOptions::default().with_flags(flag | VisualFlags::SKIN);
+        let _ = scene.update(data, &options, None, &mut camera, Categories::all());
+    }
 }

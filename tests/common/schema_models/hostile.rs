@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::document::Node;
+use super::flexes;
 use super::schema::{self, Attribute, Element};
 use super::{rig, specimens, values};
 
@@ -61,6 +62,10 @@ fn word(below: &mut dyn FnMut(usize) -> usize) -> &'static str {
 pub fn hostile(below: &mut dyn FnMut(usize) -> usize) -> String {
     let elements = elements();
     let mut document = rig();
+    if below(8) == 0 && elements.iter().any(|element| element.path == "deformable/flex") {
+        flexes::insert(&mut document, elements, below);
+        return document.text();
+    }
     // Half of the texts have one extreme number or word and are valid otherwise, because the compiler
     // rejects most of the others.
     if below(2) == 0 {

@@ -18,6 +18,7 @@
 mod assets;
 mod cases;
 mod document;
+mod flexes;
 mod hostile;
 mod schema;
 mod specimens;
