@@ -38,13 +38,14 @@ fn gmsh(version: &str, elements: &[&str]) -> Vec<u8> {
     let count = elements.len();
     let coordinates = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
     let (nodes, head, tags) = if version == "2.2" {
-        let nodes: String = (1..).zip(coordinates).map(|(tag, at)| format!("{tag} {at}\n")).collect();
+        let nodes = (1..).zip(coordinates).map(|(tag, at)| format!("{tag} {at}\n")).collect::<Vec<_>>().concat();
         (format!("4\n{nodes}"), format!("{count}\n"), "4 2 0 1 ")
     } else {
         let nodes = format!("1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n{}\n", coordinates.join("\n"));
         (nodes, format!("1 {count} 1 {count}\n3 1 4 {count}\n"), "")
     };
-    let elements: String = (1..).zip(elements).map(|(tag, nodes)| format!("{tag} {tags}{nodes}\n")).collect();
+    let elements =
+        (1..).zip(elements).map(|(tag, nodes)| format!("{tag} {tags}{nodes}\n")).collect::<Vec<_>>().concat();
     let parts = [("MeshFormat", format!("{version} 0 8\n")), ("Nodes", nodes), ("Elements", head + &elements)];
     parts.map(|(name, part)| format!("${name}\n{part}$End{name}\n")).concat().into_bytes()
 }
@@ -134,7 +135,7 @@ fn lists_that_contradict_each_other_are_rejected() {
     let error = load(&flex(&coordinates), &[]).unwrap_err();
     assert!(error.contains("three numbers for each node"), "{error}");
     // Most vertices have no face, and the only texture coordinate is that of all corners.
-    let vertices: String = (0..400).map(|at| format!("v {at} 1 2\n")).collect();
+    let vertices = (0..400).map(|at| format!("v {at} 1 2\n")).collect::<Vec<_>>().concat();
     let faces = "f 1/1 3/1 2/1\nf 1/1 2/1 4/1\nf 1/1 4/1 3/1\nf 2/1 3/1 400/1\n";
     let file = format!("{vertices}vt 0 0\n{faces}");
     if cfg!(not(engine_since = "4.0.0")) {
