@@ -152,14 +152,16 @@ fn compute_in_random_order(
     let mut order = Vec::new();
     let (mut rejected, mut in_order) = (0, false);
     for _ in 0..20_000 {
-        if left.is_empty() {
+        let is_complete = left.is_empty() && data.stage() == Stage::Acceleration;
+        if is_complete {
             return order;
         }
         // A part has made the results of an earlier one invalid: the documented order remains.
-        if !in_order && rejected > 300 {
+        if !in_order && (rejected > 300 || left.is_empty()) {
             in_order = true;
             left = (done..IN_ORDER.len()).collect();
         }
+        assert!(!left.is_empty(), "{what}: {order:?} leaves {:?}", data.stage());
         let index = if in_order { left[0] } else { left[random.random_range(0..left.len())] };
         let (name, part) = IN_ORDER[index];
         let (computed, called) = match (part(data), index) {
