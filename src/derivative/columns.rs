@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use super::actuation::next_activations;
 use super::implicit::has_kinetic_energy;
-use super::kinks::{self, Trials, disagreement, sides};
+use super::kinks::{self, Trials, disagreement, has_contact_that_jumps, sides};
 use super::method::Kinks;
 use super::perturbation::{Input, PerturbedData, Settings};
 use super::sizes;
@@ -31,6 +31,8 @@ pub(super) struct StepDifferences {
     /// `(na)`: activations after a step from the base point, before clamping.
     next_activations: Vec<f64>,
     trials: Trials,
+    /// `true` if the collision functions of the present contacts can jump.
+    may_jump: bool,
 }
 
 impl StepDifferences {
@@ -41,6 +43,7 @@ impl StepDifferences {
             samples: [sample.clone(), sample.clone(), sample],
             next_activations: vec![0.0; model.na()],
             trials: Trials::new(nx + ny),
+            may_jump: false,
         }
     }
 
@@ -48,6 +51,7 @@ impl StepDifferences {
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
         sample(&point.data, &mut self.samples[BASE]);
+        self.may_jump = has_contact_that_jumps(&point.data);
         point.restore()?;
         next_activations(settings.model, &point.data, &mut self.next_activations);
         Ok(kinks::of_inputs(&point.data, Some(&self.next_activations)))
@@ -63,7 +67,8 @@ impl StepDifferences {
         row: &mut [f64],
     ) -> Result<Kinks> {
         let mut trials = std::mem::take(&mut self.trials);
-        let kinks = trials.run(settings, row, |settings, row| self.difference(point, settings, input, row));
+        let may_jump = self.may_jump && matches!(input, Input::Position(_));
+        let kinks = trials.run(settings, may_jump, row, |settings, row| self.difference(point, settings, input, row));
         self.trials = trials;
         kinks
     }

@@ -31,7 +31,7 @@
 use mujoco_sys::mjSTAGE_ACC;
 
 use super::actuation::Actuation;
-use super::kinks::{Scale, Trials, disagreement, sides};
+use super::kinks::{Scale, Trials, disagreement, has_contact_that_jumps, sides};
 use super::linear_algebra::{add, add_product, invert, quotient};
 use super::method::Kinks;
 use super::newton::Newton;
@@ -84,6 +84,8 @@ pub(super) struct Linearisation {
     /// `(nv)`: difference of `∂g/∂x` to the right and to the left, and of the next velocities.
     disagreements: [Vec<f64>; 2],
     trials: Trials,
+    /// `true` if the collision functions of the present contacts can jump.
+    may_jump: bool,
     /// Kinks in controls and activations.
     pub(super) kinks: Kinks,
 }
@@ -126,6 +128,7 @@ impl Linearisation {
             acceleration: dofs.clone(),
             disagreements: [dofs.clone(), dofs],
             trials: Trials::new(sizes(model).0 + ns),
+            may_jump: false,
             kinks: Kinks::empty(),
         }
     }
@@ -137,6 +140,7 @@ impl Linearisation {
         let sensors = SensorUpdate::needed(wanted.sensors);
         let Some(residual) = self.newton.solve(data, sensors, &mut self.residuals[BASE])? else { return Ok(false) };
         self.residual = residual;
+        self.may_jump = has_contact_that_jumps(data);
         self.qacc.copy_from_slice(data.qacc());
         if wanted.sensors {
             data.sensor_acc()?;
@@ -205,7 +209,7 @@ impl Linearisation {
         row: &mut [f64],
     ) -> Result<Kinks> {
         let mut trials = std::mem::take(&mut self.trials);
-        let kinks = trials.run(settings, row, |Settings { step, keep, .. }, row| {
+        let kinks = trials.run(settings, false, row, |Settings { step, keep, .. }, row| {
             // Sensors of other stages keep their values. Acceleration sensors are linear, except
             // for elliptic cones.
             let eps = ACCELERATION_EPS_FACTOR * step.eps;
@@ -246,7 +250,8 @@ impl Linearisation {
             }
             Input::Velocity(_) | Input::Position(_) => {
                 let mut trials = std::mem::take(&mut self.trials);
-                let kinks = trials.run(settings, row, |settings, row| {
+                let may_jump = self.may_jump && matches!(input, Input::Position(_));
+                let kinks = trials.run(settings, may_jump, row, |settings, row| {
                     let inertial = self.difference(point, settings, input, row)?;
                     self.finish(model, row, input, inertial, acceleration_sensors);
                     Ok(self.disagreement(settings, row))

@@ -4,12 +4,15 @@
 //! possible, a muscle contracts. So the control of a muscle that equals its activation grows, as the next control probably does, and the
 //! activation decreases. The closed forms use the formulas of that side, and differences perturb the input to that side only.
 
-use super::Differences;
+use std::ops::Range;
+
 use super::method::{Kinks, Step};
 use super::perturbation::{Input, Settings};
+use super::{Differences, sizes};
 use crate::data::Data;
-use crate::enums::{ActuatorDynamics, ActuatorGain, Integrator};
+use crate::enums::{ActuatorDynamics, ActuatorGain, GeomType, Integrator};
 use crate::error::Result;
+use crate::id::GeomId;
 use crate::model::{DisableFlags, Model};
 
 /// Distance from a kink within which a value counts as at the kink. Controls, activations and forces at a kink are there up to rounding: a
@@ -58,29 +61,53 @@ pub(super) fn disagreement([base, right, left]: [&[f64]; 3], keep: &[bool], eps:
     slopes().enumerate().map(of_entry).fold(0.0, f64::max)
 }
 
+/// Returns `true` if geoms are in contact whose collision function can jump: an iteration stops at
+/// a tolerance, and the nearest faces of polyhedra change.
+pub(super) fn has_contact_that_jumps(data: &Data) -> bool {
+    use GeomType::{Capsule, Plane, Sphere};
+    let kind = |geom: GeomId| GeomType::of_field(data.model().geom_type()[geom.index()]);
+    let is_smooth =
+        |geoms: [GeomId; 2]| matches!(geoms.map(kind), [Plane, _] | [_, Plane] | [Sphere | Capsule, Sphere | Capsule]);
+    data.contacts().any(|contact| !contact.geoms().is_some_and(is_smooth))
+}
+
 /// Trials of a column of differences with one step after another, of which the one with the least disagreement is kept.
 #[derive(Debug, Default)]
 pub(super) struct Trials {
     best: Vec<f64>,
     least: f64,
+    /// Column with the present step, while that with its double is computed.
+    present: Vec<f64>,
 }
 
 impl Trials {
     pub(super) fn new(length: usize) -> Self {
-        Self { best: vec![0.0; length], least: f64::INFINITY }
+        Self { best: vec![0.0; length], least: f64::INFINITY, present: vec![0.0; length] }
     }
 
     /// Computes a column by a function that returns its disagreement, with the step of the
     /// settings, and then with others as long as the differences disagree. Returns the kinks.
+    ///
+    /// If a function jumps at the base point by the same amount to the right and to the left, its
+    /// differences on both sides are equal, and inversely proportional to the step. So differences
+    /// of a function that `may_jump` must also agree with those of the double step.
     pub(super) fn run(
         &mut self,
         settings: Settings<'_>,
+        may_jump: bool,
         row: &mut [f64],
         mut difference: impl FnMut(Settings<'_>, &mut [f64]) -> Result<f64>,
     ) -> Result<Kinks> {
         self.least = f64::INFINITY;
         for step in settings.step.trials() {
-            let disagreement = difference(Settings { step, ..settings }, row)?;
+            let mut disagreement = difference(Settings { step, ..settings }, row)?;
+            if may_jump && disagreement <= 1.0 && step.differences == Differences::Central {
+                let present = &mut self.present[..row.len()];
+                present.copy_from_slice(row);
+                difference(Settings { step: Step { eps: 2.0 * step.eps, ..step }, ..settings }, row)?;
+                disagreement = disagreement.max(change(settings, present, row));
+                row.copy_from_slice(present);
+            }
             // A step below the tolerance of the solver or of a collision function has no effect on
             // either side.
             if step.eps < settings.step.eps && self.distance(row) > self.least {
@@ -104,6 +131,21 @@ impl Trials {
         let scale = Scale::of(best.iter().copied());
         best.iter().zip(row).map(|(best, value)| scale.disagreement(value - best, *best)).fold(0.0, f64::max)
     }
+}
+
+/// Returns the largest change of a column, as a multiple of the largest one of a smooth step.
+fn change(Settings { model, wanted, keep, .. }: Settings<'_>, present: &[f64], other: &[f64]) -> f64 {
+    let (nx, _, _) = sizes(model);
+    let part = |range: Range<usize>, keep: &[bool]| {
+        let scale = Scale::of(present[range.clone()].iter().copied());
+        let is_kept = |row: usize| keep.get(row).is_some_and(|&keep| keep);
+        let entries = present[range.clone()].iter().zip(&other[range]).enumerate();
+        let changes = entries.filter(|(row, _)| !is_kept(*row)).map(|(_, (a, b))| scale.disagreement(a - b, *a));
+        changes.fold(0.0, f64::max)
+    };
+    let system = if wanted.system { part(0..nx, &[]) } else { 0.0 };
+    let sensors = if wanted.sensors { part(nx..present.len(), keep) } else { 0.0 };
+    system.max(sensors)
 }
 
 /// Returns `true` if a value is an end of a range up to rounding.

@@ -223,9 +223,11 @@ bitflags! {
         /// the result jumps: for example contacts of meshes, whose collision function stops at a
         /// tolerance, or bodies that penetrate each other deeply. Without a step in the
         /// [options](super::TransitionOptions::eps), differences that disagree by more than 0.2 %
-        /// are repeated with steps that are 10 times smaller, and 10 and 100 times larger. Only
-        /// [central](super::Differences::Central) differences can be checked, and not those of the
-        /// method `Engine`.
+        /// are repeated with steps that are 10 times smaller, and 10 and 100 times larger. At
+        /// contacts whose collision function can jump (of all shapes, except with planes and
+        /// between spheres and capsules), differences by positions must also agree with those of
+        /// the double step. Only [central](super::Differences::Central) differences can be checked,
+        /// and not those of the method `Engine`.
         const DIFFERENCES = 1 << 5;
         /// The length of a tendon is at an end of the range in which its spring is slack
         /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The others

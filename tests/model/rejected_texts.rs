@@ -349,3 +349,58 @@ fn exceptions_of_the_compiler_are_errors_and_loading_still_works() {
         assert_eq!(body("<connect body1='b' anchor='0 0 0'/>").unwrap().neq(), 1);
     }
 }
+
+/// Returns a model with a camera of this resolution, of which a rangefinder casts a ray for each
+/// pixel, and with this size of memory.
+#[cfg(engine_since = "3.5.0")]
+fn camera_rays(width: u32, height: u32, memory: &str) -> mujoco_safe::Result<Model> {
+    use mujoco_safe::enums::SensorType;
+    use mujoco_safe::spec::Spec;
+
+    let mut spec = Spec::new("camera");
+    let world = spec.world();
+    spec.section_mut("size")?.set("memory", memory)?;
+    spec.add_geom(world).set_size(&[0.1]);
+    spec.add_camera(world).set_name("c").set("resolution", [width, height])?;
+    spec.add_sensor(SensorType::Rangefinder)?.set("camera", "c")?;
+    let compiled = spec.compile();
+    let loaded = Model::from_xml_str(&spec.to_xml());
+    assert_eq!(compiled.is_ok(), loaded.is_ok(), "{width} {height}");
+    compiled
+}
+
+#[test]
+#[cfg(engine_since = "3.5.0")]
+fn cameras_with_too_many_rays_are_rejected_in_a_spec() {
+    for (width, height) in [(65_537, 65_537), (30_000, 30_000), (46_341, 46_341), (2001, 2000), (4_000_001, 1)] {
+        let error = camera_rays(width, height, "1G").map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("cast more than 4000000 rays"), "{width} {height}: {error}");
+    }
+}
+
+#[test]
+#[cfg(engine_since = "3.5.0")]
+fn a_camera_with_as_many_rays_as_permitted_steps_if_its_memory_suffices() {
+    let error = camera_rays(2000, 2000, "1M").map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("out of memory"), "{error}");
+    let mut data = Data::new(camera_rays(2000, 2000, "200M").unwrap()).unwrap();
+    data.step().unwrap();
+    assert_eq!(data.sensordata().len(), 4_000_000);
+    // The camera is at the centre of the sphere with the radius 0.1.
+    assert!(data.sensordata().iter().all(|distance| *distance == -1.0 || (*distance - 0.1).abs() < 1e-12));
+}
+
+#[test]
+fn as_many_sensor_values_as_permitted_load_and_step() {
+    let text = |dim: u32| {
+        format!(
+            "<mujoco><worldbody><body name='b'><geom size='1'/></body></worldbody>
+               <sensor><user objtype='body' objname='b' dim='{dim}'/></sensor></mujoco>"
+        )
+    };
+    let error = Model::from_xml_str(&text(20_000_001)).unwrap_err().to_string();
+    assert!(error.contains("more than 20000000 values"), "{error}");
+    let mut data = Data::new(Model::from_xml_str(&text(20_000_000)).unwrap()).unwrap();
+    data.step().unwrap();
+    assert_eq!(data.sensordata().len(), 20_000_000);
+}

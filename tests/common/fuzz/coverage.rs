@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use mujoco_safe::{Model, built_against};
+use mujoco_safe::{Model, built_against, sys};
 
 use super::models;
 
@@ -42,6 +42,7 @@ const MOST: i32 = 100;
 pub fn missing() -> Vec<String> {
     let mut covered = BTreeMap::new();
     let mut used: BTreeSet<(&str, i32)> = BTreeSet::new();
+    let mut has_rangefinder_camera = false;
     for which in 0..models::all().len() {
         let element = models::attribute(which).map(|attribute| attribute.element.clone());
         if element.as_ref().is_some_and(|element| covered.get(element) == Some(&true)) {
@@ -55,6 +56,9 @@ pub fn missing() -> Vec<String> {
             for (name, array) in ENUMS {
                 used.extend(array(model).iter().map(|&value| (name, value)));
             }
+            let mut objects = model.sensor_type().iter().zip(model.sensor_objtype());
+            has_rangefinder_camera |= objects
+                .any(|(&kind, &object)| (kind, object) == (sys::mjSENS_RANGEFINDER as i32, sys::mjOBJ_CAMERA as i32));
         }
     }
     let has_plugins = has_plugin("mujoco.pid");
@@ -75,7 +79,10 @@ pub fn missing() -> Vec<String> {
         let is_of_plugin = ["mjSENS_PLUGIN", "mjGEOM_SDF"].contains(&&constant[..]);
         !used.contains(&(*name, *value)) && (has_plugins || !is_of_plugin)
     });
-    elements.chain(constants.map(|(_, constant, _)| constant)).collect()
+    // Rangefinders of sites measure one distance, and those of cameras one for each pixel.
+    let lacks_camera = cfg!(engine_since = "3.5.0") && !has_rangefinder_camera;
+    let camera = lacks_camera.then(|| "a rangefinder of a camera".to_owned());
+    elements.chain(constants.map(|(_, constant, _)| constant)).chain(camera).collect()
 }
 
 fn has_plugin(name: &str) -> bool {

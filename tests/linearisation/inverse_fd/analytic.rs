@@ -348,7 +348,8 @@ fn sensors_read_the_forces_of_actuators_at_the_present_state() {
     }
 }
 
-/// Returns the slopes of the force of a muscle by length and by velocity, from differences of the engine's functions.
+/// Returns the slopes of the force of a muscle by length and by velocity, from differences of the
+/// engine's functions.
 fn muscle_slopes(model: &Model, [length, velocity]: [f64; 2], activation: f64) -> [f64; 2] {
     let (range, acc0) = (model.actuator_lengthrange()[0], model.actuator_acc0()[0]);
     let (gain, bias) = (&model.actuator_gainprm()[0], &model.actuator_biasprm()[0]);
@@ -389,7 +390,8 @@ fn muscles_outside_of_their_range_of_lengths_agree_with_the_engine() {
         let [shortest, longest] = data.model().actuator_lengthrange()[0];
         outside += usize::from(!(shortest..=longest).contains(&length));
         let slopes = muscle_slopes(data.model(), [length, velocity], data.act()[0]);
-        // The force of the actuator is subtracted, and its length and velocity are those of the joint times the gear.
+        // The force of the actuator is subtracted, and its length and velocity are those of the
+        // joint times the gear.
         for (found, slope) in [jacobians.df_dq[(0, 0)], jacobians.df_dv[(0, 0)]].into_iter().zip(slopes) {
             let expected = -gear * gear * slope;
             assert!((found - expected).abs() <= 1e-4 * (1.0 + expected.abs()), "state {state}: {found}, {expected}");

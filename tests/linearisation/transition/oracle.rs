@@ -108,6 +108,12 @@ impl Oracle {
         self.extrapolate(&perturb)
     }
 
+    /// Returns a column by central differences with one step, without extrapolation.
+    pub(crate) fn central_column(&mut self, index: usize, width: f64) -> Vec<f64> {
+        let perturb = self.perturbation(index);
+        self.central(&perturb, width)
+    }
+
     /// Returns the function that adds a number to the input of a column.
     fn perturbation(&self, index: usize) -> impl Fn(&mut Data, f64) + use<> {
         let model = self.data.model().clone();

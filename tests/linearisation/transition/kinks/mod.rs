@@ -1,5 +1,8 @@
 //! States where a step has a kink: each method takes the documented side, or the report names the kink.
 
+mod constraints;
+mod convergence;
+mod friction;
 mod muscles;
 
 use mujoco_safe::derivative::{
@@ -8,7 +11,6 @@ use mujoco_safe::derivative::{
 use mujoco_safe::{Data, Lineariser, StateSpace};
 
 use super::analytic::model;
-use super::oracle::Oracle;
 use super::{assert_near, deviation};
 
 const METHODS: [TransitionMethod; 4] =
@@ -303,113 +305,6 @@ fn a_reading_at_its_cutoff_is_reported() {
     }
 }
 
-/// The gap is inside the margin, or, with newer engines, beyond it.
-#[test]
-fn contacts_with_a_gap_have_a_kink_where_the_engine_adds_rows() {
-    for (geom, pair) in [(r#"margin="0.25" gap="0.125""#, ""), ("", r#"margin="0.25" gap="0.125""#)] {
-        let pair = if pair.is_empty() { String::new() } else { format!(r#"<pair geom1="f" geom2="b" {pair}/>"#) };
-        let mut data = model(&format!(
-            r#"<mujoco><option gravity="0 0 0"/><worldbody><geom name="f" type="plane" size="1 1 1" {geom}/>
-                 <body pos="0 0 0.5"><joint type="slide" axis="0 0 1"/><geom name="b" size="0.5" mass="2"/></body></worldbody>
-               <contact>{pair}</contact></mujoco>"#
-        ));
-        let has_rows = |data: &mut Data, distance: f64| {
-            data.qpos_mut()[0] = distance;
-            data.forward().unwrap();
-            data.nefc() > 0
-        };
-        let distances = [0.0, 0.125, 0.25, 0.375];
-        let begins = distances.map(|at| has_rows(&mut data, at - 1e-6) && !has_rows(&mut data, at + 1e-6));
-        assert_eq!(begins.iter().filter(|&&begins| begins).count(), 1, "{begins:?}");
-        for (distance, begins) in distances.into_iter().zip(begins) {
-            data.qpos_mut()[0] = distance;
-            let kinks = |kind: Kinks| if begins { kind } else { Kinks::empty() };
-            let report = linearise(&mut data, TransitionMethod::Analytic).1;
-            assert_eq!((report.method, report.kinks), (TransitionMethod::Analytic, kinks(Kinks::CONSTRAINTS)));
-            for method in [TransitionMethod::Columns, TransitionMethod::Implicit] {
-                assert_eq!(linearise(&mut data, method).1.kinks, kinks(Kinks::DIFFERENCES), "{distance} {method:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn friction_loss_at_its_limit_is_reported() {
-    // D of the row is m d / (1 − d) = 18, with the impedance d = 0.9, so that the friction of a
-    // body at rest is at its limit if the force is 0.9 / d.
-    let of_joint = slide("", r#"frictionloss="0.9""#, r#"<motor joint="j"/>"#);
-    let of_tendon = model(
-        r#"<mujoco><option timestep="0.01" gravity="0 0 0"/>
-             <worldbody><body><joint name="j" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/></body></worldbody>
-             <tendon><fixed name="t" frictionloss="0.9"><joint joint="j" coef="1"/></fixed></tendon>
-             <actuator><motor joint="j"/></actuator></mujoco>"#,
-    );
-    for mut data in [of_joint, of_tendon] {
-        for (ctrl, inertia) in [(1.0, None), (-1.0, None), (0.999, Some(2.0 + 18.0)), (-1.001, Some(2.0))] {
-            data.ctrl_mut()[0] = ctrl;
-            for method in WITH_SIDES {
-                let (system, report) = linearise(&mut data, method);
-                let kink = if method == TransitionMethod::Analytic { Kinks::CONSTRAINTS } else { Kinks::DIFFERENCES };
-                let expected = if inertia.is_none() { kink } else { Kinks::empty() };
-                assert_eq!((report.fallback, report.kinks), (None, expected), "{ctrl} {method:?}");
-                let Some(inertia) = inertia else { continue };
-                assert!((system.b[(1, 0)] - 0.01 / inertia).abs() < 1e-7, "{ctrl} {method:?}: {system:?}");
-            }
-        }
-    }
-}
-
-/// The impedance is then a piecewise linear function of the violation.
-#[test]
-fn impedances_of_power_one_have_kinks() {
-    let cases = [
-        (r#"limited="true" range="-9 0" SOLIMP"#, "", 0.125),
-        (
-            "",
-            r#"<equality><joint joint1="j" polycoef="0.125 0 0 0 0" solref="0.1 1" solimp="0.5 0.9 0.125 0.5 1"/></equality>"#,
-            0.0,
-        ),
-        (
-            "",
-            r#"<equality><joint joint1="j" polycoef="0 0 0 0 0" solref="0.1 1" solimp="0.5 0.9 0.125 0.5 1"/></equality>"#,
-            0.0,
-        ),
-        ("", "", 0.125),
-    ];
-    for power in [1, 2] {
-        for (number, (joint, equality, qpos)) in cases.into_iter().enumerate() {
-            let solimp = format!("0.5 0.9 0.125 0.5 {power}");
-            let joint = joint.replace("SOLIMP", &format!(r#"solreflimit="0.1 1" solimplimit="{solimp}""#));
-            let equality = equality.replace("0.5 0.9 0.125 0.5 1", &solimp);
-            // The last case is a contact with a wall.
-            let wall = if number == 3 { r#"<geom type="plane" size="1 1 1" pos="0 0 -0.25"/>"# } else { "" };
-            let mut data = model(&format!(
-                r#"<mujoco><option timestep="0.01" gravity="0 0 -9.81"/>
-                     <default><geom solref="0.1 1" solimp="{solimp}"/></default>
-                     <worldbody>{wall}<body><joint name="j" type="slide" axis="0 0 -1" {joint}/><geom size="0.25" mass="2"/></body></worldbody>
-                   {equality}</mujoco>"#
-            ));
-            data.qpos_mut()[0] = qpos;
-            let mut oracle = Oracle::new(&data);
-            let base = oracle.base();
-            let [right, left] = [1.0, -1.0].map(|side| oracle.one_sided(0, side, &base)[1].0);
-            assert_eq!((right - left).abs() > 0.02 * right.abs(), power == 1, "{number} {power}: {right} {left}");
-            for method in WITH_SIDES {
-                let kinks = match (power, method) {
-                    (1, TransitionMethod::Analytic) => Kinks::CONSTRAINTS,
-                    (1, _) => Kinks::DIFFERENCES,
-                    _ => Kinks::empty(),
-                };
-                let (system, report) = linearise(&mut data, method);
-                assert_eq!((report.fallback, report.kinks), (None, kinks), "{number} {method:?}");
-                let value = system.a[(1, 0)];
-                let range = right.min(left) - 1e-3..right.max(left) + 1e-3;
-                assert!(range.contains(&value), "{number} {power} {method:?}: {value}, not in {range:?}");
-            }
-        }
-    }
-}
-
 /// Springs yield at the end of a step, so that its velocities have no kink.
 #[test]
 fn a_step_of_a_spring_that_yields_has_no_kink() {
@@ -439,38 +334,6 @@ fn a_step_of_a_spring_that_yields_has_no_kink() {
                     let slope = system.a[(2 + dof, dof)];
                     assert!((slope + 0.01 * 30.0 / 2.0).abs() < 1e-7, "{qpos} {method:?}: {slope}");
                 }
-            }
-        }
-    }
-}
-
-/// The impedance of a contact is constant beyond the width of `solimp`, where its curvature jumps
-/// from zero to about `0.05 / width²`, so that differences with the default step are several
-/// percent wrong.
-#[test]
-fn contacts_as_deep_as_the_width_of_their_impedance_have_a_derivative() {
-    let mut data = model(
-        r#"<mujoco><option timestep="0.004"/><worldbody><geom type="plane" size="5 5 0.1"/>
-             <body pos="0 0 0.099"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="1"/></body></worldbody></mujoco>"#,
-    );
-    data.qvel_mut().copy_from_slice(&[-0.346, -0.576, -0.531, 0.533, -0.0392, 0.18]);
-    let systems = WITH_SIDES.map(|method| (method, linearise(&mut data, method)));
-    let mut oracle = Oracle::new(&data);
-    let base = oracle.base();
-    for (column, side) in (0..12).flat_map(|column| [(column, 1.0), (column, -1.0)]) {
-        let expected = oracle.one_sided(column, side, &base);
-        let largest = expected.iter().fold(1.0, |largest: f64, (value, _)| largest.max(value.abs()));
-        for (method, (system, report)) in &systems {
-            // The steps of `Columns` are ten times larger.
-            if *method == TransitionMethod::Columns && report.kinks == Kinks::DIFFERENCES {
-                continue;
-            }
-            assert_eq!(report.kinks, Kinks::empty(), "{method:?}");
-            for (row, (expected, error)) in expected.iter().enumerate() {
-                let value = system.a[(row, column)];
-                let tolerance = 2e-3 * expected.abs() + 1e-4 * largest + 10.0 * error;
-                let is_near = (value - expected).abs() <= tolerance;
-                assert!(is_near, "{method:?} [{row}, {column}] is {value:e} instead of {expected:e}, side {side}");
             }
         }
     }
@@ -519,47 +382,4 @@ fn wrong_differences_of_the_samples_are_reported() {
             }
         }
     }
-}
-
-#[test]
-fn contacts_of_iterating_collision_functions_are_right_or_reported() {
-    const MESH: &str = "0 0 0.11 0.1 0 -0.05 -0.06 0.09 -0.05 -0.06 -0.08 -0.05 0.02 0.03 -0.09";
-    let (mut right, mut reported) = (0, 0);
-    for shape in [
-        r#"type="cylinder" size="0.1 0.07""#,
-        r#"type="ellipsoid" size="0.1 0.08 0.06""#,
-        r#"type="mesh" mesh="m""#,
-        r#"type="box" size="0.1 0.09 0.07""#,
-    ] {
-        for below in [r#"type="box" size="0.5 0.5 0.1""#, r#"type="cylinder" size="0.5 0.1""#] {
-            let mut data = model(&format!(
-                r#"<mujoco><option timestep="0.002"/><asset><mesh name="m" vertex="{MESH}"/></asset>
-                     <worldbody><geom {below} pos="0 0 -0.1"/>
-                       <body pos="0 0 0.12"><freejoint/><geom {shape} mass="1"/></body></worldbody></mujoco>"#
-            ));
-            for state in 0..6 {
-                data.reset().unwrap();
-                let tilt = 0.2 * f64::from(state);
-                let quat = [1.0, tilt, -0.3 * tilt, 0.1];
-                let norm = quat.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
-                data.qpos_mut()[3..].iter_mut().zip(quat).for_each(|(to, x)| *to = x / norm);
-                (0..60 + 40 * state).for_each(|_| data.step().unwrap());
-                let (system, report) = linearise(&mut data, TransitionMethod::Analytic);
-                let by = |data: &mut Data, eps: f64| {
-                    let options = TransitionOptions::default().with_method(TransitionMethod::Columns).with_eps(eps);
-                    linearise_with(data, options).0.a
-                };
-                let [fine, coarse] = [1e-6, 1e-5].map(|eps| by(&mut data, eps));
-                if report.kinks != Kinks::empty() || deviation(&fine, &coarse) > 1e-2 {
-                    reported += 1;
-                    continue;
-                }
-                let error = deviation(&system.a, &fine);
-                assert!(error < 0.05, "{shape} on {below}, state {state}: {error:e}, {report:?}");
-                right += 1;
-            }
-        }
-    }
-    println!("{right} states right, {reported} reported or noisy");
-    assert!(right >= 20, "{right} of {}", right + reported);
 }
