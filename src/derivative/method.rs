@@ -15,7 +15,10 @@ pub enum TransitionMethod {
     Engine,
     /// The same differences, computed column by column and shared among the threads. Without a step in
     /// the options, those that disagree are repeated with others
-    /// ([`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES)).
+    /// ([`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES)). In both methods the solver must converge in
+    /// each step: with the usual [`tolerance`](crate::model::Options::tolerance) it can keep its initial
+    /// guess for small changes of a body at rest, and the differences then lack the effect of the
+    /// contacts, without a report. Set the tolerance to 1e-15 for these methods.
     Columns,
     /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
