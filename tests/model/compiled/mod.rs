@@ -222,8 +222,7 @@ const WITHOUT_UPDATE: [&str; 7] =
 fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<String> {
     let found = |data: mujoco_safe::Result<Data>| {
         let mut data = data.unwrap();
-        data.forward().unwrap();
-        outcome::contacts(&data)
+        data.forward().map(|()| outcome::contacts(&data)).ok()
     };
     // With negative margins, the compiler's bounds hide contacts that the engine detects, and loose
     // bounds do not. 2.2.2 adds the margins of two geoms for bounds, and takes the larger one for
@@ -237,15 +236,17 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
             write_switches(edit, second);
         })
         .unwrap();
-    let expected = found(Data::new(second.clone()));
+    // An engine may fail: 3.5.0 does for a contact of a pair of geoms that cannot move.
+    let expected = found(Data::new(second.clone()))?;
     let saved = Model::from_binary(&edited.to_binary().unwrap());
     let ways = [
         ("shared", found(Data::new(std::sync::Arc::new(edited.clone())))),
-        ("saved", saved.map_or(expected.clone(), |model| found(Data::new(model)))),
+        ("saved", saved.map_or(Some(expected.clone()), |model| found(Data::new(model)))),
         ("its own", found(Data::new(edited))),
         ("edited simulation", found(Ok(simulation))),
     ];
-    let is_right = |way: &str, contacts: &[outcome::Pair]| {
+    let is_right = |way: &str, contacts: &Option<Vec<outcome::Pair>>| {
+        let Some(contacts) = contacts else { return false };
         let is_loose = matches!(way, "shared" | "saved");
         expected.iter().all(|contact| outcome::contains(contacts, contact))
             && contacts.iter().all(|contact| outcome::contains(&expected, contact) || is_loose && is_hidden(contact))
