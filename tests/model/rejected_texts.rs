@@ -395,7 +395,7 @@ fn as_many_sensor_values_as_permitted_load_and_step() {
     let text = |dim: u32| {
         format!(
             "<mujoco><worldbody><body name='b'><geom size='1'/></body></worldbody>
-               <sensor><user objtype='body' objname='b' dim='{dim}'/></sensor></mujoco>"
+               <sensor><user objtype='body' objname='b' dim='{dim}' needstage='pos' datatype='real'/></sensor></mujoco>"
         )
     };
     let error = Model::from_xml_str(&text(20_000_001)).unwrap_err().to_string();
