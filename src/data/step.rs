@@ -70,6 +70,15 @@ impl Data {
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
+        let computes = self.check_step2()?;
+        self.run("mj_step2", computes, |m, d| {
+            // SAFETY: as in `step`, and the earlier stages were computed for this model.
+            unsafe { guard::mj_step2(m, d) }
+        })
+    }
+
+    /// Checks that the second half of a step can be computed, and returns what it computes.
+    fn check_step2(&self) -> Result<PipelineFlags> {
         self.check_usable()?;
         if !self.computed.contains(PipelineFlags::FIRST_HALF) {
             return Err(Error::NotComputed { call: "step2", missing: MissingResults::FIRST_HALF });
@@ -77,9 +86,28 @@ impl Data {
         self.check_inputs()?;
         // The second half evaluates the sensors of the acceleration stage only.
         let sensors = (self.computed & PipelineFlags::SENSORS) | PipelineFlags::SENSOR_ACC;
-        self.run("mj_step2", (PipelineFlags::AFTER_STEP - PipelineFlags::SENSORS) | sensors, |m, d| {
-            // SAFETY: as in `step`, and the earlier stages were computed for this model.
-            unsafe { guard::mj_step2(m, d) }
+        Ok((PipelineFlags::AFTER_STEP - PipelineFlags::SENSORS) | sensors)
+    }
+
+    /// Takes a step as [`step`](Self::step) does, for a difference of steps: see
+    /// [`Model::for_differences`](crate::model::Model::for_differences).
+    pub(crate) fn step_for_differences(&mut self) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        let model = self.model().clone();
+        self.run("mj_step", PipelineFlags::AFTER_STEP, |_, d| {
+            // SAFETY: as in `step`; the copy of the model has its arrays.
+            model.for_differences(|m| unsafe { guard::step_prechecked(m, d) })
+        })
+    }
+
+    /// Computes the second half of a step as [`step2`](Self::step2) does, for a difference of steps.
+    pub(crate) fn step2_for_differences(&mut self) -> Result<()> {
+        let computes = self.check_step2()?;
+        let model = self.model().clone();
+        self.run("mj_step2", computes, |_, d| {
+            // SAFETY: as in `step2`; the copy of the model has its arrays.
+            model.for_differences(|m| unsafe { guard::mj_step2(m, d) })
         })
     }
 

@@ -142,7 +142,7 @@ impl StepDifferences {
 fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
     // A Runge–Kutta step leaves results of intermediate states, which cannot be reused.
     if data.model().options().integrator == Integrator::Rk4 || (skip == Stage::Nothing && sensors) {
-        return data.step();
+        return data.step_for_differences();
     }
     if skip == Stage::Nothing {
         data.fwd_position()?;
@@ -159,7 +159,7 @@ fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
             data.sensor_pos()?;
         }
     }
-    data.step2()
+    data.step2_for_differences()
 }
 
 fn sample(data: &Data, sample: &mut [f64]) {

@@ -60,7 +60,8 @@ impl Data {
     /// [`Differences::Central`] is a good choice.
     ///
     /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, in 2.2.2 clocks
-    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. This method corrects these.)
+    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. This method corrects these. It also makes solvers iterate that
+    /// would keep their initial guess: see [`Columns`](super::TransitionMethod::Columns).)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
     /// perturbed state, and count as not computed.
@@ -148,7 +149,7 @@ impl Data {
             let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |_, data| {
                 // SAFETY: the model and the data belong together, and each output is NULL or has the shape that the engine
                 // writes.
-                model.with_type_per_control(|model| unsafe {
+                model.for_differences(|model| unsafe {
                     guard::mjd_transition_fd(model, data, eps, central, a, b, c, d)
                 })
             });

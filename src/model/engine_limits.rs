@@ -2,7 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use mujoco_sys::{mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER};
+use mujoco_sys::{
+    mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjSOL_NEWTON,
+};
 
 #[cfg(engine_since = "3.6.0")]
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT};
@@ -24,6 +26,9 @@ pub(super) const MOST_SAFE_POLYGON: i32 = 8;
 /// allocates memory by a function that its caller names, and `mj_geomDistance` names none.
 const MOST_DISTANCE_ITERATIONS: Option<usize> =
     if cfg!(all(engine_since = "3.3.3", not(engine_since = "3.8.0"))) { Some(170) } else { None };
+
+/// Limit on the solver's tolerance in steps that are differenced: of the size of rounding errors.
+const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
 impl Model {
     /// Returns the reason why the model's sensors cannot be computed with this number of iterations of the convex collider.
@@ -76,10 +81,9 @@ impl Model {
 
     /// Returns a copy of the engine's struct with the same arrays, for calls that read the model with
     /// another value of a field. The arrays are those of this model, which must outlive the calls.
-    #[cfg(engine_since = "3.6.0")]
-    fn copy_of_struct(&self) -> Box<mjModel> {
+    fn copy_of_struct(&self) -> mjModel {
         // SAFETY: a valid model, and plain data: numbers, and pointers that nothing frees with the copy.
-        Box::new(unsafe { std::ptr::read(self.as_ptr()) })
+        unsafe { std::ptr::read(self.as_ptr()) }
     }
 
     /// Passes the model to the engine with the sizes that its compiler chose, which the writer of XML compares.
@@ -89,26 +93,37 @@ impl Model {
         {
             let mut copy = self.copy_of_struct();
             copy.nJmom = self.compiled_moments as _;
-            call(&raw const *copy)
+            call(&raw const copy)
         }
         #[cfg(not(engine_since = "3.6.0"))]
         call(self.as_ptr())
     }
 
-    /// Passes the model to the engine with a type of transmission for each control, of which there
-    /// can be more than actuators. The step of `mjd_transitionFD` reads as many when it searches
-    /// for actuators with damping.
-    pub(crate) fn with_type_per_control<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
+    /// Passes the model to the engine for steps that are differenced, with two corrections.
+    ///
+    /// The solver converges as far as it can. With the usual tolerance, CG and PGS stop after one iteration
+    /// for a small change of the state, and from 3.12 on Newton and CG before the first one: they keep
+    /// their initial guess, which lacks the effect of the change on the constraints. (Before 3.12, one
+    /// iteration of Newton converges for a small change.)
+    ///
+    /// And there is a type of transmission for each control, of which there can be more than actuators. The
+    /// step of `mjd_transitionFD` reads as many when it searches for actuators with damping.
+    pub(crate) fn for_differences<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
+        if cfg!(not(engine_since = "3.12.0")) && self.raw().opt.solver == mjSOL_NEWTON as i32 {
+            return call(self.as_ptr());
+        }
+        let mut copy = self.copy_of_struct();
+        copy.opt.tolerance = copy.opt.tolerance.min(DIFFERENCED_TOLERANCE);
+        #[cfg(engine_since = "3.17.0")]
+        let mut types = Vec::new();
         #[cfg(engine_since = "3.17.0")]
         if self.nu() > self.nactuator() {
-            let mut types = self.actuator_trntype().to_vec();
+            types.extend_from_slice(self.actuator_trntype());
             types.resize(self.nu(), mujoco_sys::mjTRN_UNDEFINED as i32);
-            let mut copy = self.copy_of_struct();
             // The list of types outlives the call.
             copy.actuator_trntype = types.as_mut_ptr();
-            return call(&raw const *copy);
         }
-        call(self.as_ptr())
+        call(&raw const copy)
     }
 
     /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the

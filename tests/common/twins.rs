@@ -76,15 +76,15 @@ pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize)
     (start..start + length).map(|index| unsafe { *array.add(index) }).collect()
 }
 
-/// Returns the bits, so that −0 differs from 0 and NaN equals itself.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
-}
-
-/// Asserts that the library and the engine give the same values, bit for bit.
+/// Asserts that the library and the engine give the same values, bit for bit: −0 differs from 0, and NaN
+/// equals itself.
 #[track_caller]
 pub(crate) fn assert_same(what: &str, ours: &[f64], theirs: &[f64]) {
-    assert!(bits(ours) == bits(theirs), "{what}: the library has {ours:?}, the engine {theirs:?}");
+    assert_eq!(ours.len(), theirs.len(), "{what}");
+    let different = (0..ours.len()).find(|&index| ours[index].to_bits() != theirs[index].to_bits());
+    if let Some(index) = different {
+        panic!("{what}: the library has {} at index {index}, the engine {}", ours[index], theirs[index]);
+    }
 }
 
 /// A simulation that is created and used only through the C API.

@@ -13,6 +13,10 @@ fn campaign(numbers: impl Iterator<Item = usize>, changes: usize) -> Report {
     let attributes = attributes();
     for number in numbers {
         let Some(attribute) = attributes.get(number) else { break };
+        // `mj_setConst` of older engines overwrites the user's statistics.
+        if !cfg!(engine_since = "3.17.0") && attribute.to_string().starts_with("statistic ") {
+            continue;
+        }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number as u64);
         let Ok(case) = case(attribute, Effect::Stored) else { continue };
         let (Ok(with), Ok(without)) = (load(&case.text), load(&case.without)) else { continue };
@@ -31,9 +35,8 @@ fn campaign(numbers: impl Iterator<Item = usize>, changes: usize) -> Report {
 #[test]
 fn edits_of_attributes_equal_the_model_compiled_with_the_values() {
     let report = campaign((0..).step_by(40), 3);
-    report.print();
+    report.check();
     assert!(report.equal > 20);
-    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
 }
 
 #[test]
@@ -59,6 +62,5 @@ fn an_edit_keeps_the_statistics_of_the_user() {
 #[ignore = "takes minutes"]
 fn many_edits_of_attributes_equal_the_model_compiled_with_the_values() {
     let report = campaign(part("FROM", 0)..part("TO", usize::MAX), part("CHANGES", 10));
-    report.print();
-    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
+    report.check();
 }

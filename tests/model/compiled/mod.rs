@@ -13,11 +13,11 @@ mod texts;
 
 use std::collections::BTreeMap;
 
-use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut};
+use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut, sys};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use self::outcome::Outcome;
+use self::outcome::{Difference, Outcome};
 
 /// Numbers of an array, for comparisons.
 trait Numbers {
@@ -207,7 +207,8 @@ fn compare(first: &Model, second: &Model, seed: u64) -> Outcome {
     let arrays = outcome::differing_arrays(&all_fields(&edited), &target);
     match outcome::differing_runs(&edited, second, seed) {
         _ if !arrays.is_empty() => Outcome::Differs(written, format!("arrays {arrays:?}")),
-        Some(what) => Outcome::Differs(written, what),
+        Some(Difference::Values(what)) => Outcome::Differs(written, what),
+        Some(Difference::Rounding) => Outcome::Rounding(written),
         None => Outcome::Equal(written),
     }
 }
@@ -228,7 +229,12 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
     // bounds do not. 2.2.2 adds the margins of two geoms for bounds, and takes the larger one for
     // distances. All engines square the sum of the radii of spheres and the margin, below zero too.
     let is_negative = |geom: usize| second.geom_margin()[geom] < 0.0 || second.geom_gap()[geom] < 0.0;
-    let is_hidden = |pair: &outcome::Pair| pair.0.is_some_and(|geoms| geoms.into_iter().any(is_negative));
+    // The collision function of two boxes gives a lower bound of the distance of edges, which can be
+    // within the margin where the boxes are not (`mj_geomDistance` agrees with the bounds).
+    let is_box = |geom: usize| second.geom_type()[geom] == sys::mjGEOM_BOX as i32;
+    let is_hidden = |pair: &outcome::Pair| {
+        pair.0.is_some_and(|geoms| geoms.into_iter().any(is_negative) || geoms.into_iter().all(is_box))
+    };
     let mut simulation = Data::new(first.clone()).unwrap();
     simulation
         .edit_model(|edit| {
@@ -252,7 +258,11 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
             && contacts.iter().all(|contact| outcome::contains(&expected, contact) || is_loose && is_hidden(contact))
     };
     let wrong = ways.into_iter().find(|(way, contacts)| !is_right(way, contacts))?;
-    Some(format!("{wrong:?} instead of {expected:?}"))
+    let (way, found) = wrong;
+    let found = found?;
+    let missing: Vec<_> = expected.iter().filter(|contact| !outcome::contains(&found, contact)).collect();
+    let extra: Vec<_> = found.iter().filter(|contact| !outcome::contains(&expected, contact)).collect();
+    Some(format!("{way}: missing {missing:?}, extra {extra:?}"))
 }
 
 /// Returns a number from the environment, which selects a part of a campaign.
@@ -264,6 +274,8 @@ fn part(name: &str, default: usize) -> usize {
 #[derive(Default)]
 struct Report {
     equal: usize,
+    /// Edits among them whose simulations magnify rounding errors.
+    rounding: usize,
     fields: BTreeMap<&'static str, usize>,
     structures: BTreeMap<String, usize>,
     rejected: BTreeMap<String, usize>,
@@ -279,8 +291,9 @@ const STRUCTURE: [&str; 6] = ["mesh_", "bvh_child", "bvh_depth", "bvh_nodeid", "
 
 impl Report {
     fn add(&mut self, outcome: Outcome, what: &str) {
+        self.rounding += usize::from(matches!(outcome, Outcome::Rounding(_)));
         match outcome {
-            Outcome::Equal(fields) => {
+            Outcome::Equal(fields) | Outcome::Rounding(fields) => {
                 self.equal += 1;
                 for field in fields {
                     *self.fields.entry(field).or_default() += 1;
@@ -305,11 +318,16 @@ impl Report {
         }
     }
 
-    fn print(&self) {
+    /// Prints the figures, and checks that no edit differs.
+    #[track_caller]
+    fn check(&self) {
         println!("{} edits equal the compiled model; edited fields: {:?}", self.equal, self.fields);
+        println!("{} of them magnify rounding errors", self.rounding);
         println!("not possible as an edit: {:#?}", self.structures);
         println!("rejected: {:#?}", self.rejected);
         self.failures.iter().for_each(|failure| println!("FAILURE {failure}"));
+        assert!(self.failures.is_empty(), "{} differences", self.failures.len());
+        assert!(self.rounding <= 5 + self.equal / 50, "{} edits magnify rounding errors", self.rounding);
     }
 }
 
@@ -335,8 +353,7 @@ fn campaign(first_seed: u64, edits: usize) -> Report {
 #[test]
 fn edits_equal_the_model_compiled_with_the_values() {
     let report = campaign(0, 300);
-    report.print();
-    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
+    report.check();
     assert!(report.unknown.is_empty(), "{:#?}", report.unknown);
     assert!(report.rejected.values().sum::<usize>() < 30);
 }
@@ -345,7 +362,6 @@ fn edits_equal_the_model_compiled_with_the_values() {
 #[ignore = "takes minutes"]
 fn many_edits_equal_the_model_compiled_with_the_values() {
     let report = campaign(part("SEED", 1000) as u64, part("EDITS", 20_000));
-    report.print();
-    assert!(report.failures.is_empty(), "{} differences", report.failures.len());
+    report.check();
     assert!(report.unknown.is_empty(), "{:#?}", report.unknown);
 }

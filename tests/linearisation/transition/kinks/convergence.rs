@@ -2,11 +2,11 @@
 //! differences of `mj_step` converge to, or the report names differences that do not converge.
 
 use mujoco_safe::Data;
-use mujoco_safe::derivative::Kinks;
+use mujoco_safe::derivative::{Kinks, TransitionMethod};
 
-use super::{WITH_SIDES, linearise};
+use super::{WITH_SIDES, assert_near, linearise};
 use crate::transition::analytic::model;
-use crate::transition::oracle::Oracle;
+use crate::transition::oracle::{Oracle, linear_system};
 
 const MESH: &str = "0 0 0.11 0.1 0 -0.05 -0.06 0.09 -0.05 -0.06 -0.08 -0.05 0.02 0.03 -0.09";
 
@@ -17,12 +17,10 @@ const SHAPES: [&str; 4] = [
     r#"type="box" size="0.1 0.09 0.07""#,
 ];
 
-/// Returns a body in a pose above another, with a tilt that depends on a number. The solver stops only
-/// where it has converged: with the usual tolerance it keeps its initial guess for small changes, so
-/// that differences of steps have no effect of the contacts.
+/// Returns a body in a pose above another, with a tilt that depends on a number.
 fn above(shape: &str, below: &str, height: f64, tilt: f64) -> Data {
     let mut data = model(&format!(
-        r#"<mujoco><option timestep="0.002" tolerance="1e-15"/><asset><mesh name="m" vertex="{MESH}"/></asset>
+        r#"<mujoco><option timestep="0.002"/><asset><mesh name="m" vertex="{MESH}"/></asset>
              <worldbody><geom {below} pos="0 0 -0.1"/>
                <body pos="0 0 {height}"><freejoint/><geom {shape} mass="1"/></body></worldbody></mujoco>"#
     ));
@@ -146,4 +144,26 @@ fn differences_that_do_not_converge_are_reported() {
     }
     println!("{} of 72 states have no derivative, {} columns need a larger step", counts.diverging, counts.grown);
     assert!(counts.diverging >= 3);
+}
+
+/// With the usual tolerance, solvers keep their initial guess for the small changes of differences.
+#[test]
+fn differences_of_steps_use_a_solver_that_converges() {
+    for solver in ["Newton", "CG", "PGS"] {
+        for cone in ["pyramidal", "elliptic"] {
+            let mut data = model(&format!(
+                r#"<mujoco><option timestep="0.002" solver="{solver}" cone="{cone}" tolerance="1e-6"/>
+                     <worldbody><geom type="plane" size="1 1 1"/>
+                       <body pos="0 0 0.1"><freejoint/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"#
+            ));
+            (0..500).for_each(|_| data.step().unwrap());
+            let expected = linear_system(&data);
+            assert!(expected.a[(8, 8)] < 0.9, "{solver}, {cone}: the contact slows the sphere");
+            for method in [TransitionMethod::Engine, TransitionMethod::Columns] {
+                let (system, report) = linearise(&mut data, method);
+                assert!(report.kinks.is_empty(), "{solver}, {cone}, {method:?}: {report:?}");
+                assert_near(&format!("{solver}, {cone}, {method:?}"), &system, &expected, 1e-4);
+            }
+        }
+    }
 }
