@@ -24,8 +24,8 @@ SIZE = [320, 240]
 RECORDED_SIZE = [160, 120]
 RECORDED = (
     "camera_ortho_2.0 camera_ortho_free_3.0 camera_intrinsic_principal camera_intrinsic_square texture_2d_sphere_false_2.5_3 texture_2d_box_true_2.5_3 "
-    "texture_2d_capsule_false_2.5_3 texture_2d_cylinder_false_2.5_3 texture_2d_plane_true_2.5_3 texture_2d_mesh_uv_false_2.5_3 texture_skin_3 "
-    "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum islands flex_3_edges shadow_in_transparent visual_many light_type_point_false "
+    "texture_2d_ellipsoid_false_2.5_3 texture_2d_capsule_false_2.5_3 texture_2d_cylinder_false_2.5_3 texture_2d_plane_true_2.5_3 texture_2d_mesh_uv_false_2.5_3 texture_skin_3 "
+    "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum_behind islands flex_3_edges shadow_in_transparent visual_many light_type_point_false light_point_first "
     "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog wireframe_hfield texture_2d_skin_plain "
     "texture_cube_skin_plain transform_small tendon_active_0.3 "
     "haze_0 haze_coarse camera_default_ortho distant_plates"
