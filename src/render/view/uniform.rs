@@ -2,7 +2,7 @@
 
 use super::matrix::{Matrix4, product, row, to_f32, unit};
 use super::{Lights, ShadowRegion, ViewFrustum};
-use crate::render::settings::VisualSettings;
+use crate::render::settings::{MAX_MAGNITUDE, VisualSettings};
 
 /// Per-view uniforms, at the start of the uniform buffer of each view. `common.wgsl` declares the same structure.
 #[repr(C)]
@@ -61,8 +61,11 @@ impl ViewUniforms {
     ) -> Self {
         let [x, y, z] = frustum.position.map(|coordinate| coordinate as f32);
         let [start, end] = settings.fog;
-        // An empty fog range disables fog, as in OpenGL, which rejects it.
-        let fog = if has_fog && end > start { [-1.0 / (end - start), end / (end - start)] } else { [0.0, 1.0] };
+        // Fog that ends before it starts hides what is near. OpenGL does not define fog that ends
+        // where it starts; Mesa computes a slope of 1.
+        let slope = if start == end { 1.0 } else { 1.0 / (start - end) };
+        let slope = slope.clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE);
+        let fog = if has_fog { [slope, -slope * end] } else { [0.0, 1.0] };
         let [red, green, blue, _] = settings.haze_color;
         Self {
             clip: to_f32(&frustum.clip),
