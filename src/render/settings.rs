@@ -1,5 +1,7 @@
 //! Renderer options and the visual settings of a model.
 
+use std::ops::RangeInclusive;
+
 use super::shape::Tessellation;
 use crate::macros::with_methods;
 use crate::model::Model;
@@ -60,6 +62,11 @@ pub(crate) const MAX_MAGNITUDE: f32 = 1e15;
 /// Returns `true` if a value is finite and not too large to be rendered.
 pub(crate) fn is_drawable(number: f32) -> bool {
     number.abs() <= MAX_MAGNITUDE
+}
+
+/// Returns a parameter that OpenGL accepts. It rejects others, and keeps the initial value.
+pub(crate) fn accepted(number: f32, range: RangeInclusive<f32>, initial: f32) -> f32 {
+    if range.contains(&number) { number } else { initial }
 }
 
 /// Validated copy of the model's visual settings. The engine's compiler accepts any value for them.

@@ -2,7 +2,7 @@
 
 use super::ViewFrustum;
 use super::matrix::{Matrix4, cross, dot, look_to, orthographic, perspective, product, unit};
-use crate::render::settings::{VisualSettings, is_drawable};
+use crate::render::settings::{VisualSettings, accepted, is_drawable};
 use crate::scene::{RenderFlags, Scene, SceneLight};
 
 /// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only 16 textures per
@@ -90,8 +90,11 @@ impl Lights {
     }
 }
 
-/// Clamps the parameters of a light to the ranges of OpenGL and returns its features, or `None` if a parameter cannot
-/// be rendered.
+/// Constant, linear and quadratic attenuation of a light whose brightness is independent of the distance.
+const NO_ATTENUATION: [f32; 3] = [1.0, 0.0, 0.0];
+
+/// Replaces the parameters of a light that OpenGL rejects and returns its features, or `None` if a
+/// parameter cannot be rendered.
 fn sanitise(light: &mut SceneLight) -> Option<LightFeatures> {
     let colors = light.ambient.iter().chain(&light.diffuse).chain(&light.specular);
     let mut numbers = light.pos.iter().chain(&light.dir).chain(&light.attenuation).chain(colors);
@@ -99,14 +102,17 @@ fn sanitise(light: &mut SceneLight) -> Option<LightFeatures> {
         return None;
     }
     if light.directional {
-        light.attenuation = [1.0, 0.0, 0.0];
+        light.attenuation = NO_ATTENUATION;
         light.exponent = 0.0;
     }
-    light.exponent = if light.exponent.is_finite() { light.exponent.clamp(0.0, 128.0) } else { 0.0 };
+    light.exponent = accepted(light.exponent, 0.0..=128.0, 0.0);
+    for (coefficient, initial) in light.attenuation.iter_mut().zip(NO_ATTENUATION) {
+        *coefficient = accepted(*coefficient, 0.0..=f32::MAX, initial);
+    }
     let is_spot = !light.directional && (0.0..=90.0).contains(&light.cutoff);
     Some(LightFeatures {
         directional: light.directional,
-        attenuated: light.attenuation != [1.0, 0.0, 0.0],
+        attenuated: light.attenuation != NO_ATTENUATION,
         spot: is_spot,
         focused: is_spot && light.exponent > 0.0,
         ambient: light.ambient != [0.0; 3],
