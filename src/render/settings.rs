@@ -107,7 +107,8 @@ impl VisualSettings {
             fog: [metres(map.fogstart) as f32, metres(map.fogend) as f32],
             fog_color: visual.rgba.fog.map(fraction),
             haze_color: visual.rgba.haze.map(fraction),
-            haze: fraction(map.haze),
+            // Above 1 the haze reaches beyond the camera. The limit keeps its positions finite.
+            haze: if map.haze.is_finite() { map.haze.clamp(0.0, 1e3) } else { 0.0 },
             slices: Tessellation::of_model(model).slices,
             line_width: if visual.global.linewidth.is_finite() {
                 visual.global.linewidth.clamp(0.1, 100.0)

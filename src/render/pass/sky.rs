@@ -153,7 +153,8 @@ fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings,
         for slice in 0..settings.slices {
             let [a, b] = [slice, slice + 1].map(|slice| vertex(slice, low, low_alpha));
             let [d, c] = [slice, slice + 1].map(|slice| vertex(slice, high, high_alpha));
-            vertices.extend([a, b, c, a, c, d]);
+            // The order in which Mesa divides a quad: with haze above 1 the quad intersects itself.
+            vertices.extend([a, b, d, b, c, d]);
         }
     }
 }
