@@ -316,7 +316,7 @@ fn sort_key(pending: &PendingInstance, is_plane: bool, rank: u64) -> u64 {
 /// Returns `true` if the pose, the size and the opacity of a geom can be rendered.
 fn is_valid(geom: SceneGeom<'_>) -> bool {
     let (pos, mat, size) = (geom.pos(), geom.mat(), geom.size());
-    pos.iter().chain(&mat).chain(&size).all(|&number| is_drawable(number)) && geom.rgba()[3] >= 0.0
+    pos.iter().chain(&mat).chain(&size).all(|&number| is_drawable(number)) && !geom.rgba()[3].is_nan()
 }
 
 /// Returns `true` if the camera is at negative z in the local frame of a geom.
