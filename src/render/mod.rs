@@ -90,6 +90,15 @@
 //! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
 //!   frustum.
 //! - A geom with a value that cannot be rendered, such as an infinite position, is skipped.
+//! - OpenGL rejects a shininess outside of 0 to 1, and the engine draws the geom with the shininess of
+//!   the geom before it. Here the shininess is clamped.
+//! - OpenGL rejects a spot exponent outside of 0 to 128 and negative attenuation. Here they have their
+//!   initial values, as in the first image of the engine. In later images of the engine they have
+//!   those of the light that was drawn before with the same number.
+//! - If all coefficients of attenuation are zero, OpenGL divides by zero. Here the light is as bright
+//!   as possible.
+//! - Round shapes have at least 3 slices and 2 stacks, and boxes and planes at least one quad
+//!   (`numslices`, `numstacks`, `numquads`).
 //! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
 //! - In wireframe mode the lines are those of the engine, and are one pixel wide on every adapter. Without shadows at most 0.2 % of the pixels differ by
 //!   more than 8 of 255 (bench `render`, argument `pictures`). A light that casts shadows is brighter in the engine's images, which add it once for

@@ -28,7 +28,7 @@ RECORDED = (
     "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum_behind islands flex_3_edges shadow_in_transparent visual_many light_type_point_false light_point_first "
     "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog wireframe_hfield texture_2d_skin_plain "
     "texture_cube_skin_plain transform_small tendon_active_0.3 "
-    "haze_0 haze_coarse camera_default_ortho distant_plates"
+    "haze_0 haze_coarse camera_default_ortho distant_plates fog_reversed light_attenuation_negative"
 ).split()
 VERSION = tuple(int(part) for part in mujoco.__version__.split(".")[:3])
 
@@ -196,6 +196,15 @@ def lights():
                                  'diffuse=".2 .2 .2" specular=".1 .1 .1"/>' for k in range(n))
     for count in (4, 5, 6, 7):
         scene(f"light_shadows_{count}", world(shadowed(count)))
+    # OpenGL rejects these values.
+    for name, values in {
+        "exponent_200": 'exponent="200"', "exponent_negative": 'exponent="-3"', "cutoff_negative": 'cutoff="-5"',
+        "attenuation_negative": 'attenuation="-1 .1 .1"', "attenuation_linear_negative": 'attenuation=".5 -.2 .1"',
+        "attenuation_all_negative": 'attenuation="-1 -1 -1"',
+    }.items():
+        scene(f"light_{name}", world(f'<light pos="1 -1 2" dir="-.5 .5 -1" {values}/>', visual=dark))
+    scene("light_exponent_first_200", world('<light pos="1 -1 2" dir="-.5 .5 -1" exponent="300"/>'
+          '<light pos="-1 -1 2" dir=".5 .5 -1" exponent="5"/>'))
     scene("shadow_in_transparent", xml(LIGHT + FLOOR + '<geom type="box" size=".5 .5 .5" rgba=".3 .4 .9 .3"/><geom size=".25" rgba=".9 .5 .2 1"/>'))
     scene("shadow_in_transparent_sphere", xml('<light directional="true" pos="0 0 3" dir=".2 .1 -1"/>' + FLOOR +
           '<geom size=".6" rgba=".3 .4 .9 .3"/><geom type="box" size=".2 .2 .2" rgba=".9 .5 .2 1"/>'))
@@ -517,8 +526,16 @@ def surfaces():
     scene("mirror_skin", skin_xml(asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'))
     scene("mirror_flex", flex_xml(3, asset='<material name="m" reflectance=".5"/>').replace('<geom name="floor"', '<geom name="floor" material="m"'), since=(3, 0, 0), lookat=(0, 0, 0.5))
     scene("fog_transparent", xml(LIGHT + FLOOR + BODIES + '<geom size=".4" pos="0 0 .3" rgba=".3 .9 .3 .4"/>', asset=SKY, visual='<map fogstart="1" fogend="2.5"/><rgba fog=".7 .2 .2 1"/>'), render="FOG")
-    for haze in (0, 0.1, 0.8):
-        scene(f"haze_{haze}", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY, visual=f'<map haze="{haze}"/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0))
+    # Fog that ends before it starts, or where it starts.
+    for name, start, end in (("reversed", 1.6, 1.4), ("reversed_wide", 2, 1), ("equal", 1.25, 1.25), ("none", 0, 0)):
+        scene(f"fog_{name}", xml(LIGHT + FLOOR + BODIES, asset=SKY,
+              visual=f'<map fogstart="{start}" fogend="{end}"/><rgba fog=".7 .2 .2 1"/>'), render="FOG")
+    scene("alpha_negative", xml(LIGHT + FLOOR + BODIES + '<geom size=".3" pos="0 0 .5" rgba=".9 .5 .2 -1"/>'))
+    for haze in (0, 0.1, 0.8, 1.3, 2):
+        # Haze beyond the camera overlaps itself. The depth buffer of engines before 3.0.1 separates
+        # the layers only if the near plane is not too near.
+        near = ' znear=".1"' if haze > 1 else ""
+        scene(f"haze_{haze}", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY, visual=f'<map haze="{haze}"{near}/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0))
     scene("haze_coarse", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6"/>', asset=SKY,
           visual='<quality numslices="5"/><map haze=".4"/><rgba haze=".9 .8 .6 1"/>'), free=(140.0, -5.0, 3.0), lookat=(0.0, 0.0, 2.0))
     scene("haze_tilted", xml(LIGHT + BODIES + '<geom type="plane" size="0 0 1" pos="0 0 -.6" euler="10 0 0"/>', asset=SKY), free=(140.0, -5.0, 3.0))
