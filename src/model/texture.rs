@@ -29,14 +29,19 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Unsupported`] with the engine's message if the file of the texture cannot be decoded, [`Error::OutOfMemory`], and the errors of
-    /// loading a model.
+    /// [`Error::Unsupported`] if the file of the texture would be rejected by a load, or with the
+    /// engine's message if it cannot be decoded, [`Error::OutOfMemory`], and the errors of loading a
+    /// model.
     pub(crate) fn texture_pixels(&self, id: TextureId) -> Result<TexturePixels<'_>> {
         let texture = self.texture(id);
         let channels = texture.channels();
         if self.tex_adr()[id.index()] >= 0 {
             let (width, height, is_srgb) = (texture.width(), texture.height(), self.texture_is_srgb(id.index()));
             return Ok(TexturePixels { width, height, channels, bytes: Cow::Borrowed(texture.rgb()), is_srgb });
+        }
+        #[cfg(engine_since = "3.17.0")]
+        if let Some(message) = super::xml_guard::reject_texture(self.texture_path(id)) {
+            return Err(Error::Unsupported(format!("a texture whose file cannot be read: {message}")));
         }
         let (mut data, mut size, mut colorspace) = (ptr::null_mut(), [0; 2], 0);
         let (mut message, mut failure) = ([0; 1000], 0);
@@ -67,6 +72,19 @@ impl Model {
         // SAFETY: the engine has allocated the pixels for the caller.
         unsafe { sys::mju_free(data.cast()) };
         Ok(TexturePixels { width, height, channels, bytes: bytes.into(), is_srgb: colorspace == SRGB })
+    }
+
+    /// Returns the path of a texture's file, which is empty for a texture without a file. The file
+    /// can have changed since the model was loaded.
+    #[cfg(engine_since = "3.17.0")]
+    fn texture_path(&self, id: TextureId) -> &[u8] {
+        let model = self.raw();
+        // SAFETY: the array has an element for each texture.
+        let addresses = unsafe { ffi::array(model.tex_pathadr, self.ntex()) };
+        let Ok(start) = usize::try_from(addresses[id.index()]) else { return &[] };
+        // SAFETY: the array of all paths has this length.
+        let paths = unsafe { ffi::array(model.paths.cast::<u8>(), ffi::size(model.npaths)) };
+        paths.get(start..).unwrap_or_default().split(|&byte| byte == 0).next().unwrap_or_default()
     }
 }
 

@@ -266,6 +266,32 @@ fn every_user_geom_is_visible() {
     assert!(seen.iter().all(|(segment, count)| segment.object.is_none() && *count > 20), "{seen:?}");
 }
 
+/// A model leaves the pixels of this texture in a file, which the renderer reads.
+#[cfg(all(unix, engine_since = "3.17.0"))]
+#[test]
+fn a_texture_whose_file_became_a_pipe_is_white() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("red.png");
+    RgbImage::from_rgb(2, 2, [255, 0, 0].repeat(4)).unwrap().save_png(&file).unwrap();
+    let [textured, plain] = ["texture='t'", ""].map(|texture| {
+        let xml = format!(
+            "<mujoco><asset><texture name='t' type='2d' file='{}' embed='false'/><material name='m' {texture}/></asset>
+             <worldbody><camera name='side' pos='0 0 3'/><light pos='0 0 9'/><geom type='plane' size='9 9 1' material='m'/></worldbody></mujoco>",
+            file.display()
+        );
+        Model::from_xml_str(&xml).unwrap()
+    });
+    let draw = |model: &Model| picture(&mut renderer(model, SIZE), &mut Data::new(model.clone()).unwrap());
+    let white = draw(&plain);
+    assert!(difference(&draw(&textured), &white) > 0.5);
+    std::fs::remove_file(&file).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
+    let (sender, drawn) = std::sync::mpsc::channel();
+    std::thread::spawn(move || sender.send(draw(&textured)));
+    let drawn = drawn.recv_timeout(std::time::Duration::from_secs(60)).expect("opening the pipe waits for a writer");
+    assert_eq!(drawn.as_bytes(), white.as_bytes());
+}
+
 /// Returns a humanoid that has fallen, and a perturbation.
 fn humanoid() -> (Data, Perturbation) {
     let mut data = Data::new(sample::humanoid()).unwrap();

@@ -46,12 +46,15 @@ impl Format {
             b"flexcomp" if tag.attribute(b"type").as_deref() == Some(b"gmsh") => Self::Gmsh,
             b"flexcomp" => Self::Flex(Dim::of(tag)),
             b"skin" => Self::Skin,
-            b"texture" if ends(b".png") => Self::Png,
+            b"texture" => Self::of_texture(name),
             b"hfield" if ends(b".png") => Self::HeightPng,
-            b"texture" => Self::Texture,
             b"hfield" => Self::HeightField,
             _ => Self::Other,
         }
+    }
+
+    pub(super) fn of_texture(name: &[u8]) -> Self {
+        if ends(name, b".png") { Self::Png } else { Self::Texture }
     }
 
     fn of_mesh(name: &[u8]) -> Self {

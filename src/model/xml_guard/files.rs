@@ -40,7 +40,7 @@ impl<'f> Files<'f> {
 }
 
 /// Reads a file. Returns `None` if there is no readable file, which the compiler will report.
-fn on_disk<'f>(path: &[u8]) -> Option<Found<'f>> {
+pub(super) fn on_disk<'f>(path: &[u8]) -> Option<Found<'f>> {
     let path = os_path(path);
     if path.exists() && file::check_regular(path).is_err() {
         return Some(Found::Rejected("is not a regular file"));

@@ -111,6 +111,16 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
     Ok(check.muscles.simulation())
 }
 
+/// Returns the reason to reject the file of a texture, which the engine reads after a load, too.
+#[cfg(engine_since = "3.17.0")]
+pub(super) fn reject_texture(path: &[u8]) -> Option<String> {
+    let reason = match files::on_disk(path)? {
+        Found::Rejected(reason) => reason,
+        Found::Content(content) => Format::of_texture(path).reject(path, &content, &Files::default())?,
+    };
+    Some(assets::message(path, reason))
+}
+
 struct Check<'f> {
     files: &'f Files<'f>,
     model: ModelState,
