@@ -29,8 +29,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Unsupported`] if the file of the texture would be rejected by a load, or with the
-    /// engine's message if it cannot be decoded, [`Error::OutOfMemory`], and the errors of loading a
+    /// [`Error::Unsupported`] if a load would reject the file of the texture, or with the engine's
+    /// message if the file cannot be decoded, [`Error::OutOfMemory`], and the errors of loading a
     /// model.
     pub(crate) fn texture_pixels(&self, id: TextureId) -> Result<TexturePixels<'_>> {
         let texture = self.texture(id);

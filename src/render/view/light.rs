@@ -90,7 +90,7 @@ impl Lights {
     }
 }
 
-/// Constant, linear and quadratic attenuation of a light whose brightness is independent of the distance.
+/// Constant, linear and quadratic attenuation of a light that is as bright at all distances.
 const NO_ATTENUATION: [f32; 3] = [1.0, 0.0, 0.0];
 
 /// Replaces the parameters of a light that OpenGL rejects and returns its features, or `None` if a
