@@ -12,7 +12,8 @@
 
 static _Thread_local struct mujoco_sys_guard* innermost;
 static _Thread_local char message[1024];
-static _Thread_local int full_constraints_are_fatal;
+static _Thread_local struct mujoco_sys_adhesion adhesion;
+static _Thread_local char lost_constraints[128];
 static void (*warning_sink)(const char*);
 
 void mujoco_sys_set_message(const char* text) {
@@ -41,8 +42,17 @@ static void on_warning(const char* text) {
 #else
   static const char full[] = "Pre-allocated constraint buffer is full";
 #endif
-  if (full_constraints_are_fatal && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
+  if (adhesion.data && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
+#if mjVERSION_HEADER >= 3010000
+    // The engine drops all errors and warnings of a thread whose handler of a warning does not return. So the call goes on
+    // without constraints, and fails at its end. Actuators skip contacts that are excluded because they affect no joints.
+    for (int i = 0; i < adhesion.data->ncon; i++) adhesion.data->contact[i].exclude = 3;
+    adhesion.lost = 1;
+    snprintf(lost_constraints, sizeof(lost_constraints), "%s", text);
+    return;
+#else
     on_error(text);
+#endif
   }
   if (warning_sink) {
     warning_sink(text);
@@ -56,12 +66,6 @@ void mujoco_sys_install(void (*warn)(const char*)) {
   mju_user_error = on_error;
   mju_user_warning = on_warning;
   mujoco_sys_check_collisions();
-}
-
-int mujoco_sys_full_constraints_are_fatal(int fatal) {
-  const int before = full_constraints_are_fatal;
-  full_constraints_are_fatal = fatal;
-  return before;
 }
 
 // The top of the engine's stack inside mjData. A failing call leaves its frames on that stack. The frames below belong to outer
@@ -141,6 +145,22 @@ static void restore(mjData* d, struct stack_mark at) {
     restore_stack(d, at);
     clear_arena(d);
   }
+}
+
+void mujoco_sys_begin_adhesion(mjData* d, struct mujoco_sys_adhesion* outer) {
+  *outer = adhesion;
+  adhesion.data = d;
+  adhesion.lost = 0;
+}
+
+int mujoco_sys_end_adhesion(const struct mujoco_sys_adhesion* outer) {
+  const int lost = adhesion.lost;
+  if (lost) {
+    clear_arena(adhesion.data);
+    mujoco_sys_set_message(lost_constraints);
+  }
+  adhesion = *outer;
+  return lost;
 }
 
 void mujoco_sys_stack_mark(const mjData* d, struct stack_mark* at) { *at = mark(d); }

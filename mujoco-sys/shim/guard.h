@@ -44,10 +44,18 @@ enum {
 // standard error if it is NULL.
 void mujoco_sys_install(void (*warn)(const char*));
 
-// Makes a full constraint buffer an error in this thread instead of a warning. Models with an adhesion actuator need this: the
-// engine reads the constraints of each contact without checking that they exist. Returns the previous setting, which the caller
-// restores, because a callback of one model may simulate another.
-int mujoco_sys_full_constraints_are_fatal(int fatal);
+// Data for which a full constraint buffer is an error instead of a warning, and whether one has been found in a call that goes on.
+struct mujoco_sys_adhesion {
+  mjData* data;
+  int lost;
+};
+
+// Makes a full constraint buffer of a data an error in this thread. Models with an adhesion actuator need this: the engine accesses
+// the constraints of each contact without checking that they exist. Writes the previous setting, which the caller passes to
+// mujoco_sys_end_adhesion after the call, because a callback of one model may simulate another. That function returns 1 if the call
+// must fail, although it has returned.
+void mujoco_sys_begin_adhesion(mjData* d, struct mujoco_sys_adhesion* outer);
+int mujoco_sys_end_adhesion(const struct mujoco_sys_adhesion* outer);
 
 // Returns the text of this thread's last caught error. Valid until the thread's next error.
 const char* mujoco_sys_message(void);

@@ -27,7 +27,15 @@ pub const EXCEPTION: c_int = 3;
 
 macro_rules! guarded {
     ($($(#[$doc:meta])* $shim:ident = $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
-        unsafe extern "C" {
+        /// Setting of a thread that [`begin_adhesion`] replaces.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Adhesion {
+    data: *mut mjData,
+    lost: c_int,
+}
+
+unsafe extern "C" {
             $(
                 $(#[$doc])*
                 #[doc = concat!("The engine's `", stringify!($name), "`, guarded.")]
@@ -74,11 +82,15 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
-    /// Makes a full constraint buffer an error in this thread instead of a warning. Required while a model with an adhesion
+    /// Makes a full constraint buffer of a data an error in this thread instead of a warning. Required while a model with an adhesion
     /// actuator (`mjTRN_BODY`) is simulated: the engine would write out of bounds. The engine warns only while
-    /// `warning[mjWARN_CNSTRFULL].number` is zero. Returns the previous setting, which the caller restores.
-    #[link_name = "mujoco_sys_full_constraints_are_fatal"]
-    pub fn full_constraints_are_fatal(fatal: c_int) -> c_int;
+    /// `warning[mjWARN_CNSTRFULL].number` is zero. Writes the previous setting, for [`end_adhesion`].
+    #[link_name = "mujoco_sys_begin_adhesion"]
+    pub fn begin_adhesion(d: *mut mjData, outer: *mut Adhesion);
+
+    /// Restores the setting that [`begin_adhesion`] wrote. Returns 1 if the call between must fail, although it has returned, else 0.
+    #[link_name = "mujoco_sys_end_adhesion"]
+    pub fn end_adhesion(outer: *const Adhesion) -> c_int;
 
     /// Returns the number of significant digits that `mj_save_last_xml` prints: 17, enough for every double to be read back exactly, or
     /// 6 with an engine whose precision cannot be set.

@@ -8,6 +8,7 @@
 use std::cmp::Ordering;
 use std::ffi::c_int;
 use std::fmt;
+use std::mem::MaybeUninit;
 
 use mujoco_sys::{self as sys, guard, mjData, mjModel, mjWarningStat};
 
@@ -210,11 +211,14 @@ pub(super) fn with_fatal_full_constraints(
     // SAFETY: `run` passes its own data, and nothing else refers to the counter. The engine calls the warning handler only while the
     // counter is zero.
     let before = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
-    // SAFETY: sets a flag of this thread, which is restored below.
-    let outer = unsafe { guard::full_constraints_are_fatal(1) };
-    let status = call(model, data);
-    // SAFETY: as above.
-    unsafe { guard::full_constraints_are_fatal(outer) };
+    let mut outer = MaybeUninit::uninit();
+    // SAFETY: replaces the setting of this thread, which is restored below.
+    unsafe { guard::begin_adhesion(data, outer.as_mut_ptr()) };
+    let mut status = call(model, data);
+    // SAFETY: written above, and the data is that of the setting.
+    if unsafe { guard::end_adhesion(outer.as_ptr()) } != 0 && status == guard::OK {
+        status = guard::ERROR;
+    }
     // SAFETY: as above.
     let counter = unsafe { &mut (*data).warning[COUNTER].number };
     *counter = counter.saturating_add(before);

@@ -276,3 +276,41 @@ fn arrays_of_constraints_are_empty_until_they_are_computed() {
     edit(&mut data, |_| {});
     assert_eq!(empty(&data).len(), total);
 }
+
+/// In newer engines a full buffer is a warning, and a handler of warnings that does not return would leave the thread without errors.
+#[test]
+#[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
+fn errors_are_still_found_after_constraints_without_room_for_an_adhesive_body() {
+    let balls: String = (0..30)
+        .map(|i| {
+            format!(
+                "<body name='b{i}' pos='{} {} 0.09'><freejoint/><geom size='.1'/></body>",
+                0.3 * f64::from(i % 6),
+                0.3 * f64::from(i / 6)
+            )
+        })
+        .collect();
+    let model = |memory: &str| {
+        Model::from_xml_str(&format!(
+            "<mujoco><size {memory}/><option jacobian='dense'/><worldbody><geom type='plane' size='9 9 .1'/>{balls}</worldbody>
+               <actuator><adhesion body='b0' ctrlrange='0 1' gain='10'/></actuator></mujoco>"
+        ))
+    };
+    // The compiler takes a step, which fails for lack of memory.
+    let error = || model("memory='1K'").unwrap_err().to_string();
+    let expected = error();
+    let mut messages = Vec::new();
+    for memory in (60..600).step_by(20) {
+        let Ok(model) = model(&format!("memory='{memory}K'")) else { continue };
+        let mut data = Data::new(model).unwrap();
+        for _ in 0..2 {
+            if let Err(error) = data.step() {
+                messages.push(error.to_string());
+                assert_eq!(data.ncon(), 0);
+                data.reset().unwrap();
+            }
+        }
+        assert_eq!(error(), expected);
+    }
+    assert!(messages.iter().any(|message| message.contains("number of constraints")), "{messages:?}");
+}
