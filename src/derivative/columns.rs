@@ -3,7 +3,7 @@
 //! Each column starts from the same saved state and warm start, so the result does not depend on the thread that computes it.
 //! A column skips the stages that its input does not influence. The engine's `mjd_transitionFD` skips them with functions that
 //! it does not export; here `mj_step2`, the second half of a step, replaces them. It always computes the acceleration sensors
-//! and repeats the factorisation of the integrator, with the same result.
+//! and repeats the factorisation of the integrator. The result is the same, unless an input changes that factor.
 
 use std::ops::Range;
 
@@ -174,7 +174,7 @@ fn sample(data: &Data, sample: &mut [f64]) {
 }
 
 /// Computes the difference quotient of two samples, with the engine's arithmetic.
-fn difference(model: &Model, row: &mut [f64], from: &[f64], to: &[f64], width: f64) -> Result<()> {
+pub(super) fn difference(model: &Model, row: &mut [f64], from: &[f64], to: &[f64], width: f64) -> Result<()> {
     let (nq, nv) = (model.nq(), model.nv());
     let inverse = 1.0 / width;
     let plain = |row: &mut [f64], from: &[f64], to: &[f64]| {

@@ -99,7 +99,8 @@ pub(super) fn has_implicit_damping(model: &Model) -> bool {
 
 /// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates with those of positions.
 pub(super) fn has_kinetic_energy(model: &Model) -> bool {
-    model.sensor_type().contains(&SensorType::KineticEnergy.raw())
+    let disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
+    !disabled && model.sensor_type().contains(&SensorType::KineticEnergy.raw())
 }
 
 impl Linearisation {

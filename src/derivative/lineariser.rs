@@ -131,7 +131,8 @@ impl Lineariser {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately,
-    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, or with the option `sleep`, and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
+    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, or with the option `sleep`,
+    /// and for C and D of sensors with noise (2.2.2), and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
     pub fn linear_system_into<'a>(
         &mut self,
         data: &mut Data,
@@ -141,6 +142,9 @@ impl Lineariser {
         outputs.check(data.model())?;
         self.adopt_model(data)?;
         data.model().check_linearisable("a linearisation")?;
+        if Wanted::by(&outputs).sensors && data.model().has_noise() {
+            return Err(Error::Unsupported("C and D of sensors with noise: clear EnableFlags::SENSORNOISE".to_owned()));
+        }
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

@@ -18,6 +18,7 @@ mod actuation;
 mod analytic;
 mod columns;
 mod implicit;
+mod input_columns;
 mod inverse;
 mod kinks;
 pub(crate) mod linear_algebra;

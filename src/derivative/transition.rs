@@ -10,7 +10,7 @@ use crate::data::{Data, PipelineFlags};
 use crate::enums::{Integrator, SensorType};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
-use crate::model::Model;
+use crate::model::{DisableFlags, Model};
 
 /// Linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, with `nx = 2 nv + na` states, `nu` controls and
 /// `nsensordata` outputs.
@@ -60,7 +60,8 @@ impl Data {
     /// [`Differences::Central`] is a good choice.
     ///
     /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, in 2.2.2 clocks
-    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. This method corrects these. It also makes solvers iterate that
+    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. With an implicit integrator, engines before 4.0 neglect that
+    /// a control changes the damping of an actuator whose gain depends on its velocity. This method corrects these. It also makes solvers iterate that
     /// would keep their initial guess: see [`Columns`](super::TransitionMethod::Columns).)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
@@ -90,8 +91,9 @@ impl Data {
 
     /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's
     /// matrices, any of which may be omitted. Allocates nothing, except a copy of the controls if
-    /// the simulation has [callbacks](crate::callback), of a part of the model if an actuator has several controls, and of the
-    /// momentum if a sensor measures the kinetic energy.
+    /// the simulation has [callbacks](crate::callback), of the warm start if it is disabled, of orientations of mocap bodies with 2.2.2, of a
+    /// part of the model if an actuator has several controls, of the momentum if a sensor measures the kinetic energy, and of states if
+    /// controls change the damping of actuators in an implicit integrator.
     ///
     /// # Errors
     ///
@@ -137,11 +139,22 @@ impl Data {
         let central = i32::from(differences == Differences::Central);
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
-        // The engine restores the controls too, but not after its last calls of a closure that sets them.
+        // The engine restores the controls too, but not after its last calls of a closure that sets them. It
+        // normalises the orientations of mocap bodies in 2.2.2, and does not restore the warm start if it is disabled.
         let ctrl = self.has_callbacks().then(|| self.ctrl().to_vec());
-        let restore_ctrl = |data: &mut Self| {
+        let is_cold = self.model().raw().opt.disableflags as u32 & DisableFlags::WARMSTART.bits() != 0;
+        let warm_start = is_cold.then(|| self.qacc_warmstart().to_vec());
+        let mocap =
+            (cfg!(not(engine_since = "2.3.0")) && self.model().nmocap() > 0).then(|| self.mocap_quat().to_vec());
+        let restore = |data: &mut Self| {
             if let Some(ctrl) = &ctrl {
                 data.ctrl_mut().copy_from_slice(ctrl);
+            }
+            if let Some(warm_start) = &warm_start {
+                data.qacc_warmstart_mut().copy_from_slice(warm_start);
+            }
+            if let Some(mocap) = &mocap {
+                data.mocap_quat_mut().copy_from_slice(mocap);
             }
         };
         let model = self.model().clone();
@@ -149,11 +162,10 @@ impl Data {
             let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |_, data| {
                 // SAFETY: the model and the data belong together, and each output is NULL or has the shape that the engine
                 // writes.
-                model.for_differences(|model| unsafe {
-                    guard::mjd_transition_fd(model, data, eps, central, a, b, c, d)
-                })
+                model
+                    .for_differences(|model| unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) })
             });
-            restore_ctrl(self);
+            restore(self);
             result
         };
         let null = ptr::null_mut;
@@ -170,6 +182,7 @@ impl Data {
         // The engine takes steps, and restores everything except the time.
         self.set_time(time);
         self.correct_sensors(eps, differences, &mut outputs);
+        self.correct_input_columns(eps, differences, &mut outputs)?;
         match &mut outputs.c {
             Some(c) if has_kinetic_energy(self.model()) => self.correct_kinetic_energy(c),
             _ => Ok(()),
@@ -219,10 +232,15 @@ impl Data {
 
     /// Returns `true` if the engine perturbs a control to both sides: one that is limited only if both are in its range.
     fn can_perturb_to_both_sides(&self, control: usize, eps: f64) -> bool {
+        self.can_perturb(control, eps) && self.can_perturb(control, -eps)
+    }
+
+    /// Returns `true` if the engine perturbs a control by a number: if it is not limited, or is in its range before and after.
+    pub(super) fn can_perturb(&self, control: usize, by: f64) -> bool {
         let [low, high] = self.model().actuator_ctrlrange()[control];
         let ctrl = self.ctrl()[control];
         self.model().actuator_ctrllimited()[control] == 0
-            || [ctrl - eps, ctrl, ctrl + eps].iter().all(|ctrl| (low..=high).contains(ctrl))
+            || [ctrl, ctrl + by].iter().all(|ctrl| (low..=high).contains(ctrl))
     }
 
     /// Returns `true` if the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this
@@ -230,12 +248,7 @@ impl Data {
     fn last_control_is_stuck(&self, eps: f64) -> bool {
         let model = self.model();
         let Some(last) = model.nu().checked_sub(1) else { return false };
-        let [low, high] = model.actuator_ctrlrange()[last];
-        let inside = |ctrl: f64| low <= ctrl && ctrl <= high;
-        let ctrl = self.ctrl()[last];
-        model.nq() > model.nv()
-            && model.actuator_ctrllimited()[last] != 0
-            && !(inside(ctrl) && (inside(ctrl + eps) || inside(ctrl - eps)))
+        model.nq() > model.nv() && !self.can_perturb(last, eps) && !self.can_perturb(last, -eps)
     }
 }
 

@@ -9,7 +9,7 @@ use mujoco_sys::{
 #[cfg(engine_since = "3.6.0")]
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT};
 
-use super::Model;
+use super::{EnableFlags, Model};
 use crate::ffi;
 use crate::stage::PipelineFeatures;
 
@@ -27,7 +27,7 @@ pub(super) const MOST_SAFE_POLYGON: i32 = 8;
 const MOST_DISTANCE_ITERATIONS: Option<usize> =
     if cfg!(all(engine_since = "3.3.3", not(engine_since = "3.8.0"))) { Some(170) } else { None };
 
-/// Limit on the solver's tolerance in steps that are differenced: of the size of rounding errors.
+/// Limit on the tolerance of Newton's method in steps that are differenced: of the size of rounding errors.
 const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
 impl Model {
@@ -99,21 +99,32 @@ impl Model {
         call(self.as_ptr())
     }
 
-    /// Passes the model to the engine for steps that are differenced, with two corrections.
+    /// Returns `true` if the engine adds noise to readings of this model.
+    pub(crate) fn has_noise(&self) -> bool {
+        let flag = self.raw().opt.enableflags as u32 & EnableFlags::SENSORNOISE.bits();
+        flag != 0 && self.sensor_noise().iter().any(|&noise| noise > 0.0)
+    }
+
+    /// Passes the model to the engine for steps that are differenced, with corrections.
     ///
-    /// The solver converges as far as it can. With the usual tolerance, CG and PGS stop after one iteration
+    /// The solver iterates as far as it can. With the usual tolerance, CG and PGS stop after one iteration
     /// for a small change of the state, and from 3.12 on Newton and CG before the first one: they keep
     /// their initial guess, which lacks the effect of the change on the constraints. (Before 3.12, one
-    /// iteration of Newton converges for a small change.)
+    /// iteration of Newton converges for a small change.) The tolerance is one of the cost, which is
+    /// quadratic in the error, so CG and PGS have none.
+    ///
+    /// Readings have no noise, which 2.2.2 adds.
     ///
     /// And there is a type of transmission for each control, of which there can be more than actuators. The
     /// step of `mjd_transitionFD` reads as many when it searches for actuators with damping.
     pub(crate) fn for_differences<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
-        if cfg!(not(engine_since = "3.12.0")) && self.raw().opt.solver == mjSOL_NEWTON as i32 {
+        let is_newton = self.raw().opt.solver == mjSOL_NEWTON as i32;
+        if cfg!(not(engine_since = "3.12.0")) && is_newton && !self.has_noise() {
             return call(self.as_ptr());
         }
         let mut copy = self.copy_of_struct();
-        copy.opt.tolerance = copy.opt.tolerance.min(DIFFERENCED_TOLERANCE);
+        copy.opt.tolerance = if is_newton { copy.opt.tolerance.min(DIFFERENCED_TOLERANCE) } else { 0.0 };
+        copy.opt.enableflags &= !(EnableFlags::SENSORNOISE.bits() as i32);
         #[cfg(engine_since = "3.17.0")]
         let mut types = Vec::new();
         #[cfg(engine_since = "3.17.0")]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mujoco_safe::data::Jacobian;
 use mujoco_safe::derivative::TransitionOutputs;
+use mujoco_safe::enums::{Integrator, Solver};
 use mujoco_safe::id::BodyId;
 use mujoco_safe::{Differences, Error, Matrix, Model, StateSpace, StateSpec};
 
@@ -197,7 +198,10 @@ fn linearisations_equal_c() {
     for subject in small_subjects() {
         // The library tightens a looser tolerance for differences.
         let mut model = Model::clone(&subject.model);
-        model.edit().edit_options(|options| options.tolerance = 1e-15).unwrap();
+        let tolerance = if model.options().solver == Solver::Newton { 1e-15 } else { 0.0 };
+        model.edit().edit_options(|options| options.tolerance = tolerance).unwrap();
+        // Before 4.0 it corrects columns of controls and activations.
+        let corrects = cfg!(not(engine_since = "4.0.0")) && model.options().integrator == Integrator::Implicit;
         let subject = Subject { name: subject.name.clone(), model: Arc::new(model) };
         for (differences, central) in [(Differences::Forward, 0), (Differences::Central, 1)] {
             let mut twins = Twins::in_motion(&subject);
@@ -230,7 +234,16 @@ fn linearisations_equal_c() {
                 ("D", d, &theirs[3], (ny, nu)),
             ] {
                 assert_eq!(ours.shape(), shape, "{what} of {}", twins.name);
-                assert_same(&format!("{what} of {} by {differences:?}", twins.name), ours.as_slice(), theirs);
+                let columns = match what {
+                    "B" | "D" if corrects => 0,
+                    _ if corrects => 2 * twins.model.nv(),
+                    _ => shape.1,
+                };
+                let kept = |values: &[f64]| -> Vec<f64> {
+                    values.chunks_exact(shape.1.max(1)).flat_map(|row| row[..columns].to_vec()).collect()
+                };
+                let what = format!("{what} of {} by {differences:?}", twins.name);
+                assert_same(&what, &kept(ours.as_slice()), &kept(theirs));
             }
             // In C only the time has changed.
             assert_same("the state is unchanged", &twins.ours.state(StateSpec::INTEGRATION), &before);

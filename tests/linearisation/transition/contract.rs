@@ -72,19 +72,32 @@ fn columns_equal_the_engine_bit_for_bit() {
 }
 
 #[test]
-fn columns_with_the_implicit_integrator_are_more_accurate_than_the_engine() {
+fn inputs_change_the_matrix_of_the_implicit_integrators() {
     let mut data = zoo();
     let truth = oracle::linear_system(&data);
-    let [columns, engine] =
-        [TransitionMethod::Columns, TransitionMethod::Engine].map(|method| by(&mut data, method, 1));
     // An activation changes the derivative of its muscle's force by velocity.
     let muscle = (6, 26);
-    let error = |system: &StateSpace| (system.a[muscle] - truth.a[muscle]).abs();
-    if cfg!(engine_since = "4.0.0") {
-        // This engine is as accurate. Columns differences an activation of zero to one side only.
-        assert!(error(&columns).max(error(&engine)) < 1e-10, "{:e}, {:e}", error(&columns), error(&engine));
-    } else {
-        assert!(error(&columns) < 1e-3 * error(&engine), "{:e}, {:e}", error(&columns), error(&engine));
+    for method in [TransitionMethod::Columns, TransitionMethod::Engine] {
+        let error = (by(&mut data, method, 1).a[muscle] - truth.a[muscle]).abs();
+        assert!(error < 1e-9, "{method:?}: {error:e}");
+    }
+    // A control changes the damping of a damper: v' = v / (1 + h k u / m).
+    let integrators = if cfg!(engine_since = "2.3.6") { &["implicit", "implicitfast"][..] } else { &["implicit"] };
+    for integrator in integrators {
+        let model = Model::from_xml_str(&format!(
+            r#"<mujoco><option integrator="{integrator}" timestep="0.01" gravity="0 0 0"/>
+                 <worldbody><body><joint name="j" type="slide"/><geom size=".1" mass="1"/></body></worldbody>
+                 <actuator><damper joint="j" kv="50" ctrlrange="0 1"/></actuator></mujoco>"#
+        ));
+        let mut data = Data::new(model.unwrap()).unwrap();
+        (data.qvel_mut()[0], data.ctrl_mut()[0]) = (1.0, 0.5);
+        for method in METHODS {
+            let b = by(&mut data, method, 1).b;
+            assert!((b[(1, 0)] + 0.32).abs() < 1e-6, "{integrator}, {method:?}: {b:?}");
+        }
+        data.ctrl_mut()[0] = 1.0;
+        let b = data.transition_fd(1e-6, Differences::Central).unwrap().b;
+        assert!((b[(1, 0)] + 0.5 / 2.25).abs() < 1e-5, "{integrator} at the limit: {b:?}");
     }
 }
 

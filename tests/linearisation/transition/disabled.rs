@@ -1,8 +1,8 @@
 //! Sensors of actuators, joints and tendons with each stage of the engine disabled.
 
-use mujoco_safe::Lineariser;
 use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
 use mujoco_safe::model::DisableFlags;
+use mujoco_safe::{Differences, Lineariser, StateSpec};
 
 use super::analytic::model;
 use super::{assert_near, oracle};
@@ -78,4 +78,49 @@ fn actuators_of_disabled_groups_keep_their_activations() {
         let (system, report) = Lineariser::new(data.model(), options).unwrap().linear_system(&mut data).unwrap();
         assert_near(&format!("{method:?} {report:?}"), &system, &truth, 2e-5);
     }
+}
+
+#[test]
+#[cfg_attr(not(engine_since = "3.3.0"), ignore = "the engine has no sensors of energy")]
+fn a_disabled_sensor_of_energy_has_no_derivative() {
+    let mut data = model(
+        "<mujoco><option><flag sensor='disable'/></option><worldbody><body><joint axis='0 1 0'/><geom size='.1' pos='.3 0 0'/></body></worldbody>
+           <sensor><e_kinetic/></sensor></mujoco>",
+    );
+    data.qvel_mut()[0] = 2.0;
+    assert!(data.transition_fd(1e-6, Differences::Central).unwrap().c.as_slice().iter().all(|&value| value == 0.0));
+}
+
+/// In engines that have noise, it would be divided by the step of the differences.
+#[test]
+#[cfg_attr(engine_since = "3.1.3", ignore = "the engine has no noise")]
+fn noise_of_sensors_is_no_derivative() {
+    let mut data = model(
+        "<mujoco><option><flag sensornoise='enable'/></option><worldbody><body><joint name='j' axis='0 1 0'/><geom size='.1' pos='.3 0 0'/></body></worldbody>
+           <sensor><jointpos joint='j' noise='0.1'/></sensor></mujoco>",
+    );
+    let c = data.transition_fd(1e-6, Differences::Central).unwrap().c;
+    assert!((c[(0, 0)] - 1.0).abs() < 1e-6, "{c:?}");
+    for method in [TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic] {
+        let options = TransitionOptions::default().with_method(method);
+        let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+        let error = lineariser.linear_system(&mut data).unwrap_err().to_string();
+        assert!(error.contains("noise"), "{method:?}: {error}");
+        let mut a = mujoco_safe::Matrix::zeros(2, 2);
+        let outputs = mujoco_safe::derivative::TransitionOutputs { a: Some(&mut a), ..Default::default() };
+        lineariser.linear_system_into(&mut data, outputs).unwrap();
+    }
+}
+
+#[test]
+fn the_state_is_unchanged_with_a_disabled_warm_start_and_mocap_bodies() {
+    let mut data = model(
+        "<mujoco><option><flag warmstart='disable'/></option><worldbody><body name='m' mocap='true'><geom size='.1'/></body>
+           <body pos='1 0 0'><joint axis='0 1 0'/><geom size='.1' pos='.3 0 0'/></body></worldbody></mujoco>",
+    );
+    data.qacc_warmstart_mut()[0] = 7.0;
+    data.mocap_quat_mut()[0] = [2.0, 1.0, 0.0, 1.0];
+    let before = data.state(StateSpec::INTEGRATION);
+    data.transition_fd(1e-6, Differences::Central).unwrap();
+    assert_eq!(data.state(StateSpec::INTEGRATION), before);
 }

@@ -1,8 +1,9 @@
 //! Contacts whose collision functions stop at a tolerance: the result is the derivative that
 //! differences of `mj_step` converge to, or the report names differences that do not converge.
 
-use mujoco_safe::Data;
 use mujoco_safe::derivative::{Kinks, TransitionMethod};
+use mujoco_safe::enums::Solver;
+use mujoco_safe::{Data, Differences};
 
 use super::{WITH_SIDES, assert_near, linearise};
 use crate::transition::analytic::model;
@@ -165,5 +166,26 @@ fn differences_of_steps_use_a_solver_that_converges() {
                 assert_near(&format!("{solver}, {cone}, {method:?}"), &system, &expected, 1e-4);
             }
         }
+    }
+}
+
+/// The tolerance of the solver is one of the cost, which is quadratic in the error.
+#[test]
+fn differences_of_steps_are_right_with_conjugate_gradients() {
+    for cone in ["pyramidal", "elliptic"] {
+        let mut data = model(&format!(
+            r#"<mujoco><compiler angle="degree"/><option solver="CG" cone="{cone}" timestep="0.01" iterations="200"/><worldbody>
+                 <geom type="plane" size="3 3 .1"/>
+                 <body pos="0 0 .048"><freejoint/><geom type="capsule" size=".05 .1" euler="90 0 0"/></body>
+                 <body pos="-.5 0 .1"><joint type="ball" damping=".5"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 -.08"/>
+                   <body pos=".4 0 -.05"><joint axis="0 1 0" frictionloss="1" armature=".05"/><geom type="box" size=".1 .05 .05" pos=".1 0 0"/></body>
+                 </body></worldbody></mujoco>"#
+        ));
+        data.qvel_mut().iter_mut().zip(1..).for_each(|(velocity, i)| *velocity = 0.5 * f64::from(i).sin());
+        let mut newton = data.clone();
+        newton.edit_model(|edit| edit.edit_options(|options| options.solver = Solver::Newton)).unwrap();
+        let [found, expected] =
+            [&mut data, &mut newton].map(|data| data.transition_fd(1e-6, Differences::Central).unwrap());
+        assert_near(cone, &found, &expected, 1e-3);
     }
 }
