@@ -226,6 +226,7 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         ("<asset><mesh name='m' file='m.txt' content_type='model/obj'/></asset>".to_owned(), "content_type"),
         ("<asset><mesh name='m' builtin='sphere' params='1e9'/></asset>".to_owned(), "generated mesh"),
         ("<asset><mesh name='m' builtin='sphere' params='nan'/></asset>".to_owned(), "generated mesh"),
+        ("<asset><mesh name='m' builtin='supersphere' params='201 1 1'/></asset>".to_owned(), "at most 200"),
         (
             "<asset><texture name='t' builtin='flat' type='2d' width='9000' height='9000' nchannel='99'/></asset>"
                 .to_owned(),

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::ops::Add;
 
 use super::tags::Tag;
-use super::{MOST_ELEMENTS, MOST_NESTED};
+use super::{MOST_ELEMENTS, MOST_NESTED, grid};
 
 /// Size of a tree of elements after its expansion.
 #[derive(Clone, Copy, Default)]
@@ -105,7 +105,8 @@ impl Expansion {
         let before = self.size;
         let count = self.copies();
         let copies = if tag.name == b"attach" { self.copied(tag) } else { Size::default() };
-        self.size = self.size + (copies + Size { elements: 1, ..Size::default() }).times(count);
+        let elements = if [&b"composite"[..], b"flexcomp"].contains(&tag.name) { grid(tag) } else { 1 };
+        self.size = self.size + (copies + Size { elements, ..Size::default() }).times(count);
         self.reaches(outer + 1 + copies.depth)?;
         if self.size.elements > MOST_ELEMENTS && (!self.replicates.is_empty() || tag.name == b"attach") {
             return Err(too_many());
@@ -114,6 +115,11 @@ impl Expansion {
             b"replicate" if !tag.empty => {
                 let count = tag.integer(b"count").and_then(|count| u64::try_from(count).ok()).unwrap_or(MOST_ELEMENTS);
                 self.replicates.push((outer, count.clamp(1, MOST_ELEMENTS)));
+                // The compiler attaches each copy, also if it is empty.
+                self.size = self.size + Size { elements: 1, ..Size::default() }.times(self.copies());
+                if self.size.elements > MOST_ELEMENTS {
+                    return Err(too_many());
+                }
             }
             b"body" | b"frame" => {
                 let name = tag.attribute(b"name").unwrap_or_default().into_owned();

@@ -19,8 +19,13 @@ const MOST_CUSTOM: u64 = 500;
 const MOST_MODELS: usize = 20;
 /// Largest number of samples of a delay, and of contacts that a sensor returns.
 const MOST_VALUES: u64 = 10_000;
+/// Size of a texture that is assumed if a text gives only the other size: the limit of squares.
+const SQUARE_TEXTURE: u64 = 12_900;
 /// Largest parameter of a mesh that the compiler generates.
 const MOST_PARAMETER: f64 = 1000.0;
+/// The same for meshes whose number of vertices is the square of a parameter. The time of the compiler grows with the square of that
+/// number: 5 s for 200, a minute for 400.
+const MOST_GRID_PARAMETER: f64 = 200.0;
 /// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
 const MOST_VERTICES: u64 = 100_000;
 const MOST_NODES: u64 = 32_766;
@@ -103,9 +108,13 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             Some(format!("the role of a layer must be one of {}", ROLES.join(", ")))
         }
         b"texture" => {
-            let width = size(tag, b"width", 0);
+            // A size that is missing may be that of a class, or the other one may be.
+            let (width, height) = match ([&b"width"[..], b"height"]).map(|name| tag.attribute(name).is_some()) {
+                [false, false] => (0, 0),
+                _ => (size(tag, b"width", SQUARE_TEXTURE), size(tag, b"height", SQUARE_TEXTURE)),
+            };
             // A cube map is six squares.
-            let height = size(tag, b"height", 0).max(width.saturating_mul(6));
+            let height = height.max(width.saturating_mul(6));
             let gridsize = tag.attribute(b"gridsize").unwrap_or_default();
             let mut grid = numbers(&gridsize);
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
@@ -118,8 +127,8 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
                 return Some("a builtin texture and a cube must have 3 or 4 channels".to_owned());
             }
             let channels = channels.max(3);
-            (width.saturating_mul(height).saturating_mul(channels) > MOST_NUMBERS)
-                .then(|| "a texture is too large".to_owned())
+            let numbers = width.saturating_mul(height).saturating_mul(channels);
+            (numbers > MOST_NUMBERS || channels > 4).then(|| "a texture is too large".to_owned())
         }
         b"hfield" => (size(tag, b"nrow", 0).saturating_mul(size(tag, b"ncol", 0)) > MOST_NUMBERS)
             .then(|| "a height field is too large".to_owned()),
@@ -221,9 +230,12 @@ fn is_format_of(format: &[u8], file: &[u8]) -> bool {
 fn mesh(tag: &Tag<'_>) -> Option<String> {
     // Numbers of vertices of a generated mesh, or of its subdivisions.
     let params = tag.attribute(b"params").unwrap_or_default();
-    let is_moderate = |word: &str| word.parse().is_ok_and(|number: f64| number.abs() <= MOST_PARAMETER);
-    if tag.attribute(b"builtin").is_some() && !String::from_utf8_lossy(&params).split_whitespace().all(is_moderate) {
-        return Some(format!("a parameter of a generated mesh must be a number of at most {MOST_PARAMETER}"));
+    let builtin = tag.attribute(b"builtin").unwrap_or_default();
+    let has_grid = [&b"supersphere"[..], b"supertorus", b"plate", b"wedge"].contains(&&*builtin);
+    let most = if has_grid { MOST_GRID_PARAMETER } else { MOST_PARAMETER };
+    let is_moderate = |word: &str| word.parse().is_ok_and(|number: f64| number.abs() <= most);
+    if !builtin.is_empty() && !String::from_utf8_lossy(&params).split_whitespace().all(is_moderate) {
+        return Some(format!("a parameter of a generated mesh must be a number of at most {most}"));
     }
     // The compiler would combine arrays of different lengths from the file and the text.
     if let Some(array) =

@@ -55,8 +55,8 @@ const MOST_ELEMENTS: u64 = 1_000_000;
 const LONGEST_NAME: usize = 900;
 /// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and stores 6 nv² in a C int.
 /// The check of the compiled model has the same limits; this one avoids minutes of compilation.
-const MOST_BODIES: usize = 32_766;
-const MOST_DOFS: usize = 13_377;
+pub(super) const MOST_BODIES: usize = 32_766;
+pub(super) const MOST_DOFS: usize = 13_377;
 /// Smallest `njmax` of a text with adhesion. The compiler performs a step, in which each contact needs up to ten constraints. For
 /// the first contact without room, the engine writes from one element before the start of an array with an element per constraint
 /// (see `engine_limits.rs`). With this `njmax` that array has more than 90 elements, and the memory before it is another array on
@@ -406,8 +406,10 @@ impl<'f> Check<'f> {
         false
     }
 
-    /// Counts bodies and degrees of freedom.
+    /// Counts bodies and degrees of freedom, with all copies of replications.
     fn count(&mut self, tag: &Tag<'_>) {
+        let copies = usize::try_from(self.model.expansion.copies()).unwrap_or(usize::MAX);
+        let add = |sum: &mut usize, count: usize| *sum = sum.saturating_add(count.saturating_mul(copies));
         match tag.name {
             b"size" => {
                 // The compiler's parser may convert a number that does not fit into a C int to any value.
@@ -415,30 +417,32 @@ impl<'f> Check<'f> {
                 self.has_small_njmax |= tag.attribute(b"njmax").is_some() && is_small();
             }
             b"adhesion" | b"general" => self.has_adhesion |= tag.attribute(b"body").is_some(),
-            b"body" | b"link" => self.bodies += 1,
-            b"freejoint" => self.dofs += 6,
+            b"body" | b"link" => add(&mut self.bodies, 1),
+            b"freejoint" => add(&mut self.dofs, 6),
             b"joint" => {
-                self.dofs += match tag.attribute(b"type").as_deref() {
+                let dofs = match tag.attribute(b"type").as_deref() {
                     Some(b"free" | b"floating") => 6,
                     Some(b"ball" | b"planar") => 3,
                     _ => 1,
-                }
+                };
+                add(&mut self.dofs, dofs);
             }
             b"composite" => {
                 self.composite = counts(tag);
-                self.count_bodies(&self.composite.clone());
+                add(&mut self.bodies, usize::try_from(grid(tag)).unwrap_or(usize::MAX));
             }
             // A flex has a body for each vertex, unless few nodes determine its shape.
-            b"flexcomp" if !limits::is_interpolated(tag) => self.count_bodies(&counts(tag)),
+            b"flexcomp" if !limits::is_interpolated(tag) => {
+                add(&mut self.bodies, usize::try_from(grid(tag)).unwrap_or(usize::MAX));
+            }
             _ => {}
         }
     }
+}
 
-    /// Counts the bodies of a grid.
-    fn count_bodies(&mut self, counts: &[u64]) {
-        let bodies = counts.iter().fold(1, |product: u64, &count| product.saturating_mul(count));
-        self.bodies = self.bodies.saturating_add(usize::try_from(bodies).unwrap_or(usize::MAX));
-    }
+/// Returns the number of points of a composite or a flex.
+fn grid(tag: &Tag<'_>) -> u64 {
+    counts(tag).into_iter().fold(1, u64::saturating_mul)
 }
 
 /// Returns the attribute `count` of a composite or a flex.
