@@ -1,5 +1,6 @@
 //! Creation and copies of simulations, and their model.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
@@ -105,12 +106,13 @@ impl Data {
         #[cfg(engine_since = "3.0.0")]
         let active = self.model.equality_active().to_vec();
         let mut checked = CheckedEdit::new(self.own_model()?);
-        let result = edit(checked.model()).into_result();
+        // A panic keeps the changes that the closure has made, so the simulation follows them.
+        let result = catch_unwind(AssertUnwindSafe(|| edit(checked.model()).into_result()));
         let check = checked.finish();
         #[cfg(engine_since = "3.0.0")]
         self.switch_equalities(&active);
         self.wake_for_new_model();
-        result.and_then(|value| check.map(|()| value))
+        result.unwrap_or_else(|panic| resume_unwind(panic)).and_then(|value| check.map(|()| value))
     }
 
     /// Returns the model for changes that no result depends on. A shared model is copied first.
@@ -139,6 +141,13 @@ impl Data {
         assert!(self.model.is_same_structure(model), "Bug: a simulation gets a model of another structure");
         std::mem::swap(&mut self.model, model);
         self.computed = PipelineFlags::empty();
+        self.take_equalities_of_model();
+        self.wake_for_new_model();
+    }
+
+    /// Activates the equality constraints that are active in the model. With newer engines they belong to the simulation.
+    #[cfg_attr(not(engine_since = "3.0.0"), allow(clippy::unused_self, reason = "they belong to the model"))]
+    fn take_equalities_of_model(&mut self) {
         #[cfg(engine_since = "3.0.0")]
         {
             let model = self.model.clone();
@@ -146,7 +155,6 @@ impl Data {
             // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
             unsafe { ffi::array_mut(self.raw_mut().eq_active, active.len()) }.copy_from_slice(active);
         }
-        self.wake_for_new_model();
     }
 
     /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
@@ -186,6 +194,7 @@ impl Data {
             self.computed = other.computed;
         } else {
             // With other options, results may have another layout.
+            self.take_equalities_of_model();
             self.wake_for_new_model();
         }
         Ok(())

@@ -20,6 +20,13 @@ const INERTIA: u8 = 2;
 /// Flags of frames that follow the inertial frame, or with newer engines only its orientation.
 const INERTIAL: [u8; 2] = [INERTIA, mjSAMEFRAME_INERTIAROT as u8];
 
+/// Differences below which the compiler takes two frames for equal, and components of an axis for
+/// zero. It has done so since 3.2.3; with those from 2.3 on the rule only decides which edits are
+/// rejected.
+const TOLERANT: bool = cfg!(engine_since = "2.3.0");
+const FRAME_TOLERANCE: f64 = if TOLERANT { 1e-6 } else { 0.0 };
+const AXIS_TOLERANCE: f64 = if TOLERANT { 1e-14 } else { 0.0 };
+
 /// Expands to a mutable slice of an array of flags.
 macro_rules! flags {
     ($edit:ident.$array:ident) => {{
@@ -101,7 +108,7 @@ impl ModelMut<'_> {
 
     /// Corrects an error of the compiler, which marks a body with two slides along one axis as simple.
     pub(super) fn clear_wrong_simple_bodies(&mut self) {
-        // Newer compilers do not have the error.
+        // In newer engines the matrix has no space for the other elements: such a model is rejected.
         if cfg!(engine_since = "2.3.0") {
             return;
         }
@@ -115,13 +122,23 @@ impl ModelMut<'_> {
         }
     }
 
+    /// Clears the flags of bodies that are not simple any more and have at most one degree of freedom. Their part of the inertia matrix has
+    /// no other elements in any case. Engines since 3.11 fail for such a body.
+    #[cfg(engine_since = "2.3.0")]
+    pub(super) fn clear_flags_of_fixed_bodies(&mut self) {
+        let changed =
+            |&body: &usize| self.body_simple()[body] != 0 && self.body_dofnum()[body] <= 1 && !self.is_simple(body);
+        let changed: Vec<usize> = (1..self.nbody()).filter(changed).collect();
+        for body in changed {
+            flags!(self.body_simple)[body] = 0;
+        }
+    }
+
     /// Rejects a body whose part of the inertia matrix was diagonal and constant when the model was compiled, but is not any more. In newer
     /// engines the matrix has no space for the other elements.
     #[cfg(engine_since = "2.3.0")]
     pub(super) fn check_simple_bodies(&self) -> crate::Result<()> {
-        // One degree of freedom has one element, which is constant if the body is independent.
-        let was_simple = |&body: &usize| self.body_simple()[body] != 0 && self.body_dofnum()[body] > 1;
-        match (0..self.nbody()).filter(was_simple).find(|&body| !self.is_simple(body)) {
+        match self.first_wrong_simple_body() {
             None => Ok(()),
             Some(body) => {
                 let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
@@ -145,6 +162,26 @@ impl ModelMut<'_> {
 }
 
 impl Model {
+    /// Returns the first body with several degrees of freedom whose part of the inertia matrix the engine takes for diagonal, although it
+    /// is not.
+    #[cfg(engine_since = "2.3.0")]
+    fn first_wrong_simple_body(&self) -> Option<usize> {
+        // One degree of freedom has one element, which is constant if the body is independent.
+        let was_simple = |&body: &usize| self.body_simple()[body] != 0 && self.body_dofnum()[body] > 1;
+        (0..self.nbody()).filter(was_simple).find(|&body| !self.is_simple(body))
+    }
+
+    /// Returns the reason why the inertia matrix of a compiled model would be wrong: the compiler takes two slides of a body along one axis
+    /// for independent.
+    #[cfg(engine_since = "2.3.0")]
+    pub(super) fn coupled_slides(&self) -> Option<String> {
+        let body = self.first_wrong_simple_body()?;
+        let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
+        Some(format!(
+            "body {name} has two slide joints along one axis, which the engine does not couple: use two bodies"
+        ))
+    }
+
     fn same_frame(&self, pos: &[f64; 3], quat: &[f64; 4], body: usize) -> u8 {
         if is_identity(pos, quat) {
             BODY
@@ -169,14 +206,15 @@ impl Model {
         for joint in first..first + ffi::size(self.body_jntnum()[body]) {
             let joint_type = self.jnt_type()[joint] as u32;
             let is_oblique = ![mjJNT_FREE, mjJNT_BALL].contains(&joint_type)
-                && self.jnt_axis()[joint].iter().filter(|&&value| value != 0.0).count() > 1;
-            if rotates || is_oblique || self.jnt_pos()[joint] != [0.0; 3] {
+                && self.jnt_axis()[joint].iter().filter(|value| value.abs() > AXIS_TOLERANCE).count() > 1;
+            if rotates || is_oblique || !is_zero(&self.jnt_pos()[joint]) {
                 return false;
             }
             rotates |= [mjJNT_BALL, mjJNT_HINGE].contains(&joint_type);
             if joint_type == mjJNT_SLIDE {
                 for (slides, along) in slides.iter_mut().zip(self.jnt_axis()[joint]) {
-                    if std::mem::replace(slides, *slides || along != 0.0) && along != 0.0 {
+                    let along = along.abs() > AXIS_TOLERANCE;
+                    if std::mem::replace(slides, *slides || along) && along {
                         return false;
                     }
                 }
@@ -186,7 +224,11 @@ impl Model {
     }
 }
 
-/// Returns `true` if a relative pose is the identity.
+/// Returns `true` if a relative pose is the identity for the compiler.
 fn is_identity(pos: &[f64; 3], quat: &[f64; 4]) -> bool {
-    *pos == [0.0; 3] && *quat == [1.0, 0.0, 0.0, 0.0]
+    is_zero(pos) && (quat[0].abs() - 1.0).abs() <= FRAME_TOLERANCE && is_zero(&quat[1..]) && (quat[0] > 0.0 || TOLERANT)
+}
+
+fn is_zero(values: &[f64]) -> bool {
+    values.iter().all(|value| value.abs() <= FRAME_TOLERANCE)
 }

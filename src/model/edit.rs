@@ -92,6 +92,7 @@ impl<'m> ModelMut<'m> {
         self.model.check_distances(options.mpr_iterations).map_err(Error::Unsupported)?;
         options.write(&mut self.model.raw_mut().opt);
         self.model.disable_unsafe_islands();
+        self.avoid_wrong_jacobian();
         #[cfg(engine_since = "2.3.3")]
         self.model.disable_unsafe_midphase();
         Ok(())
@@ -158,7 +159,7 @@ impl<'m> ModelMut<'m> {
     /// # Errors
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
-    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both. This is the rule of the XML compiler; the engine itself accepts
+    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both; since engine 3.3 also a child of such a child. This is the rule of the XML compiler; the engine itself accepts
     /// such a body and does not accelerate it. The model is then unchanged. Also for values from which the engine would compute addresses
     /// outside of the model's arrays; see [`ModelMut`].
     ///
@@ -184,7 +185,10 @@ impl<'m> ModelMut<'m> {
         self.check_moving_bodies()?;
         self.check_addresses()?;
         #[cfg(engine_since = "2.3.0")]
-        self.check_simple_bodies()?;
+        {
+            self.check_simple_bodies()?;
+            self.clear_flags_of_fixed_bodies();
+        }
         #[cfg(engine_since = "3.17.0")]
         let means = self.means();
         let mut scratch = ptr::null_mut();
@@ -298,10 +302,17 @@ impl<'m> ModelMut<'m> {
                 (false, Some(&moment)) => ("moment of inertia", moment),
                 (false, None) => continue,
             };
-            let is_fixed_child =
-                |child: usize| ffi::size(self.body_parentid()[child]) == body && self.body_jntnum()[child] == 0;
-            let is_valid = |child: usize| is_fixed_child(child) && !is_massless(child) && zero_moment(child).is_none();
-            if !(1..self.nbody()).any(is_valid) {
+            // A body follows its parent in the order of bodies. Since 3.3 a descendant suffices.
+            let mut carried = vec![false; self.nbody()];
+            carried[body] = true;
+            let is_valid = (body + 1..self.nbody()).any(|child| {
+                let parent = ffi::size(self.body_parentid()[child]);
+                carried[child] = self.body_jntnum()[child] == 0
+                    && carried[parent]
+                    && (parent == body || cfg!(engine_since = "3.3.0"));
+                carried[child] && !is_massless(child) && zero_moment(child).is_none()
+            });
+            if !is_valid {
                 let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
                 let what = format!("the {quantity} of body {name}");
                 return Err(crate::error::Error::invalid(what, value, "at least 1e-15, because the body has joints"));

@@ -2,6 +2,7 @@
 
 use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjTRN_SLIDERCRANK, mjWRAP_JOINT};
 
+use super::xml_guard::{MOST_BODIES, MOST_DOFS};
 use super::{Model, Options};
 use crate::enums::{
     ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Cone, EqualityType, GeomType, Integrator,
@@ -38,6 +39,7 @@ impl Model {
             return unsupported(format!("actuator {actuator} has no control or no force"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
+        self.coupled_slides().map_or(Ok(()), unsupported)?;
         // The engine reads the length of a crank at the index of the force instead of that of the actuator.
         let is_misread = |&actuator: &usize| {
             let is_crank = self.actuator_trntype()[actuator] as u32 == mjTRN_SLIDERCRANK;
@@ -58,6 +60,9 @@ impl Model {
         let opt = &self.raw().opt;
         if !(opt.timestep.is_finite() && opt.timestep > 0.0) {
             return Err(format!("opt.timestep is {}; it must be finite and positive", opt.timestep));
+        }
+        if self.nbody() > MOST_BODIES || self.nv() > MOST_DOFS {
+            return Err(format!("the model has more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom"));
         }
         let options = self.options();
         let iterations = [

@@ -1,6 +1,7 @@
 //! Copies, state vectors, keyframes, resets and rows of batches against the C API, on models of all attributes of the engine's schema.
 
 use std::fmt::Debug;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use mujoco_safe::derivative::TransitionOptions;
@@ -223,4 +224,35 @@ fn copies_states_keyframes_and_resets_equal_those_of_the_engine() {
 #[ignore = "takes minutes"]
 fn copies_states_keyframes_and_resets_of_every_attribute_equal_those_of_the_engine() {
     println!("{} models", campaign(0, 1));
+}
+
+/// A model with an active equality constraint, which holds a slide.
+const HELD: &str =
+    "<mujoco><worldbody><body><joint name='j' type='slide' axis='0 0 1'/><geom size='.1'/></body></worldbody>
+    <equality><joint name='c' joint1='j'/></equality></mujoco>";
+
+fn has_constraint(data: &mut Data) -> bool {
+    data.forward().unwrap();
+    data.nefc() > 0
+}
+
+/// A simulation that keeps its own model also keeps its equality constraints.
+#[test]
+fn equalities_agree_with_the_model_after_a_copy_and_after_a_panic() {
+    let model = Arc::new(Model::from_xml_str(HELD).unwrap());
+    let [mut switched, mut copy] = [(); 2].map(|()| Data::new(&model).unwrap());
+    switched.edit_model(|edit| edit.equality_mut("c").unwrap().set_active(false)).unwrap();
+    copy.copy_from(&switched).unwrap();
+    assert!(copy.model().equality("c").unwrap().active() && has_constraint(&mut copy));
+    switched.copy_from(&copy).unwrap();
+    assert!(!switched.model().equality("c").unwrap().active() && !has_constraint(&mut switched));
+
+    let panics = catch_unwind(AssertUnwindSafe(|| {
+        copy.edit_model(|edit| {
+            edit.equality_mut("c").unwrap().set_active(false);
+            assert!(edit.nq() > 1, "in an edit");
+        })
+    }));
+    assert!(panics.is_err());
+    assert!(!copy.model().equality("c").unwrap().active() && !has_constraint(&mut copy));
 }
