@@ -38,7 +38,7 @@ fields!(Geom on Model {
     /// Contact affinity bit mask: see [`contype`](Self::contype).
     conaffinity: i32 = geom_conaffinity, set_conaffinity then update_masks;
     /// Dimension of its contacts: 1, 3, 4 or 6.
-    condim: i32 = geom_condim, set_condim if [1, 3, 4, 6];
+    condim: i32 = geom_condim, set_condim if [1, 3, 4, 6] then avoid_wrong_jacobian;
     /// Visualisation group.
     group: i32 = geom_group, set_group;
     /// Contact priority. The geom with the higher priority determines the contact parameters of a pair.

@@ -8,7 +8,7 @@
 /// - `name: bool = array;` a byte that is 0 or 1; `, set_name` adds a setter;
 /// - `name: i32 = array, set_name;` an integer with a setter that accepts every value; `then method` calls a method of the owner
 ///   afterwards, which updates what is derived from the value;
-/// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values;
+/// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values, also with `then method`;
 /// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
 /// - `name: [f64; 3] = array after PART;` the same in a simulation, with an error unless this part of the pipeline has been computed;
@@ -75,7 +75,7 @@ macro_rules! fields {
 
     // An integer with a checked setter.
     (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
-        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident if [$($allowed:literal),+]; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident if [$($allowed:literal),+] $(then $update:ident)?; $($rest:tt)*
     ) => {
         fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*]
             {$($read)*}
@@ -96,6 +96,7 @@ macro_rules! fields {
                         ));
                     }
                     fields!(@write self, $array, self.id.index(), value);
+                    $(self.owner.$update();)?
                     Ok(())
                 }
             }

@@ -151,6 +151,7 @@ impl Model {
         model.reserve_moments();
         model.edit().clear_wrong_simple_bodies();
         model.disable_unsafe_islands();
+        model.edit().avoid_wrong_jacobian();
         #[cfg(engine_since = "2.3.3")]
         model.disable_unsafe_midphase();
         model

@@ -257,3 +257,41 @@ fn inconsistent_flexes_are_errors() {
         assert!(Model::from_xml_str(&text).is_err(), "{large}");
     }
 }
+
+/// Rows of contacts with torsional and rolling friction, which engines before 3.11 compute wrongly for a sparse Jacobian.
+#[test]
+#[cfg_attr(not(engine_since = "3.3.6"), ignore = "older compilers have other flexes")]
+fn rolling_friction_of_flexes_has_the_rows_of_the_dense_jacobian() {
+    let model = |jacobian: &str, condim: usize| {
+        Model::from_xml_str(&format!(
+            r#"<mujoco><option jacobian="{jacobian}"/><worldbody><geom type="box" size=".1 .1 .02" condim="{condim}"/>
+                 <flexcomp name="block" type="grid" count="2 2 2" spacing=".1 .1 .1" pos="0.02 0.01 0.06" dim="3" radius="0.005" mass="0.5">
+                   <elasticity young="5e3" poisson="0.3"/><contact selfcollide="none" condim="{condim}"/>
+                 </flexcomp></worldbody></mujoco>"#
+        ))
+        .unwrap()
+    };
+    let rows = |model: Model| {
+        let mut data = Data::new(model).unwrap();
+        data.qvel_mut().iter_mut().zip(0..).for_each(|(velocity, i)| *velocity = 0.1 * f64::from(i % 5));
+        data.forward().unwrap();
+        assert!(data.ncon() > 0);
+        // J v
+        let mut rates = vec![0.0; data.nefc()];
+        data.mul_jac_vec_into(data.qvel(), &mut rates).unwrap();
+        rates
+    };
+    for condim in [3, 4, 6] {
+        let (dense, sparse) = (rows(model("dense", condim)), rows(model("sparse", condim)));
+        assert_eq!(dense.len(), sparse.len());
+        let near = dense.iter().zip(&sparse).all(|(left, right)| (left - right).abs() < 1e-12);
+        assert!(near, "condim {condim}: {dense:?} {sparse:?}");
+    }
+    // The dimension can change after loading.
+    let [dense, sparse] = ["dense", "sparse"].map(|jacobian| {
+        let mut edited = model(jacobian, 3);
+        edited.edit().geom_mut(0).unwrap().set_condim(6).unwrap();
+        rows(edited)
+    });
+    assert!(dense.iter().zip(&sparse).all(|(left, right)| (left - right).abs() < 1e-12), "{dense:?} {sparse:?}");
+}

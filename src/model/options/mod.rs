@@ -17,7 +17,7 @@ pub(crate) use self::fields::SettingMut;
 use self::fields::{Checks, Mirror};
 pub use self::statistics::Statistics;
 pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
-use super::Model;
+use super::{Model, ModelMut};
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
 use crate::error::{Error, Result};
 use crate::field_docs::field_docs;
@@ -84,7 +84,9 @@ pub struct Options {
     pub collision: Collision,
     /// Friction cone of contacts.
     pub cone: Cone,
-    /// Storage of the constraint Jacobian.
+    /// Storage of the constraint Jacobian. With engines from 3.0 to 3.10 it is always dense in a model with flexes in which a geom or a
+    /// flex has contacts with torsional or rolling friction (`condim` 4 or 6): their rows in a sparse one would be those of memory that
+    /// the engine has not written.
     pub jacobian: JacobianStorage,
     /// Constraint solver.
     pub solver: Solver,
@@ -415,6 +417,23 @@ impl Model {
     pub(super) fn disable_unsafe_islands(&mut self) {
         // SAFETY: a valid model that is borrowed exclusively. The function changes its flags.
         unsafe { adapted::disable_unsafe_islands(self.raw_mut()) };
+    }
+}
+
+impl ModelMut<'_> {
+    /// Makes the constraint Jacobian dense if the engine would compute a wrong sparse one: see [`Options::jacobian`].
+    #[cfg_attr(
+        not(all(engine_since = "3.0.0", not(engine_since = "3.11.0"))),
+        allow(clippy::unused_self, reason = "no flexes, or right ones")
+    )]
+    pub(crate) fn avoid_wrong_jacobian(&mut self) {
+        #[cfg(all(engine_since = "3.0.0", not(engine_since = "3.11.0")))]
+        {
+            let rolls = |condim: &[i32]| condim.iter().any(|&dimension| dimension > 3);
+            if self.nflex() > 0 && (rolls(self.flex_condim()) || rolls(self.geom_condim())) {
+                self.raw_mut().opt.jacobian = sys::mjJAC_DENSE as i32;
+            }
+        }
     }
 }
 
