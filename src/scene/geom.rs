@@ -289,6 +289,12 @@ impl<'s> SceneGeom<'s> {
         (self.raw.dataid >= 0).then(|| start..start.saturating_add(count))
     }
 
+    /// Returns `true` if the geom refers to data of the model, such as a mesh.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn has_data(self) -> bool {
+        self.raw.dataid >= 0
+    }
+
     fn data(self, of: SceneGeomType) -> Option<usize> {
         if self.geom_type() == of { usize::try_from(self.raw.dataid).ok() } else { None }
     }

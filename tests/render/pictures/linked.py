@@ -503,6 +503,9 @@ def surfaces():
     scene("mesh_mirrored", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" rgba=".8 .5 .2 1" euler="50 20 0"/>', asset=star.replace("<mesh", '<mesh scale="1 -1.2 .8"')))
     scene("mesh_cube", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="star" material="m" euler="50 20 0"/>', asset=star + GRADIENT + '<material name="m" texture="t"/>'))
     scene("mesh_fitted", xml(LIGHT + FLOOR + '<geom type="capsule" mesh="star" material="m" euler="50 20 0"/>', asset=star + CHECKER + '<material name="m" texture="t"/>'))
+    for shape, name, uniform in (("capsule", "tetra", "true"), ("box", "tetra", "false"), ("ellipsoid", "plain", "true"), ("cylinder", "tetra", "false")):
+        scene(f"mesh_fitted_{shape}_{name}", xml(LIGHT + FLOOR + f'<geom type="{shape}" mesh="{name}" material="m" euler="50 20 0"/>', asset=MESHES + CHECKER
+              + f'<material name="m" texture="t" texrepeat="2.5 3" texuniform="{uniform}"/>'))
     scene("mesh_volume", world, visual="MESHBVH BODYBVH", depth=2)
     for name, params in {"sphere": "2", "hemisphere": "6", "cone": "9 .3", "supersphere": "12 .4 1.5", "supertorus": "18 .3 .6 1.2", "wedge": "6 5 90 50 .3", "plate": "4 5"}.items():
         scene(f"mesh_builtin_{name}", xml(LIGHT + FLOOR + '<geom type="mesh" mesh="b" material="m"/>', asset=f'<mesh name="b" builtin="{name}" params="{params}" scale=".5 .5 .5"/>' + CHECKER
