@@ -16,8 +16,8 @@ impl Data {
     }
 
     /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
-    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set. Without the flag
-    /// they are zero after a reset. If the flag is cleared later, the values are stale.
+    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set, and with engines since
+    /// 3.3 also for sensors of energy. Without both they are zero after a reset. If the flag is cleared later, the values are stale.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }

@@ -12,7 +12,8 @@ impl Data {
     /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
     ///
     /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities belong to the old state. Call
-    /// [`forward`](Self::forward) to update them.
+    /// [`forward`](Self::forward) to update them. (With the integrator [`Rk4`](crate::enums::Integrator::Rk4) only sensor readings and
+    /// energies belong to the old state, the rest to the last of the four states in which the engine evaluates the dynamics.)
     ///
     /// # Errors
     ///
