@@ -124,10 +124,9 @@
 //! roles than the base colour. (Engines from 3.5 and before 3.17 draw point and image lights, which shine along the view.) Textures with one or two channels are white. A renderer also logs the fields and constants of an engine that
 //! this crate does not know.
 //!
-//! In a comparison with the official bindings of 4.0.0, at most 0.7 % of the pixels differed in 581
-//! of 595 scenes with 320 × 240 pixels, in colours, depths and segmentations. The bindings of 3.17.0
-//! draw the same images as those of 4.0.0: 337 of 338 are equal bit for bit. With the bindings of
-//! 3.5.0 315 of 328 scenes were within 0.7 % in colours and segmentations. Of the others, scenes
+//! In a comparison with the official bindings, at most 0.7 % of the pixels differed in 585 of 599
+//! scenes with 320 × 240 pixels with 4.0.0, in 580 of 594 with 3.17.0, and in 575 of 589 with 3.5.0,
+//! in colours, depths and segmentations. Of the others, scenes
 //! with labels (another font) differ by up to 4.6 %; lines exactly on the near plane by 2.9 %;
 //! wireframes of a mirror, which the engine adds once for each polygon that shares a line, by 7.9 %;
 //! 2,357 small spheres by 2.1 %; lit floors near the edges of shadow maps of directional lights,
