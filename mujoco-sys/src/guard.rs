@@ -27,15 +27,7 @@ pub const EXCEPTION: c_int = 3;
 
 macro_rules! guarded {
     ($($(#[$doc:meta])* $shim:ident = $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
-        /// Setting of a thread that [`begin_adhesion`] replaces.
-#[repr(C)]
-#[derive(Debug)]
-pub struct Adhesion {
-    data: *mut mjData,
-    lost: c_int,
-}
-
-unsafe extern "C" {
+        unsafe extern "C" {
             $(
                 $(#[$doc])*
                 #[doc = concat!("The engine's `", stringify!($name), "`, guarded.")]
@@ -52,6 +44,14 @@ unsafe extern "C" {
 pub struct StackMark {
     top: usize,
     base: usize,
+}
+
+/// Setting of a thread that [`begin_adhesion`] replaces.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Adhesion {
+    data: *mut mjData,
+    lost: c_int,
 }
 
 /// A part of the engine's pipeline.

@@ -26,6 +26,13 @@ impl Data {
         let start = self.state(StateSpec::INTEGRATION);
         let (base, mut column) = (self.sample(&start, |_| ())?, vec![0.0; nx + ny]);
         for index in 0..nu + model.na() {
+            let (state, sensors, at) = match index.checked_sub(nu) {
+                None => (&mut outputs.b, &mut outputs.d, index),
+                Some(activation) => (&mut outputs.a, &mut outputs.c, 2 * model.nv() + activation),
+            };
+            if state.is_none() && sensors.is_none() {
+                continue;
+            }
             let nudge = |by: f64| {
                 move |data: &mut Self| match index.checked_sub(nu) {
                     None => data.ctrl_mut()[index] += by,
@@ -38,10 +45,6 @@ impl Data {
             let to = if right { self.sample(&start, nudge(eps))? } else { base.clone() };
             let from = if left { self.sample(&start, nudge(-eps))? } else { base.clone() };
             difference(&model, &mut column, &from, &to, if left && right { 2.0 * eps } else { eps })?;
-            let (state, sensors, at) = match index.checked_sub(nu) {
-                None => (&mut outputs.b, &mut outputs.d, index),
-                Some(activation) => (&mut outputs.a, &mut outputs.c, 2 * model.nv() + activation),
-            };
             for (output, values) in [(state, &column[..nx]), (sensors, &column[nx..])] {
                 if let Some(output) = output {
                     values.iter().enumerate().for_each(|(row, &value)| output[(row, at)] = value);

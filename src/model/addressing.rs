@@ -105,7 +105,7 @@ impl Model {
         ))
     }
 
-    fn described(&self, kind: Kind, index: usize) -> String {
+    pub(super) fn described(&self, kind: Kind, index: usize) -> String {
         self.name_at(kind, index).map_or(format!("{kind} {index}"), |name| format!("{kind} '{name}'"))
     }
 }

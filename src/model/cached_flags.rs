@@ -141,9 +141,9 @@ impl ModelMut<'_> {
         match self.first_wrong_simple_body() {
             None => Ok(()),
             Some(body) => {
-                let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
+                let body = self.described(Kind::Body, body);
                 Err(Error::Unsupported(format!(
-                    "body {name} was compiled with a diagonal inertia matrix (body_simple), which its joints and its inertial frame do not \
+                    "{body} was compiled with a diagonal inertia matrix (body_simple), which its joints and its inertial frame do not \
                      have any more; with MuJoCo {} the matrix has no other elements: compile the model with these values",
                     built_against()
                 )))
@@ -175,11 +175,8 @@ impl Model {
     /// for independent.
     #[cfg(engine_since = "2.3.0")]
     pub(super) fn coupled_slides(&self) -> Option<String> {
-        let body = self.first_wrong_simple_body()?;
-        let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
-        Some(format!(
-            "body {name} has two slide joints along one axis, which the engine does not couple: use two bodies"
-        ))
+        let body = self.described(Kind::Body, self.first_wrong_simple_body()?);
+        Some(format!("{body} has two slide joints along one axis, which the engine does not couple: use two bodies"))
     }
 
     fn same_frame(&self, pos: &[f64; 3], quat: &[f64; 4], body: usize) -> u8 {

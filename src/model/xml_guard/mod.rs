@@ -408,8 +408,10 @@ impl<'f> Check<'f> {
 
     /// Counts bodies and degrees of freedom, with all copies of replications.
     fn count(&mut self, tag: &Tag<'_>) {
-        let copies = usize::try_from(self.model.expansion.copies()).unwrap_or(usize::MAX);
-        let add = |sum: &mut usize, count: usize| *sum = sum.saturating_add(count.saturating_mul(copies));
+        let copies = self.model.expansion.copies();
+        let add = |sum: &mut usize, count: u64| {
+            *sum = sum.saturating_add(usize::try_from(count.saturating_mul(copies)).unwrap_or(usize::MAX));
+        };
         match tag.name {
             b"size" => {
                 // The compiler's parser may convert a number that does not fit into a C int to any value.
@@ -429,12 +431,10 @@ impl<'f> Check<'f> {
             }
             b"composite" => {
                 self.composite = counts(tag);
-                add(&mut self.bodies, usize::try_from(grid(tag)).unwrap_or(usize::MAX));
+                add(&mut self.bodies, grid(tag));
             }
             // A flex has a body for each vertex, unless few nodes determine its shape.
-            b"flexcomp" if !limits::is_interpolated(tag) => {
-                add(&mut self.bodies, usize::try_from(grid(tag)).unwrap_or(usize::MAX));
-            }
+            b"flexcomp" if !limits::is_interpolated(tag) => add(&mut self.bodies, grid(tag)),
             _ => {}
         }
     }

@@ -1,8 +1,8 @@
 //! Sensors of actuators, joints and tendons with each stage of the engine disabled.
 
-use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::model::DisableFlags;
-use mujoco_safe::{Differences, Lineariser, StateSpec};
+use mujoco_safe::{Differences, Lineariser, Matrix, StateSpec};
 
 use super::analytic::model;
 use super::{assert_near, oracle};
@@ -106,8 +106,8 @@ fn noise_of_sensors_is_no_derivative() {
         let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
         let error = lineariser.linear_system(&mut data).unwrap_err().to_string();
         assert!(error.contains("noise"), "{method:?}: {error}");
-        let mut a = mujoco_safe::Matrix::zeros(2, 2);
-        let outputs = mujoco_safe::derivative::TransitionOutputs { a: Some(&mut a), ..Default::default() };
+        let mut a = Matrix::zeros(2, 2);
+        let outputs = TransitionOutputs { a: Some(&mut a), ..Default::default() };
         lineariser.linear_system_into(&mut data, outputs).unwrap();
     }
 }
