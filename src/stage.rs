@@ -119,7 +119,8 @@ bitflags! {
         const AFTER_STEP1 = Self::FIRST_HALF.bits() | Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits();
         /// Valid results after forward dynamics.
         const AFTER_FORWARD = Self::FORWARD.bits() | Self::SENSORS.bits();
-        /// Valid results after a step. They belong to the state before the step, or to the last evaluation of a Runge–Kutta step.
+        /// Valid results after a step. They belong to the state before the step, or to the last
+        /// evaluation of a Runge–Kutta step.
         const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
         /// Valid results after inverse dynamics, which uses neither the projection nor the actuators.
         const AFTER_INVERSE = Self::SOLVED.bits() | Self::VELOCITY.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();

@@ -44,8 +44,9 @@ static void on_warning(const char* text) {
 #endif
   if (adhesion.data && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
 #if mjVERSION_HEADER >= 3010000
-    // The engine drops all errors and warnings of a thread whose handler of a warning does not return. So the call goes on
-    // without constraints, and fails at its end. Actuators skip contacts that are excluded because they affect no joints.
+    // The engine drops all errors and warnings of a thread whose handler of a warning does not
+    // return. So the call goes on without constraints, and fails at its end. Actuators skip
+    // contacts that are excluded because they affect no joints.
     for (int i = 0; i < adhesion.data->ncon; i++) adhesion.data->contact[i].exclude = 3;
     adhesion.lost = 1;
     snprintf(lost_constraints, sizeof(lost_constraints), "%s", text);

@@ -44,16 +44,18 @@ enum {
 // standard error if it is NULL.
 void mujoco_sys_install(void (*warn)(const char*));
 
-// Data for which a full constraint buffer is an error instead of a warning, and whether one has been found in a call that goes on.
+// Data for which a full constraint buffer is an error instead of a warning, and whether one has
+// been found in a call that goes on.
 struct mujoco_sys_adhesion {
   mjData* data;
   int lost;
 };
 
-// Makes a full constraint buffer of a data an error in this thread. Models with an adhesion actuator need this: the engine accesses
-// the constraints of each contact without checking that they exist. Writes the previous setting, which the caller passes to
-// mujoco_sys_end_adhesion after the call, because a callback of one model may simulate another. That function returns 1 if the call
-// must fail, although it has returned.
+// Makes a full constraint buffer of a data an error in this thread. Models with an adhesion
+// actuator need this: the engine accesses the constraints of each contact without checking that
+// they exist. Writes the previous setting, which the caller passes to mujoco_sys_end_adhesion after
+// the call, because a callback of one model may simulate another. That function returns 1 if the
+// call must fail, although it has returned.
 void mujoco_sys_begin_adhesion(mjData* d, struct mujoco_sys_adhesion* outer);
 int mujoco_sys_end_adhesion(const struct mujoco_sys_adhesion* outer);
 

@@ -82,13 +82,15 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
-    /// Makes a full constraint buffer of a data an error in this thread instead of a warning. Required while a model with an adhesion
-    /// actuator (`mjTRN_BODY`) is simulated: the engine would write out of bounds. The engine warns only while
-    /// `warning[mjWARN_CNSTRFULL].number` is zero. Writes the previous setting, for [`end_adhesion`].
+    /// Makes a full constraint buffer of a data an error in this thread instead of a warning.
+    /// Required while a model with an adhesion actuator (`mjTRN_BODY`) is simulated: the engine
+    /// would write out of bounds. The engine warns only while `warning[mjWARN_CNSTRFULL].number` is
+    /// zero. Writes the previous setting, for [`end_adhesion`].
     #[link_name = "mujoco_sys_begin_adhesion"]
     pub fn begin_adhesion(d: *mut mjData, outer: *mut Adhesion);
 
-    /// Restores the setting that [`begin_adhesion`] wrote. Returns 1 if the call between must fail, although it has returned, else 0.
+    /// Restores the setting that [`begin_adhesion`] wrote. Returns 1 if the call between must fail,
+    /// although it has returned, else 0.
     #[link_name = "mujoco_sys_end_adhesion"]
     pub fn end_adhesion(outer: *const Adhesion) -> c_int;
 

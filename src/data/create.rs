@@ -145,7 +145,8 @@ impl Data {
         self.wake_for_new_model();
     }
 
-    /// Activates the equality constraints that are active in the model. With newer engines they belong to the simulation.
+    /// Activates the equality constraints that are active in the model. With newer engines they
+    /// belong to the simulation.
     #[cfg_attr(not(engine_since = "3.0.0"), allow(clippy::unused_self, reason = "they belong to the model"))]
     fn take_equalities_of_model(&mut self) {
         #[cfg(engine_since = "3.0.0")]

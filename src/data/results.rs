@@ -15,9 +15,11 @@ impl Data {
         self.raw_mut().time = time;
     }
 
-    /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
-    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set, and with engines since
-    /// 3.3 also for sensors of energy. Without both they are zero after a reset. If the flag is cleared later, the values are stale.
+    /// Returns the potential and kinetic energy, J. [`forward`](Self::forward),
+    /// [`step`](Self::step) and [`inverse`](Self::inverse) compute them while
+    /// [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set, and with engines since
+    /// 3.3 also for sensors of energy. Without both they are zero after a reset. If the flag is
+    /// cleared later, the values are stale.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }

@@ -11,9 +11,11 @@ use crate::kind::Kind;
 impl Data {
     /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
     ///
-    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities belong to the old state. Call
-    /// [`forward`](Self::forward) to update them. (With the integrator [`Rk4`](crate::enums::Integrator::Rk4) only sensor readings and
-    /// energies belong to the old state, the rest to the last of the four states in which the engine evaluates the dynamics.)
+    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities
+    /// belong to the old state. Call [`forward`](Self::forward) to update them. (With the
+    /// integrator [`Rk4`](crate::enums::Integrator::Rk4) only sensor readings and energies belong
+    /// to the old state, the rest to the last of the four states in which the engine evaluates the
+    /// dynamics.)
     ///
     /// # Errors
     ///
@@ -102,7 +104,8 @@ impl Data {
         })
     }
 
-    /// Computes the second half of a step as [`step2`](Self::step2) does, for a difference of steps.
+    /// Computes the second half of a step as [`step2`](Self::step2) does, for a difference of
+    /// steps.
     pub(crate) fn step2_for_differences(&mut self) -> Result<()> {
         let computes = self.check_step2()?;
         let model = self.model().clone();

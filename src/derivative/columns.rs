@@ -1,9 +1,11 @@
 //! The engine's finite differences of a step, column by column, so that several threads can share them.
 //!
-//! Each column starts from the same saved state and warm start, so the result does not depend on the thread that computes it.
-//! A column skips the stages that its input does not influence. The engine's `mjd_transitionFD` skips them with functions that
-//! it does not export; here `mj_step2`, the second half of a step, replaces them. It always computes the acceleration sensors
-//! and repeats the factorisation of the integrator. The result is the same, unless an input changes that factor.
+//! Each column starts from the same saved state and warm start, so the result does not depend on
+//! the thread that computes it. A column skips the stages that its input does not influence. The
+//! engine's `mjd_transitionFD` skips them with functions that it does not export; here `mj_step2`,
+//! the second half of a step, replaces them. It always computes the acceleration sensors and
+//! repeats the factorisation of the integrator. The result is the same, unless an input changes
+//! that factor.
 
 use std::ops::Range;
 

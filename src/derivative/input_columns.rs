@@ -11,7 +11,8 @@ use crate::error::Result;
 use crate::model::Model;
 
 impl Data {
-    /// Replaces columns that the engine computes with a wrong matrix by differences of complete steps.
+    /// Replaces columns that the engine computes with a wrong matrix by differences of complete
+    /// steps.
     pub(super) fn correct_input_columns(
         &mut self,
         eps: f64,
@@ -63,8 +64,8 @@ impl Data {
     }
 }
 
-/// Returns `true` if a control or an activation can change the matrix of the integrator, and the engine
-/// neglects this.
+/// Returns `true` if a control or an activation can change the matrix of the integrator, and the
+/// engine neglects this.
 fn inputs_change_matrix(model: &Model) -> bool {
     let depends_on_velocity = |actuator: usize| match ActuatorGain::of_field(model.actuator_gaintype()[actuator]) {
         ActuatorGain::Fixed => false,

@@ -130,9 +130,11 @@ impl Lineariser {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately,
-    /// [`Error::Unsupported`] for a model with delays of actuators or sensors, or with the option `sleep`,
-    /// and for C and D of sensors with noise (2.2.2), and the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
+    /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that
+    /// was loaded separately, [`Error::Unsupported`] for a model with delays of actuators or
+    /// sensors, or with the option `sleep`, and for C and D of sensors with noise (2.2.2), and the
+    /// errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of
+    /// [`Data::transition_fd_into`].
     pub fn linear_system_into<'a>(
         &mut self,
         data: &mut Data,

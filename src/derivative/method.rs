@@ -13,13 +13,14 @@ use crate::macros::with_methods;
 pub enum TransitionMethod {
     /// Differences of a step by the engine, [`Data::transition_fd`](crate::Data::transition_fd), in one thread.
     Engine,
-    /// The same differences, computed column by column and shared among the threads. Without a step in
-    /// the options, those that disagree are repeated with others
-    /// ([`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES)). In both methods the solvers CG and PGS have no
-    /// [`tolerance`](crate::model::Options::tolerance), and since engine 3.12 Newton has one of at most
-    /// 1e-15, because with the usual one they keep their initial guess for small changes, so that the
-    /// differences lack the effect of the constraints. The model's limit on the
-    /// [iterations](crate::model::Options::iterations) applies: CG and PGS make as many in each step.
+    /// The same differences, computed column by column and shared among the threads. Without a step
+    /// in the options, those that disagree are repeated with others
+    /// ([`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES)). In both methods the solvers CG and PGS
+    /// have no [`tolerance`](crate::model::Options::tolerance), and since engine 3.12 Newton has
+    /// one of at most 1e-15, because with the usual one they keep their initial guess for small
+    /// changes, so that the differences lack the effect of the constraints. The model's limit on
+    /// the [iterations](crate::model::Options::iterations) applies: CG and PGS make as many in each
+    /// step.
     Columns,
     /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the

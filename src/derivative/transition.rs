@@ -59,10 +59,12 @@ impl Data {
     /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
     /// [`Differences::Central`] is a good choice.
     ///
-    /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, in 2.2.2 clocks
-    /// depend on all inputs, and in newer engines the kinetic energy does not depend on the velocities. With an implicit integrator, engines before 4.0 neglect that
-    /// a control changes the damping of an actuator whose gain depends on its velocity. This method corrects these. It also makes solvers iterate that
-    /// would keep their initial guess: see [`Columns`](super::TransitionMethod::Columns).)
+    /// (In engines before 4.0, central differences of the sensors with respect to the controls have
+    /// the wrong sign, in 2.2.2 clocks depend on all inputs, and in newer engines the kinetic
+    /// energy does not depend on the velocities. With an implicit integrator, engines before 4.0
+    /// neglect that a control changes the damping of an actuator whose gain depends on its
+    /// velocity. This method corrects these. It also makes solvers iterate that would keep their
+    /// initial guess: see [`Columns`](super::TransitionMethod::Columns).)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
     /// perturbed state, and count as not computed.
@@ -91,9 +93,10 @@ impl Data {
 
     /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's
     /// matrices, any of which may be omitted. Allocates nothing, except a copy of the controls if
-    /// the simulation has [callbacks](crate::callback), of the warm start if it is disabled, of orientations of mocap bodies with 2.2.2, of a
-    /// part of the model if an actuator has several controls, of the momentum if a sensor measures the kinetic energy, and of states if
-    /// controls change the damping of actuators in an implicit integrator.
+    /// the simulation has [callbacks](crate::callback), of the warm start if it is disabled, of
+    /// orientations of mocap bodies with 2.2.2, of a part of the model if an actuator has several
+    /// controls, of the momentum if a sensor measures the kinetic energy, and of states if controls
+    /// change the damping of actuators in an implicit integrator.
     ///
     /// # Errors
     ///
@@ -139,8 +142,9 @@ impl Data {
         let central = i32::from(differences == Differences::Central);
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
-        // The engine restores the controls too, but not after its last calls of a closure that sets them. It
-        // normalises the orientations of mocap bodies in 2.2.2, and does not restore the warm start if it is disabled.
+        // The engine restores the controls too, but not after its last calls of a closure that sets
+        // them. It normalises the orientations of mocap bodies in 2.2.2, and does not restore the
+        // warm start if it is disabled.
         let ctrl = self.has_callbacks().then(|| self.ctrl().to_vec());
         let is_cold = self.model().raw().opt.disableflags as u32 & DisableFlags::WARMSTART.bits() != 0;
         let warm_start = is_cold.then(|| self.qacc_warmstart().to_vec());
@@ -235,7 +239,8 @@ impl Data {
         self.can_perturb(control, eps) && self.can_perturb(control, -eps)
     }
 
-    /// Returns `true` if the engine perturbs a control by a number: if it is not limited, or is in its range before and after.
+    /// Returns `true` if the engine perturbs a control by a number: if it is not limited, or is in
+    /// its range before and after.
     pub(super) fn can_perturb(&self, control: usize, by: f64) -> bool {
         let [low, high] = self.model().actuator_ctrlrange()[control];
         let ctrl = self.ctrl()[control];

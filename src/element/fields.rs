@@ -8,7 +8,8 @@
 /// - `name: bool = array;` a byte that is 0 or 1; `, set_name` adds a setter;
 /// - `name: i32 = array, set_name;` an integer with a setter that accepts every value; `then method` calls a method of the owner
 ///   afterwards, which updates what is derived from the value;
-/// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values, also with `then method`;
+/// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these
+///   values, also with `then method`;
 /// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
 /// - `name: [f64; 3] = array after PART;` the same in a simulation, with an error unless this part of the pipeline has been computed;

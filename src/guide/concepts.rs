@@ -69,10 +69,11 @@
 //!
 //! # Age of results
 //!
-//! After a [`step`](Data::step), `qpos`, `qvel`, `act` and `time` are those of the new state. **All other quantities still belong to the state
-//! before the step**, because the engine computes them before it integrates. (With the integrator
-//! [`Rk4`](crate::enums::Integrator::Rk4) this is so for sensor readings and energies; the rest belongs to the last state in which the
-//! engine evaluates the dynamics, close to the new one.) The same is true after a program writes `qpos`. Call
+//! After a [`step`](Data::step), `qpos`, `qvel`, `act` and `time` are those of the new state. **All
+//! other quantities still belong to the state before the step**, because the engine computes them
+//! before it integrates. (With the integrator [`Rk4`](crate::enums::Integrator::Rk4) this is so for
+//! sensor readings and energies; the rest belongs to the last state in which the engine evaluates
+//! the dynamics, close to the new one.) The same is true after a program writes `qpos`. Call
 //! [`forward`](Data::forward) to compute them for the present state:
 //!
 //! ```

@@ -1,10 +1,12 @@
 //! Bounds by which the engine skips pairs of geoms in collision detection: bounding spheres and boxes of geoms, and the hierarchies
 //! of boxes, the margins and the masks of bodies.
 //!
-//! The compiler computes the bounds, and the engine detects no contact outside of them, even if the values that they depend on have
-//! changed. Mutable access to such values therefore makes the bounds [loose](ModelMut::loosen_bounds), which hides no contact and is
-//! slower. (Collision functions can find contacts outside of the bounds: that of two boxes takes a lower bound for the distance of
-//! edges.) [`update_bounds`](ModelMut::update_bounds) computes the bounds of the present values.
+//! The compiler computes the bounds, and the engine detects no contact outside of them, even if the
+//! values that they depend on have changed. Mutable access to such values therefore makes the
+//! bounds [loose](ModelMut::loosen_bounds), which hides no contact and is slower. (Collision
+//! functions can find contacts outside of the bounds: that of two boxes takes a lower bound for the
+//! distance of edges.) [`update_bounds`](ModelMut::update_bounds) computes the bounds of the
+//! present values.
 
 use super::{Model, ModelMut};
 use crate::enums::GeomType;

@@ -108,7 +108,8 @@ impl ModelMut<'_> {
 
     /// Corrects an error of the compiler, which marks a body with two slides along one axis as simple.
     pub(super) fn clear_wrong_simple_bodies(&mut self) {
-        // In newer engines the matrix has no space for the other elements: such a model is rejected.
+        // In newer engines the matrix has no space for the other elements: such a model is
+        // rejected.
         if cfg!(engine_since = "2.3.0") {
             return;
         }
@@ -122,8 +123,9 @@ impl ModelMut<'_> {
         }
     }
 
-    /// Clears the flags of bodies that are not simple any more and have at most one degree of freedom. Their part of the inertia matrix has
-    /// no other elements in any case. Engines since 3.11 fail for such a body.
+    /// Clears the flags of bodies that are not simple any more and have at most one degree of
+    /// freedom. Their part of the inertia matrix has no other elements in any case. Engines since
+    /// 3.11 fail for such a body.
     #[cfg(engine_since = "2.3.0")]
     pub(super) fn clear_flags_of_fixed_bodies(&mut self) {
         let changed =
@@ -162,8 +164,8 @@ impl ModelMut<'_> {
 }
 
 impl Model {
-    /// Returns the first body with several degrees of freedom whose part of the inertia matrix the engine takes for diagonal, although it
-    /// is not.
+    /// Returns the first body with several degrees of freedom whose part of the inertia matrix the
+    /// engine takes for diagonal, although it is not.
     #[cfg(engine_since = "2.3.0")]
     fn first_wrong_simple_body(&self) -> Option<usize> {
         // One degree of freedom has one element, which is constant if the body is independent.
@@ -171,8 +173,8 @@ impl Model {
         (0..self.nbody()).filter(was_simple).find(|&body| !self.is_simple(body))
     }
 
-    /// Returns the reason why the inertia matrix of a compiled model would be wrong: the compiler takes two slides of a body along one axis
-    /// for independent.
+    /// Returns the reason why the inertia matrix of a compiled model would be wrong: the compiler
+    /// takes two slides of a body along one axis for independent.
     #[cfg(engine_since = "2.3.0")]
     pub(super) fn coupled_slides(&self) -> Option<String> {
         let body = self.described(Kind::Body, self.first_wrong_simple_body()?);

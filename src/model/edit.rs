@@ -158,10 +158,12 @@ impl<'m> ModelMut<'m> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
-    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both; since engine 3.3 also a child of such a child. This is the rule of the XML compiler; the engine itself accepts
-    /// such a body and does not accelerate it. The model is then unchanged. Also for values from which the engine would compute addresses
-    /// outside of the model's arrays; see [`ModelMut`].
+    /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment
+    /// of inertia that is not at least 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both;
+    /// since engine 3.3 also a child of such a child. This is the rule of the XML compiler; the
+    /// engine itself accepts such a body and does not accelerate it. The model is then unchanged.
+    /// Also for values from which the engine would compute addresses outside of the model's arrays;
+    /// see [`ModelMut`].
     ///
     /// [`Error::Unsupported`](crate::Error::Unsupported) with engines since 2.3 for a body with several degrees of freedom whose part of the
     /// inertia matrix was diagonal when it was compiled (`body_simple`), but is not any more, because its centre of mass, its axes of inertia

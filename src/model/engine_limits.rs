@@ -27,7 +27,8 @@ pub(super) const MOST_SAFE_POLYGON: i32 = 8;
 const MOST_DISTANCE_ITERATIONS: Option<usize> =
     if cfg!(all(engine_since = "3.3.3", not(engine_since = "3.8.0"))) { Some(170) } else { None };
 
-/// Limit on the tolerance of Newton's method in steps that are differenced: of the size of rounding errors.
+/// Limit on the tolerance of Newton's method in steps that are differenced: of the size of rounding
+/// errors.
 const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
 impl Model {
@@ -107,16 +108,17 @@ impl Model {
 
     /// Passes the model to the engine for steps that are differenced, with corrections.
     ///
-    /// The solver iterates as far as it can. With the usual tolerance, CG and PGS stop after one iteration
-    /// for a small change of the state, and from 3.12 on Newton and CG before the first one: they keep
-    /// their initial guess, which lacks the effect of the change on the constraints. (Before 3.12, one
-    /// iteration of Newton converges for a small change.) The tolerance is one of the cost, which is
-    /// quadratic in the error, so CG and PGS have none.
+    /// The solver iterates as far as it can. With the usual tolerance, CG and PGS stop after one
+    /// iteration for a small change of the state, and from 3.12 on Newton and CG before the first
+    /// one: they keep their initial guess, which lacks the effect of the change on the constraints.
+    /// (Before 3.12, one iteration of Newton converges for a small change.) The tolerance is one of
+    /// the cost, which is quadratic in the error, so CG and PGS have none.
     ///
     /// Readings have no noise, which 2.2.2 adds.
     ///
-    /// And there is a type of transmission for each control, of which there can be more than actuators. The
-    /// step of `mjd_transitionFD` reads as many when it searches for actuators with damping.
+    /// And there is a type of transmission for each control, of which there can be more than
+    /// actuators. The step of `mjd_transitionFD` reads as many when it searches for actuators with
+    /// damping.
     pub(crate) fn for_differences<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
         let is_newton = self.raw().opt.solver == mjSOL_NEWTON as i32;
         if cfg!(not(engine_since = "3.12.0")) && is_newton && !self.has_noise() {

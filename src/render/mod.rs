@@ -125,12 +125,12 @@
 //! this crate does not know.
 //!
 //! In a comparison with the official bindings, at most 0.7 % of the pixels differed in 585 of 599
-//! scenes with 320 × 240 pixels with 4.0.0, in 580 of 594 with 3.17.0, and in 575 of 589 with 3.5.0,
-//! in colours, depths and segmentations. Of the others, scenes
-//! with labels (another font) differ by up to 4.6 %; lines exactly on the near plane by 2.9 %;
-//! wireframes of a mirror, which the engine adds once for each polygon that shares a line, by 7.9 %;
-//! 2,357 small spheres by 2.1 %; lit floors near the edges of shadow maps of directional lights,
-//! where the engine's have shadows of themselves, by 2.8 %.
+//! scenes with 320 × 240 pixels with 4.0.0, in 580 of 594 with 3.17.0, and in 575 of 589 with
+//! 3.5.0, in colours, depths and segmentations. Of the others, scenes with labels (another font)
+//! differ by up to 4.6 %; lines exactly on the near plane by 2.9 %; wireframes of a mirror, which
+//! the engine adds once for each polygon that shares a line, by 7.9 %; 2,357 small spheres by 2.1
+//! %; lit floors near the edges of shadow maps of directional lights, where the engine's have
+//! shadows of themselves, by 2.8 %.
 //!
 //! # Drivers
 //!

@@ -76,8 +76,8 @@ pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize)
     (start..start + length).map(|index| unsafe { *array.add(index) }).collect()
 }
 
-/// Asserts that the library and the engine give the same values, bit for bit: −0 differs from 0, and NaN
-/// equals itself.
+/// Asserts that the library and the engine give the same values, bit for bit: −0 differs from 0,
+/// and NaN equals itself.
 #[track_caller]
 pub(crate) fn assert_same(what: &str, ours: &[f64], theirs: &[f64]) {
     assert_eq!(ours.len(), theirs.len(), "{what}");

@@ -217,7 +217,8 @@ fn a_moving_body_without_mass_may_carry_a_fixed_child_with_mass() {
     let child = model.body("carrier").unwrap().index() + 1;
     model.edit().body_mass_mut()[child] = 0.0;
     assert!(matches!(model.edit().update_constants(), Err(Error::Invalid { .. })));
-    // Or a child of such a child, for some compilers. A muscle needs the constants when the model is loaded.
+    // Or a child of such a child, for some compilers. A muscle needs the constants when the model
+    // is loaded.
     let chain = carrier(NOTHING, &format!("<body>{BALL}</body>"));
     assert_eq!(chain.is_ok(), cfg!(engine_since = "3.3.0"), "{chain:?}");
     if let Ok(mut chain) = chain {

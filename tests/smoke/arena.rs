@@ -277,7 +277,8 @@ fn arrays_of_constraints_are_empty_until_they_are_computed() {
     assert_eq!(empty(&data).len(), total);
 }
 
-/// In newer engines a full buffer is a warning, and a handler of warnings that does not return would leave the thread without errors.
+/// In newer engines a full buffer is a warning, and a handler of warnings that does not return
+/// would leave the thread without errors.
 #[test]
 #[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
 fn errors_are_still_found_after_constraints_without_room_for_an_adhesive_body() {

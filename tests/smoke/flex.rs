@@ -258,7 +258,8 @@ fn inconsistent_flexes_are_errors() {
     }
 }
 
-/// Rows of contacts with torsional and rolling friction, which engines before 3.11 compute wrongly for a sparse Jacobian.
+/// Rows of contacts with torsional and rolling friction, which engines before 3.11 compute wrongly
+/// for a sparse Jacobian.
 #[test]
 #[cfg_attr(not(engine_since = "3.3.6"), ignore = "older compilers have other flexes")]
 fn rolling_friction_of_flexes_has_the_rows_of_the_dense_jacobian() {

@@ -84,9 +84,10 @@ pub struct Options {
     pub collision: Collision,
     /// Friction cone of contacts.
     pub cone: Cone,
-    /// Storage of the constraint Jacobian. With engines from 3.0 to 3.10 it is always dense in a model with flexes in which a geom or a
-    /// flex has contacts with torsional or rolling friction (`condim` 4 or 6): their rows in a sparse one would be those of memory that
-    /// the engine has not written.
+    /// Storage of the constraint Jacobian. With engines from 3.0 to 3.10 it is always dense in a
+    /// model with flexes in which a geom or a flex has contacts with torsional or rolling friction
+    /// (`condim` 4 or 6): their rows in a sparse one would be those of memory that the engine has
+    /// not written.
     pub jacobian: JacobianStorage,
     /// Constraint solver.
     pub solver: Solver,
@@ -421,7 +422,8 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Makes the constraint Jacobian dense if the engine would compute a wrong sparse one: see [`Options::jacobian`].
+    /// Makes the constraint Jacobian dense if the engine would compute a wrong sparse one: see
+    /// [`Options::jacobian`].
     #[cfg_attr(
         not(all(engine_since = "3.0.0", not(engine_since = "3.11.0"))),
         allow(clippy::unused_self, reason = "no flexes, or right ones")

@@ -23,8 +23,8 @@ const MOST_VALUES: u64 = 10_000;
 const SQUARE_TEXTURE: u64 = 12_900;
 /// Largest parameter of a mesh that the compiler generates.
 const MOST_PARAMETER: f64 = 1000.0;
-/// The same for meshes whose number of vertices is the square of a parameter. The time of the compiler grows with the square of that
-/// number: 5 s for 200, a minute for 400.
+/// The same for meshes whose number of vertices is the square of a parameter. The time of the
+/// compiler grows with the square of that number: 5 s for 200, a minute for 400.
 const MOST_GRID_PARAMETER: f64 = 200.0;
 /// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
 const MOST_VERTICES: u64 = 100_000;

@@ -123,7 +123,8 @@ fn repetitions(geom: SceneGeom<'_>) -> [f32; 2] {
 /// Returns the number of repetitions of a texture that is projected along z, for local positions from -1 to 1.
 fn projected_repetitions(geom: SceneGeom<'_>) -> [f32; 2] {
     let (size, repeat) = (geom.size(), geom.texrepeat());
-    // Older engines take any shape with data for one of the model's own, in 3.5.0 also a shape that was fitted to a mesh.
+    // Older engines take any shape with data for one of the model's own, in 3.5.0 also a shape that
+    // was fitted to a mesh.
     let is_in_metres = geom.mesh().is_some()
         || geom.height_field().is_some()
         || geom.plane().is_some()

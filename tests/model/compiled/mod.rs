@@ -229,8 +229,8 @@ fn differing_contacts(first: &Model, second: &Model, edited: Model) -> Option<St
     // bounds do not. 2.2.2 adds the margins of two geoms for bounds, and takes the larger one for
     // distances. All engines square the sum of the radii of spheres and the margin, below zero too.
     let is_negative = |geom: usize| second.geom_margin()[geom] < 0.0 || second.geom_gap()[geom] < 0.0;
-    // The collision function of two boxes gives a lower bound of the distance of edges, which can be
-    // within the margin where the boxes are not (`mj_geomDistance` agrees with the bounds).
+    // The collision function of two boxes gives a lower bound of the distance of edges, which can
+    // be within the margin where the boxes are not (`mj_geomDistance` agrees with the bounds).
     let is_box = |geom: usize| second.geom_type()[geom] == sys::mjGEOM_BOX as i32;
     let is_hidden = |pair: &outcome::Pair| {
         pair.0.is_some_and(|geoms| geoms.into_iter().any(is_negative) || geoms.into_iter().all(is_box))

@@ -141,8 +141,8 @@ pub(super) enum Difference {
     /// In contacts or numbers.
     Values(String),
     /// In numbers that change as much, within a factor of 100, if the velocities change in the 13th
-    /// digit. The arrays that `update_constants` computes have rounding errors, which a solver that does
-    /// not converge or a simulation that diverges magnifies.
+    /// digit. The arrays that `update_constants` computes have rounding errors, which a solver that
+    /// does not converge or a simulation that diverges magnifies.
     Rounding,
 }
 
