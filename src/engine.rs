@@ -1,20 +1,16 @@
 //! Version of the engine, and the process-wide handlers that must be installed before the first call.
 
-use std::cell::RefCell;
 use std::env::consts;
-use std::ffi::c_char;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use mujoco_sys::{callback, guard, mj_version};
 
-use crate::error::{Error, Result, catch_panic};
+use crate::error::{Error, Result};
 use crate::ffi;
+use crate::messages::on_warning;
 use crate::version::{Version, built_against};
-
-/// Log target of the engine's messages.
-pub(crate) const LOG_TARGET: &str = "mujoco";
 
 /// Returns the version of the engine library that is loaded at run time.
 pub fn engine_version() -> Version {
@@ -97,40 +93,4 @@ pub unsafe fn load_plugins(path: impl AsRef<Path>) -> Result<()> {
 pub fn enable_timers() {
     // SAFETY: the installed clock function only reads the system clock.
     unsafe { callback::install_clock() };
-}
-
-thread_local! {
-    /// Warnings of the model load in progress in this thread, `None` outside of a load.
-    static LOAD_WARNINGS: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
-}
-
-/// Runs `load` and returns its warnings instead of logging them.
-pub(crate) fn collecting_warnings<T>(load: impl FnOnce() -> T) -> (T, Vec<String>) {
-    // A destructor of a thread-local may load a model after this thread-local was destroyed. The warnings are logged then.
-    let outer = LOAD_WARNINGS.try_with(|collected| collected.replace(Some(Vec::new())));
-    let result = load();
-    let warnings = outer.and_then(|outer| LOAD_WARNINGS.try_with(|collected| collected.replace(outer)));
-    (result, warnings.ok().flatten().unwrap_or_default())
-}
-
-/// Handles a warning of the engine. The default handler would print it and write `MUJOCO_LOG.TXT` to the working directory.
-unsafe extern "C" fn on_warning(message: *const c_char) {
-    // The logger is code of the application. Its panic must not unwind through C frames, so it ends here.
-    let _ = catch_panic(|| {
-        // SAFETY: the engine passes a NUL-terminated string.
-        let message = unsafe { ffi::text(message) };
-        // The access fails only in a thread that is ending.
-        let kept = LOAD_WARNINGS
-            .try_with(|collected| match collected.try_borrow_mut().as_deref_mut() {
-                Ok(Some(warnings)) => {
-                    warnings.push(message.clone());
-                    true
-                }
-                _ => false,
-            })
-            .unwrap_or(false);
-        if !kept {
-            log::warn!(target: LOG_TARGET, "{message}");
-        }
-    });
 }

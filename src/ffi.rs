@@ -8,6 +8,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 use mujoco_sys::guard;
 
 use crate::error::{Error, Result};
+use crate::messages;
 
 /// Integer type of a size in some version of the engine.
 pub(crate) trait Size {
@@ -167,7 +168,9 @@ pub(crate) fn check_without_data(function: &'static str, status: c_int) -> Resul
 /// [`check_without_data`].
 #[inline]
 pub(crate) fn check(function: &'static str, status: c_int) -> Result<()> {
-    if status == guard::OK { Ok(()) } else { Err(engine_error(function, status)) }
+    let result = if status == guard::OK { Ok(()) } else { Err(engine_error(function, status)) };
+    messages::log_after_call();
+    result
 }
 
 /// Returns the error that this thread's last guarded call caught.

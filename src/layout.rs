@@ -174,12 +174,13 @@ impl Data {
         unsafe { adapted::equality_enforced(self.model().as_ptr(), self.as_ptr(), equality as c_int) != 0 }
     }
 
-    /// Returns the statistics of the solver's recorded iterations.
-    pub(crate) fn solver_statistics(&self) -> &[mujoco_sys::mjSolverStat] {
+    /// Returns the statistics of the solver's recorded iterations for an island of constraints.
+    pub(crate) fn solver_statistics(&self, island: usize) -> &[mujoco_sys::mjSolverStat] {
         let mut statistics = ptr::null();
-        // SAFETY: the count is at most the length of the array in the struct.
+        let island = c_int::try_from(island).unwrap_or(c_int::MAX);
+        // SAFETY: the count is at most the length of the island's part of the array in the struct.
         unsafe {
-            let count = adapted::solver_iterations(self.as_ptr(), &raw mut statistics);
+            let count = adapted::solver_iterations(self.as_ptr(), island, &raw mut statistics);
             ffi::array(statistics, usize::try_from(count).unwrap_or(0))
         }
     }

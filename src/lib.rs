@@ -107,6 +107,7 @@ mod macros;
 pub mod math;
 pub mod matrix;
 mod memory;
+mod messages;
 #[cfg(feature = "npz")]
 pub mod npz;
 pub mod prelude;

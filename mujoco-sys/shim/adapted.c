@@ -260,14 +260,17 @@ mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count) {
   return m->tendon_lengthspring + *count * tendon;
 }
 
-int mujoco_sys_solverIterations(const mjData* d, const mjSolverStat** statistics) {
+int mujoco_sys_solverIterations(const mjData* d, int island, const mjSolverStat** statistics) {
 #if mjVERSION_HEADER >= 300
-  *statistics = d->solver;
-  return d->solver_niter[0] < mjNSOLVER ? d->solver_niter[0] : mjNSOLVER;
+  const int islands = mjNISLAND;
+  const int* counts = d->solver_niter;
 #else
-  *statistics = d->solver;
-  return d->solver_iter < mjNSOLVER ? d->solver_iter : mjNSOLVER;
+  const int islands = 1;
+  const int* counts = &d->solver_iter;
 #endif
+  if (island < 0 || island >= islands) return 0;
+  *statistics = d->solver + island * mjNSOLVER;
+  return counts[island] < mjNSOLVER ? counts[island] : mjNSOLVER;
 }
 
 mjtNum* mujoco_sys_pluginState(const mjData* d) {

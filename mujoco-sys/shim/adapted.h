@@ -73,7 +73,7 @@ void mujoco_sys_setLightDirectional(mjModel* m, int light, int directional);
 mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count);
 
 // Number of the solver's recorded iterations, and their statistics. With islands, those of the first island.
-int mujoco_sys_solverIterations(const mjData* d, const mjSolverStat** statistics);
+int mujoco_sys_solverIterations(const mjData* d, int island, const mjSolverStat** statistics);
 
 // Texture of a geom of a scene. Since 3.2 only the material is known (`material` >= 0), whose texture is that of the model.
 struct mujoco_sys_texture {

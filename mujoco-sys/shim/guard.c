@@ -25,6 +25,8 @@ const char* mujoco_sys_message(void) { return message; }
 
 struct mujoco_sys_guard** mujoco_sys_innermost(void) { return &innermost; }
 
+int mujoco_sys_is_guarded(void) { return innermost != NULL; }
+
 static void on_error(const char* text) {
   if (!innermost) {
     // The engine was called without a guard. If this handler returned, the engine would continue with a broken invariant.

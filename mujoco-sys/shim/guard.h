@@ -65,6 +65,9 @@ const char* mujoco_sys_message(void);
 // Returns the number of significant digits of the numbers that mujoco_sys_mj_saveLastXML prints.
 int mujoco_sys_xml_digits(void);
 
+// Returns 1 during a guarded call of this thread, else 0.
+int mujoco_sys_is_guarded(void);
+
 // Used by the loaders in load.cc.
 void mujoco_sys_set_message(const char* text);
 void mujoco_sys_after_error(void);

@@ -99,6 +99,10 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_xml_digits"]
     pub fn xml_digits() -> c_int;
 
+    /// Returns 1 during a guarded call of this thread, else 0.
+    #[link_name = "mujoco_sys_is_guarded"]
+    pub fn is_guarded() -> c_int;
+
     /// Returns the text of this thread's last caught error. Valid until the next error.
     #[link_name = "mujoco_sys_message"]
     pub fn message() -> *const c_char;

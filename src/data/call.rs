@@ -22,7 +22,7 @@ use mujoco_sys::{guard, mjData, mjModel};
 use super::warning::{self, CounterChange, SavedCounters};
 use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::ffi;
+use crate::{ffi, messages};
 
 impl Data {
     /// Makes a guarded call that only reads the data. An engine error leaves the data usable, because the call cannot change it.
@@ -80,6 +80,7 @@ impl Data {
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
+            messages::log_after_call();
             return Ok(());
         }
         self.finish(function, computes, time, &counters, status, change, None)
@@ -115,6 +116,7 @@ impl Data {
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
+            messages::log_after_call();
             return Ok(());
         }
         self.finish(function, computes, time, counters, status, change, failure)

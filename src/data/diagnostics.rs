@@ -155,7 +155,7 @@ impl Data {
     /// ```
     #[doc(alias = "mjSolverStat")]
     pub fn solver(&self) -> impl ExactSizeIterator<Item = SolverIteration> {
-        self.solver_statistics().iter().map(SolverIteration::from)
+        self.solver_statistics(0).iter().map(SolverIteration::from)
     }
 
     /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of the constraint forces, and the

@@ -95,12 +95,18 @@ impl Data {
     /// Takes a step as [`step`](Self::step) does, for a difference of steps: see
     /// [`Model::for_differences`](crate::model::Model::for_differences).
     pub(crate) fn step_for_differences(&mut self) -> Result<()> {
+        self.step_for_differences_with(self.model().raw().opt.iterations)
+    }
+
+    /// Takes a step as [`step_for_differences`](Self::step_for_differences) does, with another
+    /// limit of the solver's iterations.
+    pub(crate) fn step_for_differences_with(&mut self, iterations: i32) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
         let model = self.model().clone();
         self.run("mj_step", PipelineFlags::AFTER_STEP, |_, d| {
             // SAFETY: as in `step`; the copy of the model has its arrays.
-            model.for_differences(|m| unsafe { guard::step_prechecked(m, d) })
+            model.for_differences_with(iterations, |m| unsafe { guard::step_prechecked(m, d) })
         })
     }
 

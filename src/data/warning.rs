@@ -13,9 +13,9 @@ use std::mem::MaybeUninit;
 use mujoco_sys::{self as sys, guard, mjData, mjModel, mjWarningStat};
 
 use super::Data;
-use crate::engine::LOG_TARGET;
 use crate::error::{Instability, Result, UnstableField};
 use crate::kind::Kind;
+use crate::messages::LOG_TARGET;
 
 const COUNT: usize = sys::mjNWARNING as usize;
 

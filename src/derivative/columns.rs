@@ -10,6 +10,7 @@
 use std::ops::Range;
 
 use super::actuation::next_activations;
+use super::convergence::{SolverCheck, is_solver_at_limit};
 use super::implicit::has_kinetic_energy;
 use super::kinks::{self, Trials, disagreement, has_contact_that_jumps, sides};
 use super::method::Kinks;
@@ -35,6 +36,7 @@ pub(super) struct StepDifferences {
     trials: Trials,
     /// `true` if the collision functions of the present contacts can jump.
     may_jump: bool,
+    solver: SolverCheck,
 }
 
 impl StepDifferences {
@@ -46,17 +48,26 @@ impl StepDifferences {
             next_activations: vec![0.0; model.na()],
             trials: Trials::new(nx + ny),
             may_jump: false,
+            solver: SolverCheck::new(model.nv()),
         }
     }
 
     /// Samples the step from the base point, which all columns need. Returns the kinks in controls and activations.
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
+        let mut kinks = Kinks::empty();
         advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
+        if is_solver_at_limit(&point.data) {
+            point.restore()?;
+            if self.solver.depends_on_iterations(point, settings.step.eps)? {
+                kinks |= Kinks::DIFFERENCES;
+            }
+            advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
+        }
         sample(&point.data, &mut self.samples[BASE]);
         self.may_jump = has_contact_that_jumps(&point.data);
         point.restore()?;
         next_activations(settings.model, &point.data, &mut self.next_activations);
-        Ok(kinks::of_inputs(&point.data, Some(&self.next_activations)))
+        Ok(kinks | kinks::of_inputs(&point.data, Some(&self.next_activations)))
     }
 
     /// Computes a column of the linear system, and returns its kinks. Columns must be computed in the order of

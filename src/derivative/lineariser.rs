@@ -144,9 +144,6 @@ impl Lineariser {
         outputs.check(data.model())?;
         self.adopt_model(data)?;
         data.model().check_linearisable("a linearisation")?;
-        if Wanted::by(&outputs).sensors && data.model().has_noise() {
-            return Err(Error::Unsupported("C and D of sensors with noise: clear EnableFlags::SENSORNOISE".to_owned()));
-        }
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {

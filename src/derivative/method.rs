@@ -20,7 +20,8 @@ pub enum TransitionMethod {
     /// one of at most 1e-15, because with the usual one they keep their initial guess for small
     /// changes, so that the differences lack the effect of the constraints. The model's limit on
     /// the [iterations](crate::model::Options::iterations) applies: CG and PGS make as many in each
-    /// step.
+    /// step. If the solver has not converged by then, `Columns` reports
+    /// [`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES).
     Columns,
     /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
@@ -226,13 +227,15 @@ bitflags! {
         /// was tried, so that some entries are not derivatives. Either there is a kink, of which
         /// central differences give the mean slope of the sides, or they do not converge because
         /// the result jumps: for example contacts of meshes, whose collision function stops at a
-        /// tolerance, or bodies that penetrate each other deeply. Without a step in the
+        /// tolerance, or bodies that penetrate each other deeply. Or the constraint solver stops at
+        /// the limit of its [iterations](crate::model::Options::iterations) before it has
+        /// converged, as PGS often does for stacks of bodies. Without a step in the
         /// [options](super::TransitionOptions::eps), differences that disagree by more than 0.2 %
         /// are repeated with steps that are 10 times smaller, and 10 and 100 times larger. At
         /// contacts whose collision function can jump (of all shapes, except with planes and
         /// between spheres and capsules), differences by positions must also agree with those of
-        /// the double step. Only [central](super::Differences::Central) differences can be checked,
-        /// and not those of the method `Engine`.
+        /// the double step. Only [central](super::Differences::Central) differences can be checked
+        /// for kinks and jumps, and those of the method `Engine` for nothing.
         const DIFFERENCES = 1 << 5;
         /// The length of a tendon is at an end of the range in which its spring is slack
         /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The others

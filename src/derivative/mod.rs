@@ -17,6 +17,7 @@
 mod actuation;
 mod analytic;
 mod columns;
+mod convergence;
 mod implicit;
 mod input_columns;
 mod inverse;

@@ -151,6 +151,16 @@ impl PerturbedData {
         }
     }
 
+    /// Perturbs all positions and velocities by amounts up to `eps`, none of which is zero.
+    pub(super) fn perturb_motion(&mut self, eps: f64) -> Result<()> {
+        self.direction.iter_mut().zip(1..).for_each(|(by, dof)| *by = f64::from(dof).sin());
+        self.data.qvel_mut().iter_mut().zip(&self.direction).for_each(|(value, by)| *value += eps * by);
+        let model = self.data.model().clone();
+        let moved = model.integrate_pos(self.data.qpos_mut(), &self.direction, eps);
+        self.direction.fill(0.0);
+        moved
+    }
+
     /// Adds `eps` to one input.
     pub(super) fn perturb(&mut self, model: &Model, input: Input, eps: f64) -> Result<()> {
         match input {

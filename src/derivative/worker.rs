@@ -11,7 +11,7 @@ use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inp
 use super::support::Obstacles;
 use super::work_queue::{WorkQueue, for_each_worker};
 use super::{TransitionOutputs, sizes};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
@@ -107,6 +107,9 @@ pub(super) fn linearise(
     obstacles: Obstacles,
     mut outputs: TransitionOutputs<'_>,
 ) -> Result<LinearisationReport> {
+    if Wanted::by(&outputs).sensors && workers[0].point.data.model().has_noise() {
+        return Err(Error::Unsupported("C and D of sensors with noise: clear EnableFlags::SENSORNOISE".to_owned()));
+    }
     let (method, fallback) = obstacles.method(options.method);
     if method == TransitionMethod::Engine {
         let (point, step) = (&mut workers[0].point, options.step(method));

@@ -120,11 +120,19 @@ impl Model {
     /// actuators. The step of `mjd_transitionFD` reads as many when it searches for actuators with
     /// damping.
     pub(crate) fn for_differences<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
+        self.for_differences_with(self.raw().opt.iterations, call)
+    }
+
+    /// Passes the model as [`for_differences`](Self::for_differences) does, with another limit of
+    /// the solver's iterations.
+    pub(crate) fn for_differences_with<T>(&self, iterations: i32, call: impl FnOnce(*const mjModel) -> T) -> T {
         let is_newton = self.raw().opt.solver == mjSOL_NEWTON as i32;
-        if cfg!(not(engine_since = "3.12.0")) && is_newton && !self.has_noise() {
+        let is_unchanged = is_newton && !self.has_noise() && iterations == self.raw().opt.iterations;
+        if cfg!(not(engine_since = "3.12.0")) && is_unchanged {
             return call(self.as_ptr());
         }
         let mut copy = self.copy_of_struct();
+        copy.opt.iterations = iterations;
         copy.opt.tolerance = if is_newton { copy.opt.tolerance.min(DIFFERENCED_TOLERANCE) } else { 0.0 };
         copy.opt.enableflags &= !(EnableFlags::SENSORNOISE.bits() as i32);
         #[cfg(engine_since = "3.17.0")]

@@ -1,16 +1,18 @@
 //! The engine's XML compiler: its process-wide state, its virtual file system, and the call itself.
 
 use std::ffi::{CString, c_int};
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{self as sys, guard, mjVFS, stderr};
 
-use crate::engine::{self, collecting_warnings};
+use crate::engine;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Lineage;
+use crate::messages::{self, HeldBack, collecting_warnings};
 use crate::model::{Model, xml_guard};
 
 /// State of the engine's XML compiler, one per process: the XML tree of the last model, under a lock.
@@ -23,12 +25,13 @@ pub(in crate::model) struct XmlState {
 
 impl XmlState {
     /// Waits for concurrent loads, as the engine does, and returns an error if the engine would deadlock.
-    pub(in crate::model) fn enter() -> Result<MutexGuard<'static, Self>> {
+    pub(in crate::model) fn enter() -> Result<XmlLock> {
         static STATE: Mutex<XmlState> = Mutex::new(XmlState { last: None, locked: None });
+        let held = HeldBack::new();
         let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
         match &state.locked {
             Some(cause) => Err(Error::LoaderLocked { cause: cause.clone() }),
-            None => Ok(state),
+            None => Ok(XmlLock { state, _held: held }),
         }
     }
 
@@ -42,6 +45,28 @@ impl XmlState {
             self.locked = Some(error.to_string());
         }
         result
+    }
+}
+
+/// Exclusive access to the state of the compiler. A logger that loads a model would wait for it
+/// forever, so messages are logged after it is released.
+pub(in crate::model) struct XmlLock {
+    state: MutexGuard<'static, XmlState>,
+    /// Dropped after the lock, because the fields are dropped in the order of their declaration.
+    _held: HeldBack,
+}
+
+impl Deref for XmlLock {
+    type Target = XmlState;
+
+    fn deref(&self) -> &XmlState {
+        &self.state
+    }
+}
+
+impl DerefMut for XmlLock {
+    fn deref_mut(&mut self) -> &mut XmlState {
+        &mut self.state
     }
 }
 
@@ -81,6 +106,14 @@ impl VirtualFiles {
         if content.is_empty() {
             return Err(invalid("empty".to_owned(), "at least one byte long"));
         }
+        // The compiler reads the header of a Gmsh file as a C string.
+        let terminated;
+        let content = if content.starts_with(b"$MeshFormat") && !content.contains(&0) {
+            terminated = [content, b"\0"].concat();
+            &terminated
+        } else {
+            content
+        };
         let size = i32::try_from(content.len())
             .map_err(|_| invalid(format!("{} bytes long", content.len()), "smaller than 2 GiB"))?;
         let name_c: CString = ffi::c_string("the name of an in-memory file", name)?;
@@ -132,6 +165,7 @@ impl Model {
                 }
             })
         });
+        warnings.extend(messages::of_other_threads());
         xml.leave("mj_loadXML", status)?;
         // The convex hull library prints the reason first, and then pages of numbers.
         warnings.extend(printed.lines().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned));

@@ -17,9 +17,10 @@ use self::package::Resolved;
 use super::Model;
 use super::xml_guard::{self, Files};
 use crate::data::length_range::MuscleSimulation;
-use crate::engine::{self, collecting_warnings};
+use crate::engine;
 use crate::error::{Error, Result};
 use crate::id::Lineage;
+use crate::messages::{self, collecting_warnings};
 use crate::{ffi, file};
 
 /// File name of the main text for the engine's compiler.
@@ -183,7 +184,7 @@ impl Model {
         })?;
         // Log after the lock is released, because a logger is user code and may load a model itself.
         for warning in &model.warnings {
-            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+            log::warn!(target: messages::LOG_TARGET, "{source_name}: {warning}");
         }
         Ok(model)
     }

@@ -8,8 +8,8 @@ use std::path::Path;
 use mujoco_sys::guard;
 
 use super::{SaveXmlOptions, XmlCheck, compare};
-use crate::engine::collecting_warnings;
 use crate::error::{Error, Result};
+use crate::messages::collecting_warnings;
 use crate::model::Model;
 use crate::model::load::{TEXT, XmlState, path_c_string};
 use crate::{ffi, file};

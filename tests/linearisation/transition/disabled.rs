@@ -106,6 +106,8 @@ fn noise_of_sensors_is_no_derivative() {
         let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
         let error = lineariser.linear_system(&mut data).unwrap_err().to_string();
         assert!(error.contains("noise"), "{method:?}: {error}");
+        let along = lineariser.along(&data, &Matrix::zeros(1, 2), &Matrix::zeros(1, 0));
+        assert!(along.unwrap_err().to_string().contains("noise"), "{method:?}");
         let mut a = Matrix::zeros(2, 2);
         let outputs = TransitionOutputs { a: Some(&mut a), ..Default::default() };
         lineariser.linear_system_into(&mut data, outputs).unwrap();

@@ -169,6 +169,33 @@ fn differences_of_steps_use_a_solver_that_converges() {
     }
 }
 
+/// A light body carries a heavy one, for which PGS converges slowly.
+#[test]
+fn a_solver_that_stops_at_its_limit_is_reported() {
+    let mut outcomes = [0; 2];
+    for solver in ["CG", "PGS", "Newton"] {
+        for iterations in [1, 2, 5, 10, 20, 50, 100, 150, 500, 2000] {
+            let mut data = model(&format!(
+                r#"<mujoco><option solver="{solver}" iterations="{iterations}"/><default><joint type="slide" axis="0 0 1"/><geom type="box" size=".1 .1 .1"/></default>
+                     <worldbody><geom type="plane" size="1 1 1"/>
+                       <body pos="0 0 .0999"><joint/><geom mass=".2"/></body><body pos="0 0 .2998"><joint/><geom mass="1"/></body>
+                       <body pos="0 0 .4997"><joint/><geom mass="4"/></body></worldbody></mujoco>"#
+            ));
+            let expected = linear_system(&data);
+            let (system, report) = linearise(&mut data, TransitionMethod::Columns);
+            let error =
+                system.a.as_slice().iter().zip(expected.a.as_slice()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let is_reported = report.kinks.contains(Kinks::DIFFERENCES);
+            let largest = expected.a.as_slice().iter().fold(1.0, |largest: f64, a| largest.max(a.abs()));
+            println!("{solver} {iterations} {:.1e} {is_reported}", error / largest);
+            assert!(is_reported || error < 0.02 * largest, "{solver}, {iterations}: {error:.1e} without a report");
+            assert!(!is_reported || error > 1e-3 * largest, "{solver}, {iterations}: {error:.1e} with a report");
+            outcomes[usize::from(is_reported)] += 1;
+        }
+    }
+    assert!(outcomes.iter().all(|&count| count > 5), "{outcomes:?}");
+}
+
 /// The tolerance of the solver is one of the cost, which is quadratic in the error.
 #[test]
 fn differences_of_steps_are_right_with_conjugate_gradients() {
