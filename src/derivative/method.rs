@@ -126,11 +126,11 @@ pub enum Fallback {
     ///
     /// The analytic method does not understand flexes, plugins, compensation of gravity, stiffness and damping of higher order, plastic deformation,
     /// damping and armature of actuators, armature of tendons, activations that act within the step, limits of actuator forces at joints or tendons,
-    /// adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, disabled groups of actuators, springs
-    /// disabled without dampers or dampers without springs, the flag `EULERDAMP`, and options that newer engines can enable. Of these, the implicit
-    /// method understands compensation of gravity, stiffness of higher order, damping of higher order of tendons, activations that act within the step,
-    /// adhesion, surface velocity, `solreffriction`, constraints between sites, and springs or dampers disabled alone. Neither understands sensors of
-    /// contacts and of the actuator forces at joints or tendons.
+    /// adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, fixed tendons at ball and free joints
+    /// (before 4.0), disabled groups of actuators, springs disabled without dampers or dampers without springs, the flag `EULERDAMP`, and options that
+    /// newer engines can enable. Of these, the implicit method understands compensation of gravity, stiffness of higher order, damping of higher order
+    /// of tendons, activations that act within the step, adhesion, surface velocity, `solreffriction`, constraints between sites, fixed tendons, and
+    /// springs or dampers disabled alone. Neither understands sensors of contacts and of the actuator forces at joints or tendons.
     NotUnderstood {
         /// Field of `mjModel`, or `opt.` and the field of `mjOption`.
         field: &'static str,

@@ -119,12 +119,14 @@ impl ModelMut<'_> {
         let nodes = self.nodes(body);
         // A child follows its parent.
         for node in nodes.clone().rev() {
-            let aabb = if let Ok(geom) = usize::try_from(self.bvh_nodeid()[node]) {
-                self.box_of(geom)
-            } else {
-                let [first, second] =
-                    self.bvh_child()[node].map(|child| self.bvh_aabb()[nodes.start + ffi::size(child)]);
-                union(&first, &second)
+            // Nodes of bodies that contain fused ones have the geom of an earlier hierarchy in 3.5.0, so
+            // that only a leaf's is valid.
+            let aabb = match self.bvh_child()[node] {
+                [-1, -1] => self.box_of(ffi::size(self.bvh_nodeid()[node])),
+                children => {
+                    let [first, second] = children.map(|child| self.bvh_aabb()[nodes.start + ffi::size(child)]);
+                    union(&first, &second)
+                }
             };
             write!(self.bvh_aabb[node] = aabb);
         }

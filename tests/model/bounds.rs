@@ -51,6 +51,23 @@ fn check(what: &str, model: &Model, edit: impl Fn(&mut ModelMut<'_>)) {
     }
 }
 
+/// The compiler of 3.5.0 leaves ids of an earlier hierarchy in the nodes of a body that contains
+/// another.
+#[test]
+fn bodies_that_contain_fused_ones_keep_their_contacts() {
+    for far in [-1, 1] {
+        let text = format!(
+            r#"<mujoco><compiler fusestatic="true"/><worldbody><geom type="box" size=".1 .1 .1" pos="{far} 0 0"/>
+                 <body pos="0 0 .12"><freejoint/><geom size=".05" pos="1 0 0"/><body pos="-1 0 0"><geom size=".05"/></body></body>
+               </worldbody></mujoco>"#
+        );
+        let mut model = Model::from_xml_str(&text).unwrap();
+        assert_eq!(contacts(Data::new(model.clone()).unwrap()), 1, "{far}");
+        model.edit().update_constants().unwrap();
+        assert_eq!(contacts(Data::new(model).unwrap()), 1, "{far}, updated");
+    }
+}
+
 #[test]
 fn edited_sizes_positions_and_margins_find_their_contacts() {
     let plain = model(PLAIN, "");

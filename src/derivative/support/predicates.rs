@@ -55,6 +55,17 @@ enumerations! {
     };
 }
 
+/// Joints of fixed tendons whose position is a length or an angle. Compilers before 4.0 accept others.
+pub(super) fn wrapped_joints(model: &Model) -> Option<Fallback> {
+    let is_scalar = |joint: i32| {
+        let kind = JointType::from_raw(model.jnt_type()[crate::ffi::size(joint)]);
+        matches!(kind, Some(JointType::Slide | JointType::Hinge))
+    };
+    let mut wraps = model.wrap_type().iter().zip(model.wrap_objid());
+    let element = wraps.position(|(&kind, &joint)| kind == WrapType::Joint.raw() && !is_scalar(joint))?;
+    Some(Fallback::NotUnderstood { field: "wrap_objid", element })
+}
+
 /// Sensors whose rows are differences of inverse dynamics, which are also those that are differenced beside closed forms.
 pub(super) fn sensors_by_differences(model: &Model) -> Option<Fallback> {
     let pulls = analytic::reads_tendons(model);

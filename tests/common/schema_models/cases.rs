@@ -58,8 +58,26 @@ fn instances(default: &str) -> Vec<String> {
 ///
 /// The last message, if the compiler rejects all values.
 pub fn case(attribute: &Attribute, enough: Effect) -> Result<Case, String> {
+    search(attribute, enough, super::rig())
+}
+
+/// Returns a model with those of the attributes that the compiler accepts together, in the order of
+/// their addition.
+pub fn combination(attributes: &[Attribute]) -> String {
+    attributes
+        .iter()
+        .filter(|attribute| !is_only_stored(attribute))
+        .fold(super::rig(), |model, attribute| {
+            let case = search(attribute, Effect::Stored, model.clone());
+            case.map_or(model, |case| Node::parse(&case.text))
+        })
+        .text()
+}
+
+/// Returns a case in a model.
+fn search(attribute: &Attribute, enough: Effect, rig: Node) -> Result<Case, String> {
     let enough = if is_only_stored(attribute) { enough.min(Effect::Stored) } else { enough };
-    let mut search = Search { attribute, enough, best: None, message: String::new(), rig: super::rig() };
+    let mut search = Search { attribute, enough, best: None, message: String::new(), rig };
     let paths = match attribute.element.strip_prefix("default/") {
         Some(default) => instances(default),
         None => vec![attribute.element.clone()],

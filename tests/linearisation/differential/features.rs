@@ -168,7 +168,7 @@ const FLAGS: [&str; 28] = [
 
 /// Contacts, equality constraints and sensors.
 #[rustfmt::skip]
-const ELEMENTS: [&str; 18] = [
+const ELEMENTS: [&str; 20] = [
     r#"<contact><pair geom1="floor" geom2="bg" solreffriction="0.05 1" adhesion="1"/></contact>"#,
     r#"<contact><pair geom1="floor" geom2="bg" solreffriction="0.05 1"/></contact>"#,
     r#"<equality><connect site1="u" site2="w"/></equality>"#,
@@ -182,6 +182,8 @@ const ELEMENTS: [&str; 18] = [
     r#"<sensor><jointactuatorfrc joint="j"/></sensor>"#,
     r#"<sensor><tendonactuatorfrc tendon="x"/></sensor>"#,
     r#"<sensor><contact geom1="floor" geom2="bg" data="found force dist"/></sensor>"#,
+    r#"<tendon><fixed stiffness="3" damping="0.2" limited="true" range="-.1 .1"><joint joint="l" coef="1"/><joint joint="k" coef=".3"/></fixed></tendon>"#,
+    r#"<tendon><fixed name="f"><joint joint="l" coef="1"/></fixed></tendon><actuator><position tendon="f" kp="4"/></actuator><sensor><tendonpos tendon="f"/></sensor>"#,
     "<sensor><e_kinetic/></sensor>",
     "<sensor><e_potential/></sensor>",
     r#"<sensor><distance geom1="bg" geom2="g" cutoff="3"/><normal geom1="bg" geom2="g" cutoff="3"/><fromto geom1="bg" geom2="g" cutoff="3"/></sensor>"#,
@@ -314,12 +316,13 @@ pub(super) fn bases() -> Vec<String> {
 
 /// Features that were silently wrong: with the implicit integrators controls beyond their range and negative damping of tendons, and
 /// limits of actuator forces and sensors that depend on controls; by the implicit method damping of higher order, damping and armature of
-/// actuators; with the discrete integrator inverse dynamics.
+/// actuators; fixed tendons at ball joints; with the discrete integrator inverse dynamics.
 ///
 /// Each with whether the linked engine must load models of it.
-const REGRESSIONS: [(&str, bool); 11] = [
+const REGRESSIONS: [(&str, bool); 12] = [
     (r#"<general joint="j" gaintype="affine""#, true),
     (r#"damping="-0.4""#, true),
+    ("<tendon><fixed ", cfg!(not(engine_since = "4.0.0"))),
     (r#"actuatorfrcrange="-.1 .1""#, cfg!(engine_since = "3.5.0")),
     ("<sensor><jointactuatorfrc", cfg!(engine_since = "3.5.0")),
     ("<sensor><tendonactuatorfrc", cfg!(engine_since = "3.5.0")),

@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Tally, compare_inverse, compare_model};
-use crate::schema_models::{Effect, attributes, case, load};
+use crate::schema_models::{Effect, attributes, case, combination, load};
 use crate::transition::special_states;
 
 /// Integrators, of which older engines lack the last ones.
@@ -91,38 +91,90 @@ fn compare_schema(
         }
         let first = number / stride;
         for (integrator, cone) in (0..combinations).map(|offset| all[(first + offset) % all.len()]) {
-            let mut model = load(&case.text).expect("the engine has compiled the text");
-            // The solver converges, so that differences of steps are as accurate as the estimates.
-            let set = |options: &mut Options| {
-                (options.integrator, options.cone) = (integrator, cone);
-                (options.tolerance, options.iterations) = (0.0, options.iterations.max(200));
-            };
-            if model.nv() > most_dofs || model.edit().edit_options(set).is_err() {
-                continue;
-            }
-            models += 1;
-            let what = format!("{attribute}={:?} {integrator:?} {cone:?}", case.value);
-            for (tally, compare) in [(&mut total, compare_ordinary as Compare), (&mut special, compare_special)] {
-                let mut found = Tally::default();
-                compare(&model, number as u64, states, &mut found);
-                tally.compared += found.compared;
-                tally.noisy += found.noisy;
-                tally.reported += found.reported;
-                tally.failures.extend(found.failures.iter().map(|failure| format!("{what}: {failure}")));
-                if std::env::var_os("SHOW").is_some() {
-                    found.failures.iter().for_each(|failure| println!("{what}: {failure}"));
-                }
-            }
+            let what = format!("{attribute}={:?}", case.value);
+            let tallies = [&mut total, &mut special];
+            models += usize::from(compare_text(
+                &what,
+                &case.text,
+                (integrator, cone),
+                (number as u64, states, most_dofs),
+                tallies,
+            ));
         }
     }
-    for (states, tally) in [("ordinary", &total), ("special", &special)] {
+    report(models, [total, special])
+}
+
+/// Compares a model with an integrator and a cone, unless it has too many degrees of freedom or the
+/// engine cannot step it with the integrator. Returns whether it has been compared.
+fn compare_text(
+    what: &str,
+    text: &str,
+    (integrator, cone): (Integrator, Cone),
+    (seed, states, most_dofs): (u64, usize, usize),
+    [total, special]: [&mut Tally; 2],
+) -> bool {
+    let mut model = load(text).expect("the engine has compiled the text");
+    // The solver converges, so that differences of steps are as accurate as the estimates.
+    let set = |options: &mut Options| {
+        (options.integrator, options.cone) = (integrator, cone);
+        (options.tolerance, options.iterations) = (0.0, options.iterations.max(200));
+    };
+    if model.nv() > most_dofs || model.edit().edit_options(set).is_err() {
+        return false;
+    }
+    // The integrator `discrete` rejects some flexes.
+    if Data::new(model.clone()).unwrap().step().is_err() {
+        return false;
+    }
+    let what = format!("{what} {integrator:?} {cone:?}");
+    for (tally, compare) in [(total, compare_ordinary as Compare), (special, compare_special)] {
+        let mut found = Tally::default();
+        compare(&model, seed, states, &mut found);
+        tally.compared += found.compared;
+        tally.noisy += found.noisy;
+        tally.reported += found.reported;
+        tally.failures.extend(found.failures.iter().map(|failure| format!("{what}: {failure}")));
+        if std::env::var_os("SHOW").is_some() {
+            found.failures.iter().for_each(|failure| println!("{what}: {failure}"));
+        }
+    }
+    true
+}
+
+/// Prints the figures of a campaign.
+fn report(models: usize, tallies: [Tally; 2]) -> [Tally; 2] {
+    for (states, tally) in ["ordinary", "special"].into_iter().zip(&tallies) {
         let Tally { compared, noisy, reported, failures, .. } = tally;
         let wrong = failures.len();
         println!(
             "{models} models at {states} states: {compared} entries compared, {noisy} noisy, {reported} reported, {wrong} wrong"
         );
     }
-    [total, special]
+    tallies
+}
+
+/// Compares models with several random attributes.
+fn compare_combinations(seeds: Range<u64>, most_dofs: usize) -> [Tally; 2] {
+    const ATTRIBUTES: usize = 8;
+    load_plugins();
+    let (mut total, mut special) = (Tally::default(), Tally::default());
+    let all = attributes();
+    let mut models = 0;
+    for seed in seeds {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let some: Vec<_> = (0..ATTRIBUTES).map(|_| all[random.random_range(0..all.len())].clone()).collect();
+        let text = combination(&some);
+        let options = (INTEGRATORS[random.random_range(0..INTEGRATORS.len())], CONES[random.random_range(0..2)]);
+        let names: Vec<_> = some.iter().map(ToString::to_string).collect();
+        let what = format!("seed {seed}, {}", names.join(", "));
+        let tallies = [&mut total, &mut special];
+        models += usize::from(compare_text(&what, &text, options, (seed, 1, most_dofs), tallies));
+        if let Some(file) = std::env::var_os("TEXT") {
+            std::fs::write(file, text).unwrap();
+        }
+    }
+    report(models, [total, special])
 }
 
 type Compare = fn(&Model, u64, usize, &mut Tally);
@@ -168,6 +220,29 @@ fn some_attributes_of_the_schema_are_linearised() {
     check(&tallies);
 }
 
+#[test]
+fn some_combinations_of_attributes_are_linearised() {
+    let tallies = compare_combinations(0..2, MOST_DOFS[0]);
+    assert!(tallies.iter().all(|tally| tally.compared > 1000), "{:?}", tallies.map(|tally| tally.compared));
+    check(&tallies);
+}
+
+/// `SEED` is the first seed, and `SEEDS` their number. `SHOW` prints failures at once, and `TEXT` is a
+/// file to which the last model is written.
+///
+/// `cargo test --test linearisation -- --ignored --nocapture many_combinations`
+#[test]
+#[ignore = "a campaign"]
+fn many_combinations_of_attributes_are_linearised() {
+    let first = number("SEED", 1000) as u64;
+    check(&compare_combinations(first..first + number("SEEDS", 1000) as u64, MOST_DOFS[0]));
+}
+
+/// Returns a number from the environment.
+fn number(name: &str, default: usize) -> usize {
+    std::env::var(name).map_or(default, |text| text.parse().expect("the variable is a number"))
+}
+
 /// `FROM` and `TO` select attributes. `STATES` is the number of states of each kind, `COMBINATIONS` the
 /// number of integrators with a cone for each attribute, instead of all. `SHOW` prints failures at once.
 ///
@@ -175,9 +250,6 @@ fn some_attributes_of_the_schema_are_linearised() {
 #[test]
 #[ignore = "a campaign"]
 fn each_attribute_is_linearised() {
-    let number = |name: &str, default: usize| {
-        std::env::var(name).map_or(default, |text| text.parse().expect("the variable is a number"))
-    };
     let range = number("FROM", 0)..number("TO", usize::MAX);
     let combinations = number("COMBINATIONS", INTEGRATORS.len() * CONES.len());
     check(&compare_schema(1, range, combinations, number("STATES", 1), MOST_DOFS[1]));

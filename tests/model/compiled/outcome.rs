@@ -141,7 +141,7 @@ pub(super) enum Difference {
     /// In contacts or numbers.
     Values(String),
     /// In numbers that change as much, within a factor of 100, if the velocities change in the 13th
-    /// digit. The arrays that `update_constants` computes have rounding errors, which a solver that
+    /// digit, or if the constants of the compiled model are updated. The arrays that `update_constants` computes have rounding errors, which a solver that
     /// does not converge or a simulation that diverges magnifies.
     Rounding,
 }
@@ -174,8 +174,10 @@ pub(super) fn differing_runs(edited: &Model, compiled: &Model, seed: u64) -> Opt
         (Some(left), Some(right)) if !(left - right).is_nan() => (left - right).abs(),
         _ => f64::INFINITY,
     };
-    let rounding = [-1e-12, -1e-13, 1e-13, 1e-12].map(|error| change(&run(&models[1], seed, 1.0 + error)));
-    let is_rounding = change(&edited) <= 100.0 * rounding.into_iter().fold(0.0, f64::max);
+    let velocities = [-1e-12, -1e-13, 1e-13, 1e-12].map(|error| change(&run(&models[1], seed, 1.0 + error)));
+    let mut updated = models[1].clone();
+    let constants = updated.edit().update_constants().map_or(0.0, |()| change(&run(&updated, seed, 1.0)));
+    let is_rounding = change(&edited) <= 100.0 * velocities.into_iter().fold(constants, f64::max);
     Some(if is_rounding { Difference::Rounding } else { Difference::Values(what) })
 }
 
