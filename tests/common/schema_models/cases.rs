@@ -66,7 +66,6 @@ pub fn case(attribute: &Attribute, enough: Effect) -> Result<Case, String> {
 pub fn combination(attributes: &[Attribute]) -> String {
     attributes
         .iter()
-        .filter(|attribute| !is_only_stored(attribute))
         .fold(super::rig(), |model, attribute| {
             let case = search(attribute, Effect::Stored, model.clone());
             case.map_or(model, |case| Node::parse(&case.text))
@@ -98,7 +97,7 @@ fn search(attribute: &Attribute, enough: Effect, rig: Node) -> Result<Case, Stri
 }
 
 /// Returns `true` for attributes that only change pictures, names and the data of users.
-fn is_only_stored(attribute: &Attribute) -> bool {
+pub fn is_only_stored(attribute: &Attribute) -> bool {
     let Attribute { element, name } = attribute;
     let element = element.trim_start_matches("default/");
     [

@@ -26,7 +26,7 @@ mod values;
 
 use std::sync::OnceLock;
 
-pub use self::cases::{Case, Effect, case, combination, excite, load};
+pub use self::cases::{Case, Effect, case, combination, excite, is_only_stored, load};
 pub use self::document::Node;
 pub use self::hostile::hostile;
 pub use self::schema::{Attribute, Element, attributes, elements};

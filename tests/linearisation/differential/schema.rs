@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Tally, compare_inverse, compare_model};
-use crate::schema_models::{Effect, attributes, case, combination, load};
+use crate::schema_models::{Effect, attributes, case, combination, is_only_stored, load};
 use crate::transition::special_states;
 
 /// Integrators, of which older engines lack the last ones.
@@ -159,7 +159,8 @@ fn compare_combinations(seeds: Range<u64>, most_dofs: usize) -> [Tally; 2] {
     const ATTRIBUTES: usize = 8;
     load_plugins();
     let (mut total, mut special) = (Tally::default(), Tally::default());
-    let all = attributes();
+    let mut all = attributes();
+    all.retain(|attribute| !is_only_stored(attribute));
     let mut models = 0;
     for seed in seeds {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);

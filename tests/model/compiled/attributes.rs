@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Report, compare, part, texts};
-use crate::schema_models::{Effect, attributes, case, load};
+use crate::schema_models::{Effect, attributes, case, combination, load};
 
 /// Adds some of the attributes to a model and removes them, and changes other numbers of the model.
 fn campaign(numbers: impl Iterator<Item = usize>, changes: usize) -> Report {
@@ -27,6 +27,27 @@ fn campaign(numbers: impl Iterator<Item = usize>, changes: usize) -> Report {
             let (change, text) = texts::perturb(&case.text, &mut random);
             let Ok(changed) = load(&text) else { continue };
             report.add(compare(&with, &changed, random.random()), &format!("{what}, {change}"));
+        }
+    }
+    report
+}
+
+/// Changes numbers of models with several random attributes.
+fn campaign_of_combinations(seeds: std::ops::Range<u64>, changes: usize) -> Report {
+    const ATTRIBUTES: usize = 8;
+    let mut report = Report::default();
+    let mut all = attributes();
+    // `mj_setConst` of older engines overwrites the user's statistics.
+    all.retain(|attribute| cfg!(engine_since = "3.17.0") || !attribute.to_string().starts_with("statistic "));
+    for seed in seeds {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let some: Vec<_> = (0..ATTRIBUTES).map(|_| all[random.random_range(0..all.len())].clone()).collect();
+        let text = combination(&some);
+        let model = load(&text).expect("the engine has compiled the text");
+        for _ in 0..changes {
+            let (change, text) = texts::perturb(&text, &mut random);
+            let Ok(changed) = load(&text) else { continue };
+            report.add(compare(&model, &changed, random.random()), &format!("seed {seed}, {change}"));
         }
     }
     report
@@ -62,5 +83,13 @@ fn an_edit_keeps_the_statistics_of_the_user() {
 #[ignore = "takes minutes"]
 fn many_edits_of_attributes_equal_the_model_compiled_with_the_values() {
     let report = campaign(part("FROM", 0)..part("TO", usize::MAX), part("CHANGES", 10));
+    report.check();
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_edits_of_combinations_equal_the_model_compiled_with_the_values() {
+    let first = part("SEED", 0) as u64;
+    let report = campaign_of_combinations(first..first + part("SEEDS", 300) as u64, part("CHANGES", 20));
     report.check();
 }

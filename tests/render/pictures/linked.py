@@ -2,6 +2,7 @@
 """Draws scenes of everything that an engine shows, with its own renderer: colour, depth and segmentation.
 
     MUJOCO_GL=osmesa python linked.py OUT [PART_OF_A_NAME ...]
+    MUJOCO_GL=osmesa python linked.py OUT --random FIRST COUNT
     MUJOCO_GL=osmesa python linked.py --record
 
 needs the official bindings of the linked engine (numpy, pillow, pyopengl) and Debian's package libosmesa6; with bindings from 4.0, MUJOCO_GL=egl.
@@ -9,6 +10,7 @@ The test `pictures_equal_those_of_the_bindings` runs it and compares. Writes sce
 NAME.depth (float32, metres, without transparent geoms) and NAME.ids (int32, index of the geom in the scene, -1 for the background), row-major
 from the upper left. A scene whose model needs a newer engine is left out.
 
+--random draws random scenes instead, of the seeds from FIRST on (compare with MUJOCO_SAFE_PICTURES=OUT and MUJOCO_SAFE_SCENE=random).
 --record writes small colour images of the scenes in RECORDED to recorded/VERSION, with which the test `recorded_pictures_are_drawn` compares.
 """
 
@@ -19,6 +21,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+
+from random_scenes import random_scenes
 
 SIZE = [320, 240]
 RECORDED_SIZE = [160, 120]
@@ -819,6 +823,11 @@ def main():
     out = Path(sys.argv[1])
     out.mkdir(parents=True, exist_ok=True)
     rows = []
+    if sys.argv[2:3] == ["--random"]:
+        SCENES.clear()
+        first, count = map(int, sys.argv[3:])
+        random_scenes(scene, xml, VERSION, range(first, first + count))
+        del sys.argv[2:]
     for row in SCENES:
         if sys.argv[2:] and not any(part in row["name"] for part in sys.argv[2:]):
             continue
