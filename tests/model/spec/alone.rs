@@ -16,6 +16,11 @@ const MOUNT: Pose = Pose { pos: [0.3, -0.2, 0.5], quat: [0.8, 0.0, 0.36, -0.48] 
 pub(super) fn check(name: &str, spec: &Spec, alone: Model, rng: &mut Xoshiro256PlusPlus, counts: &mut Counts) {
     let Ok(mut alone) = Data::new(alone) else { return };
     for is_body in [false, true] {
+        // The joints of vertices keep the axes of the world, so the same state has other numbers.
+        #[cfg(engine_since = "3.0.0")]
+        if !is_body && alone.model().nflex() > 0 {
+            continue;
+        }
         let what = format!("{} {name}", if is_body { "in a body" } else { "at a pose" });
         let moved = attached(spec, alone.model(), is_body).and_then(|spec| spec.compile()).and_then(Data::new);
         counts.operations += 1;
@@ -133,7 +138,13 @@ fn differences(alone: &Data, moved: &Data) -> Vec<String> {
     let bodies = 1 + more..;
     compare("xpos", &points(&alone.xpos()[1..]), moved.xpos()[bodies.clone()].as_flattened());
     compare("xmat", &matrices(&alone.xmat()[1..]), moved.xmat()[bodies.clone()].as_flattened());
-    compare("subtree_com", &points(&alone.subtree_com()[1..]), moved.subtree_com()[bodies].as_flattened());
+    // The compiler gives a body without mass and geoms an inertial frame that depends on its pose.
+    let masses = &model.body_subtreemass()[1..];
+    let centres = |all: &[[f64; 3]]| {
+        all.iter().zip(masses).filter(|&(_, &mass)| mass > 0.0).map(|(centre, _)| *centre).collect::<Vec<_>>()
+    };
+    let ours = centres(&moved.subtree_com()[bodies]);
+    compare("subtree_com", &points(&centres(&alone.subtree_com()[1..])), ours.as_flattened());
     compare("geom_xpos", &points(alone.geom_xpos()), moved.geom_xpos().as_flattened());
     compare("geom_xmat", &matrices(alone.geom_xmat()), moved.geom_xmat().as_flattened());
     compare("site_xpos", &points(alone.site_xpos()), moved.site_xpos().as_flattened());
