@@ -48,6 +48,17 @@ pub(crate) unsafe extern "C" fn on_warning(message: *const c_char) {
     });
 }
 
+/// Logs a warning that a simulation has counted, unless warnings are held back or collected.
+#[cold]
+pub(crate) fn warn(message: String) {
+    let keep = |warnings: &RefCell<Vec<String>>| warnings.borrow_mut().push(message.clone());
+    if HOLDERS.get() > 0 && WARNINGS.try_with(keep).is_ok() {
+        HAS_WARNINGS.set(true);
+    } else {
+        log::warn!(target: LOG_TARGET, "{message}");
+    }
+}
+
 /// Logs the warnings of the call that has just returned. Costs the reading of a flag if there are
 /// none.
 #[inline]

@@ -12,7 +12,7 @@
 
 static _Thread_local struct mujoco_sys_guard* innermost;
 static _Thread_local char message[1024];
-static _Thread_local struct mujoco_sys_adhesion adhesion;
+static _Thread_local struct mujoco_sys_full full;
 static _Thread_local char lost_constraints[128];
 static void (*warning_sink)(const char*);
 
@@ -37,25 +37,47 @@ static void on_error(const char* text) {
   MUJOCO_SYS_RETURN_TO(innermost->return_to);
 }
 
+// Sets the numbers of constraints that the engine does not set when it removes them.
+static void clear_numbers(mjData* d) {
+#if mjVERSION_HEADER >= 230
+  d->ne = d->nf = 0;
+#else
+  (void)d;
+#endif
+#if mjVERSION_HEADER >= 300
+  d->nl = 0;
+#endif
+}
+
+// Handles a full constraint buffer: see mujoco_sys_begin_full.
+static void on_full_constraints(const char* text) {
+  full.count++;
+  // The engine adds 1. It would print the next warning only if the number were zero.
+  full.data->warning[mjWARN_CNSTRFULL].number = -1;
+  clear_numbers(full.data);
+  if (!full.is_fatal) return;
+#if mjVERSION_HEADER >= 3010000
+  // The engine drops all errors and warnings of a thread whose handler of a warning does not
+  // return. So the call goes on without constraints, and fails at its end. Actuators skip
+  // contacts that are excluded because they affect no joints.
+  for (int i = 0; i < full.data->ncon; i++) full.data->contact[i].exclude = 3;
+  full.has_failed = 1;
+  snprintf(lost_constraints, sizeof(lost_constraints), "%s", text);
+#else
+  on_error(text);
+#endif
+}
+
 static void on_warning(const char* text) {
   // The handler receives only the text, so the warning is recognised by its beginning.
 #if mjVERSION_HEADER >= 230
-  static const char full[] = "Insufficient arena memory for the number of constraints";
+  static const char beginning[] = "Insufficient arena memory for the number of constraints";
 #else
-  static const char full[] = "Pre-allocated constraint buffer is full";
+  static const char beginning[] = "Pre-allocated constraint buffer is full";
 #endif
-  if (adhesion.data && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
-#if mjVERSION_HEADER >= 3010000
-    // The engine drops all errors and warnings of a thread whose handler of a warning does not
-    // return. So the call goes on without constraints, and fails at its end. Actuators skip
-    // contacts that are excluded because they affect no joints.
-    for (int i = 0; i < adhesion.data->ncon; i++) adhesion.data->contact[i].exclude = 3;
-    adhesion.lost = 1;
-    snprintf(lost_constraints, sizeof(lost_constraints), "%s", text);
+  if (full.data && innermost && strncmp(text, beginning, sizeof(beginning) - 1) == 0) {
+    on_full_constraints(text);
     return;
-#else
-    on_error(text);
-#endif
   }
   if (warning_sink) {
     warning_sink(text);
@@ -116,10 +138,7 @@ static void clear_constraints(mjData* d) {
 #undef X
   d->contact = contact;
   d->ncon = ncon;
-  d->ne = d->nf = 0;
-#if mjVERSION_HEADER >= 300
-  d->nl = 0;
-#endif
+  clear_numbers(d);
 #if mjVERSION_HEADER >= 3011000
   d->efm_active = 0;
 #endif
@@ -150,20 +169,22 @@ static void restore(mjData* d, struct stack_mark at) {
   }
 }
 
-void mujoco_sys_begin_adhesion(mjData* d, struct mujoco_sys_adhesion* outer) {
-  *outer = adhesion;
-  adhesion.data = d;
-  adhesion.lost = 0;
+void mujoco_sys_begin_full(mjData* d, int is_fatal, struct mujoco_sys_full* outer) {
+  *outer = full;
+  full.data = d;
+  full.is_fatal = is_fatal;
+  full.count = full.has_failed = 0;
 }
 
-int mujoco_sys_end_adhesion(const struct mujoco_sys_adhesion* outer) {
-  const int lost = adhesion.lost;
-  if (lost) {
-    clear_arena(adhesion.data);
+int mujoco_sys_end_full(const struct mujoco_sys_full* outer, int* count) {
+  const int has_failed = full.has_failed;
+  if (has_failed) {
+    clear_arena(full.data);
     mujoco_sys_set_message(lost_constraints);
   }
-  adhesion = *outer;
-  return lost;
+  *count = full.count;
+  full = *outer;
+  return has_failed;
 }
 
 void mujoco_sys_stack_mark(const mjData* d, struct stack_mark* at) { *at = mark(d); }

@@ -44,20 +44,26 @@ enum {
 // standard error if it is NULL.
 void mujoco_sys_install(void (*warn)(const char*));
 
-// Data for which a full constraint buffer is an error instead of a warning, and whether one has
-// been found in a call that goes on.
-struct mujoco_sys_adhesion {
+// Data whose full constraint buffer is handled, whether that is an error, the number of such
+// warnings, and whether a call that goes on must fail.
+struct mujoco_sys_full {
   mjData* data;
-  int lost;
+  int is_fatal;
+  int count;
+  int has_failed;
 };
 
-// Makes a full constraint buffer of a data an error in this thread. Models with an adhesion
-// actuator need this: the engine accesses the constraints of each contact without checking that
-// they exist. Writes the previous setting, which the caller passes to mujoco_sys_end_adhesion after
-// the call, because a callback of one model may simulate another. That function returns 1 if the
-// call must fail, although it has returned.
-void mujoco_sys_begin_adhesion(mjData* d, struct mujoco_sys_adhesion* outer);
-int mujoco_sys_end_adhesion(const struct mujoco_sys_adhesion* outer);
+// Handles a full constraint buffer of a data in this thread. The engine then removes the
+// constraints, but since 2.3 not their numbers, with which its later stages would read them; this
+// clears the numbers. For models with an adhesion actuator it must be an error (`is_fatal`): the
+// engine accesses the constraints of each contact without checking that they exist.
+//
+// The engine warns only while `warning[mjWARN_CNSTRFULL].number` is zero. Writes the previous
+// setting, which the caller passes to mujoco_sys_end_full after the call, because a callback of one
+// model may simulate another. That function writes the number of warnings to `count`, and returns 1
+// if the call must fail, although it has returned.
+void mujoco_sys_begin_full(mjData* d, int is_fatal, struct mujoco_sys_full* outer);
+int mujoco_sys_end_full(const struct mujoco_sys_full* outer, int* count);
 
 // Returns the text of this thread's last caught error. Valid until the thread's next error.
 const char* mujoco_sys_message(void);

@@ -46,12 +46,14 @@ pub struct StackMark {
     base: usize,
 }
 
-/// Setting of a thread that [`begin_adhesion`] replaces.
+/// Setting of a thread that [`begin_full`] replaces.
 #[repr(C)]
 #[derive(Debug)]
-pub struct Adhesion {
+pub struct Full {
     data: *mut mjData,
-    lost: c_int,
+    is_fatal: c_int,
+    count: c_int,
+    has_failed: c_int,
 }
 
 /// A part of the engine's pipeline.
@@ -82,17 +84,22 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
-    /// Makes a full constraint buffer of a data an error in this thread instead of a warning.
-    /// Required while a model with an adhesion actuator (`mjTRN_BODY`) is simulated: the engine
-    /// would write out of bounds. The engine warns only while `warning[mjWARN_CNSTRFULL].number` is
-    /// zero. Writes the previous setting, for [`end_adhesion`].
-    #[link_name = "mujoco_sys_begin_adhesion"]
-    pub fn begin_adhesion(d: *mut mjData, outer: *mut Adhesion);
+    /// Handles a full constraint buffer of a data in this thread. The engine then removes the
+    /// constraints, but since 2.3 not their numbers, with which its later stages would read them;
+    /// this clears the numbers.
+    ///
+    /// `is_fatal` makes it an error. Required while a model with an adhesion actuator (`mjTRN_BODY`)
+    /// is simulated: the engine would write out of bounds.
+    ///
+    /// The engine warns only while `warning[mjWARN_CNSTRFULL].number` is zero. Writes the previous
+    /// setting, for [`end_full`].
+    #[link_name = "mujoco_sys_begin_full"]
+    pub fn begin_full(d: *mut mjData, is_fatal: c_int, outer: *mut Full);
 
-    /// Restores the setting that [`begin_adhesion`] wrote. Returns 1 if the call between must fail,
-    /// although it has returned, else 0.
-    #[link_name = "mujoco_sys_end_adhesion"]
-    pub fn end_adhesion(outer: *const Adhesion) -> c_int;
+    /// Restores the setting that [`begin_full`] wrote, and writes the number of warnings. Returns 1
+    /// if the call between must fail, although it has returned, else 0.
+    #[link_name = "mujoco_sys_end_full"]
+    pub fn end_full(outer: *const Full, count: *mut c_int) -> c_int;
 
     /// Returns the number of significant digits that `mj_save_last_xml` prints: 17, enough for every double to be read back exactly, or
     /// 6 with an engine whose precision cannot be set.

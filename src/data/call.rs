@@ -72,11 +72,11 @@ impl Data {
         self.clear_lazy_results();
         let counters = SavedCounters::replace(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
-        let adhesive = self.model().has_adhesion();
-        if adhesive || self.has_callbacks() {
+        if self.has_callbacks() || self.model().needs_constraints() {
             return self.run_with_callbacks(function, computes, time, &counters, call);
         }
         let status = call(model, data);
+        self.clear_absent_constraints();
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
@@ -94,7 +94,7 @@ impl Data {
         (raw.flg_energypos, raw.flg_energyvel, raw.flg_subtreevel, raw.flg_rnepost) = (0, 0, 0, 0);
     }
 
-    /// Continues [`run`](Self::run) for a simulation with callbacks or with an adhesion actuator.
+    /// Continues [`run`](Self::run) for a simulation with callbacks or with constraints that the engine needs.
     fn run_with_callbacks(
         &mut self,
         function: &'static str,
@@ -104,15 +104,16 @@ impl Data {
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
-        let adhesive = self.model().has_adhesion();
+        let (is_handled, is_fatal) = (self.model().needs_constraints(), self.model().has_adhesion());
         let mut call = Some(call);
         let mut call = || {
             let call = call.take().expect("Bug: an engine call is made twice");
-            if adhesive { warning::with_fatal_full_constraints(model, data, call) } else { call(model, data) }
+            if is_handled { warning::with_full_constraints(is_fatal, model, data, call) } else { call(model, data) }
         };
         // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
         let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
         let (status, failure) = self.call_with_callbacks(results, &mut call);
+        self.clear_absent_constraints();
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
@@ -123,6 +124,21 @@ impl Data {
     }
 
     /// Logs the new warnings of a call, or poisons the data if the call failed.
+    /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep them
+    /// when they remove the constraints, and the visualiser would read the rows.
+    #[inline]
+    pub(crate) fn clear_absent_constraints(&mut self) {
+        #[cfg(engine_since = "2.3.0")]
+        if self.raw().nefc == 0 {
+            let raw = self.raw_mut();
+            (raw.ne, raw.nf) = (0, 0);
+            #[cfg(engine_since = "3.0.0")]
+            {
+                raw.nl = 0;
+            }
+        }
+    }
+
     #[cold]
     #[allow(clippy::too_many_arguments, reason = "the complete state of a call, in a cold function")]
     fn finish(

@@ -8,7 +8,7 @@
 use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 
-use super::Data;
+use super::{Data, Warning};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Key;
@@ -336,6 +336,12 @@ impl MuscleSimulation {
                     ),
                     error => error.to_string(),
                 })?;
+                // The compiler repeats the simulation, in which nothing handles such constraints.
+                if cfg!(engine_since = "2.3.0") && data.warning(Warning::ConstraintFull).number > 0 {
+                    let message =
+                        "the memory in <size> is too small for the constraints in the simulation for a lengthrange";
+                    return Err(message.to_owned());
+                }
             }
         }
         Ok(())

@@ -15,7 +15,7 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjWarningStat};
 use super::Data;
 use crate::error::{Instability, Result, UnstableField};
 use crate::kind::Kind;
-use crate::messages::LOG_TARGET;
+use crate::messages;
 
 const COUNT: usize = sys::mjNWARNING as usize;
 
@@ -200,9 +200,10 @@ pub(crate) fn silence(data: &mut mjData) {
     }
 }
 
-/// Makes a call on a model with an adhesion actuator, for which a full constraint buffer must be an error.
-#[cold]
-pub(super) fn with_fatal_full_constraints(
+/// Makes a call on a model for which a full constraint buffer must be handled, or be an error: see
+/// [`guard::begin_full`].
+pub(super) fn with_full_constraints(
+    is_fatal: bool,
     model: *const mjModel,
     data: *mut mjData,
     call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
@@ -213,15 +214,15 @@ pub(super) fn with_fatal_full_constraints(
     let before = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
     let mut outer = MaybeUninit::uninit();
     // SAFETY: replaces the setting of this thread, which is restored below.
-    unsafe { guard::begin_adhesion(data, outer.as_mut_ptr()) };
+    unsafe { guard::begin_full(data, c_int::from(is_fatal), outer.as_mut_ptr()) };
     let mut status = call(model, data);
+    let mut count = 0;
     // SAFETY: written above, and the data is that of the setting.
-    if unsafe { guard::end_adhesion(outer.as_ptr()) } != 0 && status == guard::OK {
+    if unsafe { guard::end_full(outer.as_ptr(), &raw mut count) } != 0 && status == guard::OK {
         status = guard::ERROR;
     }
     // SAFETY: as above.
-    let counter = unsafe { &mut (*data).warning[COUNTER].number };
-    *counter = counter.saturating_add(before);
+    unsafe { (*data).warning[COUNTER].number = before.saturating_add(count) };
     status
 }
 
@@ -265,7 +266,7 @@ impl Data {
             let Some(index) = warning.index() else { continue };
             let (old, now) = (counters.before[index], self.warning(warning));
             if old.number == 0 && now.number > 0 {
-                log::warn!(target: LOG_TARGET, "{}", warning.message(now.lastinfo, self));
+                messages::warn(warning.message(now.lastinfo, self));
             }
         }
     }

@@ -51,6 +51,13 @@ impl Model {
         self.features.contains(PipelineFeatures::ADHESION_ACTUATOR)
     }
 
+    /// Returns `true` if the engine reads constraints of this model without checking that there was
+    /// room for them: those of an adhesive actuator, and since 2.3 equality constraints.
+    #[inline]
+    pub(crate) fn needs_constraints(&self) -> bool {
+        self.has_adhesion() || (cfg!(engine_since = "2.3.0") && self.raw().neq > 0)
+    }
+
     /// Returns `true` if each step casts rays at height fields, which requires valid poses: see
     /// [`Data::check_field_poses`](crate::Data::check_field_poses).
     #[inline]

@@ -354,6 +354,8 @@ impl Data {
             // SAFETY: geoms of this model, a valid dimension, no rows yet, a valid pointer for the result.
             unsafe { guard::mj_add_contact(m, d, &raw const raw, &raw mut full) }
         })?;
+        // The engine has removed the constraints.
+        self.clear_absent_constraints();
         // Newer engines have a limit of memory instead of a number.
         if full == 0 { Ok(()) } else { Err(Error::Unsupported("more contacts than fit in the arena".to_owned())) }
     }

@@ -14,9 +14,10 @@ use self::compiler::VirtualFiles;
 pub(super) use self::compiler::{XmlState, path_c_string};
 pub use self::options::LoadOptions;
 use self::package::Resolved;
-use super::Model;
 use super::xml_guard::{self, Files};
+use super::{DisableFlags, Model};
 use crate::data::length_range::MuscleSimulation;
+use crate::data::{Data, Warning};
 use crate::engine;
 use crate::error::{Error, Result};
 use crate::id::Lineage;
@@ -205,7 +206,11 @@ impl Model {
         let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
         let sources = Files { memory: &memory, directory: xml_guard::directory(xml_guard::path_bytes(path)) };
         let name = path_c_string(path)?;
-        if let Some(muscles) = xml_guard::check(source_name, text, &sources)? {
+        let simulations = xml_guard::check(source_name, text, &sources)?;
+        if simulations.may_lack_room {
+            Self::check_room(text, &name, files, source_name, compile)?;
+        }
+        if let Some(muscles) = simulations.muscles {
             Self::check_muscles(&muscles, text, &name, files, source_name, compile)?;
         }
         compile(&name, &virtual_files, source_name)
@@ -219,6 +224,28 @@ impl Model {
             virtual_files.add(name, content)?;
         }
         Ok(virtual_files)
+    }
+
+    /// Rejects a text for which the engine would read constraints without room in the compiler's test
+    /// step. Compiles the text without constraints, and takes the step with them.
+    fn check_room(
+        text: &[u8],
+        name: &CString,
+        files: &[(&str, &[u8])],
+        source_name: &str,
+        compile: &mut Compile<'_>,
+    ) -> Result<()> {
+        let Some(text) = xml_guard::without_constraints(text) else { return Ok(()) };
+        let mut model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
+        model.raw_mut().opt.disableflags &= !(DisableFlags::CONSTRAINT.bits() as i32);
+        let mut data = Data::new(model)?;
+        // The compiler reports other errors and warnings.
+        let _ = collecting_warnings(|| data.step());
+        if data.warning(Warning::ConstraintFull).number == 0 {
+            return Ok(());
+        }
+        let message = "the memory in <size> is too small for the constraints of the initial state".to_owned();
+        Err(Error::Load { source_name: source_name.to_owned(), message })
     }
 
     /// Rejects a text for which the compiler's simulation of muscles would not terminate. Compiles the text without that

@@ -22,7 +22,7 @@ use std::collections::HashSet;
 use std::rc::Rc;
 
 pub(super) use self::files::{Files, directory, path_bytes};
-pub(super) use self::simulation::without_simulation;
+pub(super) use self::simulation::{without_constraints, without_simulation};
 pub(super) use self::tags::{Tags, decoded};
 
 use self::assets::Format;
@@ -35,7 +35,7 @@ use self::parents::Parent;
 use self::place::{Candidate, Place};
 use self::plugins::Plugins;
 use self::readings::Readings;
-use self::simulation::{Muscles, Rangefinders};
+use self::simulation::{Constraints, Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
 use crate::data::length_range::MuscleSimulation;
@@ -70,9 +70,17 @@ const MOST_FOLDERS: usize = 16;
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
 
-/// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are its assets. If the compiler may simulate
-/// muscles, returns the settings of the simulation, because the text does not reveal whether it terminates.
-pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<MuscleSimulation>> {
+/// Simulations by the compiler whose safety the text does not reveal.
+pub(super) struct Simulations {
+    /// That of muscles, which may not terminate.
+    pub(super) muscles: Option<MuscleSimulation>,
+    /// `true` if there may be too little memory for constraints that the test step needs.
+    pub(super) may_lack_room: bool,
+}
+
+/// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are its assets. Returns the simulations
+/// that must be checked on a compiled model.
+pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Simulations> {
     let mut check = Check {
         files,
         model: ModelState::default(),
@@ -92,6 +100,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         meshes: Vec::new(),
         flexes: Vec::new(),
         muscles: Muscles::default(),
+        constraints: Constraints::default(),
         rangefinders: Rangefinders::default(),
         fusion: Fusion::default(),
         joint_types: JointTypes::default(),
@@ -108,7 +117,8 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
     check.rangefinders.check()?;
-    Ok(check.muscles.simulation())
+    let may_lack_room = check.constraints.may_lack_room();
+    Ok(Simulations { muscles: check.muscles.simulation(), may_lack_room })
 }
 
 /// Returns the reason to reject the file of a texture, which the engine reads after a load, too.
@@ -149,6 +159,7 @@ struct Check<'f> {
     meshes: Vec<Mesh>,
     flexes: Vec<Dim>,
     muscles: Muscles,
+    constraints: Constraints,
     rangefinders: Rangefinders,
     fusion: Fusion,
     joint_types: JointTypes,
@@ -231,6 +242,7 @@ impl<'f> Check<'f> {
             }
             self.model.plugins.record(&tag);
             self.muscles.record(&tag, self.depth > 0);
+            self.constraints.record(&tag);
             self.rangefinders.record(&tag, source_name);
             self.fusion.start(&tag, outer + depth, self.depth > 0);
             self.joint_types.start(&tag, outer + depth);

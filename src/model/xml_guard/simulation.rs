@@ -62,17 +62,55 @@ impl Muscles {
     }
 }
 
-/// Returns the text with the simulation of muscles disabled, or `None` if the text is not MJCF. The added setting takes
-/// effect because the compiler uses the last one.
+/// Constraints that the engine reads in the compiler's test step without checking that there was room
+/// for them, collected tag by tag: those of adhesive actuators, and since 2.3 equality constraints.
+#[derive(Default)]
+pub(super) struct Constraints {
+    are_needed: bool,
+    /// `true` if the text limits the memory.
+    has_size: bool,
+    /// `true` if the text may select a dual solver, which needs memory quadratic in their number.
+    is_dual: bool,
+}
+
+impl Constraints {
+    pub(super) fn record(&mut self, tag: &Tag<'_>) {
+        let has = |name: &&[u8]| tag.attribute(name).is_some();
+        match tag.name {
+            b"equality" | b"adhesion" | b"composite" | b"flexcomp" | b"flex" => self.are_needed = true,
+            b"general" => self.are_needed |= has(&&b"body"[..]),
+            b"size" => self.has_size |= [&b"memory"[..], b"njmax", b"nconmax", b"nstack"].iter().any(has),
+            b"option" => self.is_dual |= [&b"solver"[..], b"noslip_iterations"].iter().any(has),
+            _ => {}
+        }
+    }
+
+    /// Returns `true` if the room for the constraints must be checked.
+    pub(super) fn may_lack_room(&self) -> bool {
+        cfg!(engine_since = "2.3.0") && self.are_needed && (self.has_size || self.is_dual)
+    }
+}
+
+/// Returns the text with the simulation of muscles disabled, or `None` if the text is not MJCF.
 pub(in crate::model) fn without_simulation(text: &[u8]) -> Option<Vec<u8>> {
+    appended(text, b"<compiler><lengthrange mode=\"none\"/></compiler>")
+}
+
+/// Returns the text with constraints and the simulation of muscles disabled, or `None` if the text is
+/// not MJCF.
+pub(in crate::model) fn without_constraints(text: &[u8]) -> Option<Vec<u8>> {
+    appended(&without_simulation(text)?, b"<option><flag constraint=\"disable\"/></option>")
+}
+
+/// Returns the text with a setting, which takes effect because the compiler uses the last one.
+fn appended(text: &[u8], setting: &[u8]) -> Option<Vec<u8>> {
     let mut depth = 0_usize;
     for tag in Tags::new(text) {
         match (tag.closes, depth) {
             (false, 0) if tag.empty || tag.name != b"mujoco" => return None,
             (false, _) => depth += usize::from(!tag.empty),
             (true, 1) => {
-                let off = b"<compiler><lengthrange mode=\"none\"/></compiler>";
-                return Some([&text[..tag.position], off, &text[tag.position..]].concat());
+                return Some([&text[..tag.position], setting, &text[tag.position..]].concat());
             }
             (true, _) => depth = depth.checked_sub(1)?,
         }
