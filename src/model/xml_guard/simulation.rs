@@ -80,7 +80,10 @@ impl Constraints {
             b"equality" | b"adhesion" | b"composite" | b"flexcomp" | b"flex" => self.are_needed = true,
             b"general" => self.are_needed |= has(&&b"body"[..]),
             b"size" => self.has_size |= [&b"memory"[..], b"njmax", b"nconmax", b"nstack"].iter().any(has),
-            b"option" => self.is_dual |= [&b"solver"[..], b"noslip_iterations"].iter().any(has),
+            b"option" => {
+                let is_pgs = tag.attribute(b"solver").is_some_and(|solver| solver.trim_ascii() == b"PGS");
+                self.is_dual |= is_pgs || has(&&b"noslip_iterations"[..]);
+            }
             _ => {}
         }
     }
