@@ -50,8 +50,8 @@ pub(crate) unsafe extern "C" fn on_warning(message: *const c_char) {
 
 /// Logs a warning that a simulation has counted, unless warnings are held back or collected.
 #[cold]
-pub(crate) fn warn(message: String) {
-    let keep = |warnings: &RefCell<Vec<String>>| warnings.borrow_mut().push(message.clone());
+pub(crate) fn warn(message: &str) {
+    let keep = |warnings: &RefCell<Vec<String>>| warnings.borrow_mut().push(message.to_owned());
     if HOLDERS.get() > 0 && WARNINGS.try_with(keep).is_ok() {
         HAS_WARNINGS.set(true);
     } else {

@@ -127,6 +127,7 @@ impl Data {
     /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep them
     /// when they remove the constraints, and the visualiser would read the rows.
     #[inline]
+    #[cfg_attr(not(engine_since = "2.3.0"), allow(clippy::unused_self, reason = "2.2.2 keeps no numbers"))]
     pub(crate) fn clear_absent_constraints(&mut self) {
         #[cfg(engine_since = "2.3.0")]
         if self.raw().nefc == 0 {

@@ -266,7 +266,7 @@ impl Data {
             let Some(index) = warning.index() else { continue };
             let (old, now) = (counters.before[index], self.warning(warning));
             if old.number == 0 && now.number > 0 {
-                messages::warn(warning.message(now.lastinfo, self));
+                messages::warn(&warning.message(now.lastinfo, self));
             }
         }
     }

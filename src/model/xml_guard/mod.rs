@@ -35,10 +35,9 @@ use self::parents::Parent;
 use self::place::{Candidate, Place};
 use self::plugins::Plugins;
 use self::readings::Readings;
-use self::simulation::{Constraints, Muscles, Rangefinders};
+use self::simulation::{Constraints, Muscles, Rangefinders, Simulations};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
-use crate::data::length_range::MuscleSimulation;
 use crate::error::{Error, Result};
 
 /// Largest depth of includes and models in each other, and largest depth of elements over all included files. The compiler and this check
@@ -69,14 +68,6 @@ const MOST_FOLDERS: usize = 16;
 /// Attributes that name a file.
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
-
-/// Simulations by the compiler whose safety the text does not reveal.
-pub(super) struct Simulations {
-    /// That of muscles, which may not terminate.
-    pub(super) muscles: Option<MuscleSimulation>,
-    /// `true` if there may be too little memory for constraints that the test step needs.
-    pub(super) may_lack_room: bool,
-}
 
 /// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are its assets. Returns the simulations
 /// that must be checked on a compiled model.

@@ -6,6 +6,14 @@ use crate::data::length_range::{LengthRangeMode as Mode, MuscleSimulation};
 use crate::error::{Error, Result};
 use crate::model::engine_limits::rays_overrun_grid;
 
+/// Simulations by the compiler whose safety the text does not reveal.
+pub(in crate::model) struct Simulations {
+    /// That of muscles, which may not terminate.
+    pub(in crate::model) muscles: Option<MuscleSimulation>,
+    /// `true` if there may be too little memory for constraints that the test step needs.
+    pub(in crate::model) may_lack_room: bool,
+}
+
 /// Settings of muscles and of their simulation, collected tag by tag.
 #[derive(Default)]
 pub(super) struct Muscles {

@@ -154,8 +154,8 @@ fn report(models: usize, tallies: [Tally; 2]) -> [Tally; 2] {
     tallies
 }
 
-/// Compares models with several random attributes.
-fn compare_combinations(seeds: Range<u64>, most_dofs: usize) -> [Tally; 2] {
+/// Compares models with several random attributes, until `enough` have been compared.
+fn compare_combinations(seeds: Range<u64>, enough: usize, most_dofs: usize) -> [Tally; 2] {
     const ATTRIBUTES: usize = 8;
     load_plugins();
     let (mut total, mut special) = (Tally::default(), Tally::default());
@@ -163,14 +163,22 @@ fn compare_combinations(seeds: Range<u64>, most_dofs: usize) -> [Tally; 2] {
     all.retain(|attribute| !is_only_stored(attribute));
     let mut models = 0;
     for seed in seeds {
+        if models == enough {
+            break;
+        }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let some: Vec<_> = (0..ATTRIBUTES).map(|_| all[random.random_range(0..all.len())].clone()).collect();
         let text = combination(&some);
-        let options = (INTEGRATORS[random.random_range(0..INTEGRATORS.len())], CONES[random.random_range(0..2)]);
+        let integrator = INTEGRATORS[random.random_range(0..INTEGRATORS.len())];
+        let cone = CONES[random.random_range(0..2)];
         let names: Vec<_> = some.iter().map(ToString::to_string).collect();
         let what = format!("seed {seed}, {}", names.join(", "));
-        let tallies = [&mut total, &mut special];
-        models += usize::from(compare_text(&what, &text, options, (seed, 1, most_dofs), tallies));
+        // Older engines lack some of the integrators.
+        let is_compared = [integrator, Integrator::Euler].into_iter().any(|integrator| {
+            let tallies = [&mut total, &mut special];
+            compare_text(&what, &text, (integrator, cone), (seed, 1, most_dofs), tallies)
+        });
+        models += usize::from(is_compared);
         if let Some(file) = std::env::var_os("TEXT") {
             std::fs::write(file, text).unwrap();
         }
@@ -223,7 +231,7 @@ fn some_attributes_of_the_schema_are_linearised() {
 
 #[test]
 fn some_combinations_of_attributes_are_linearised() {
-    let tallies = compare_combinations(0..2, MOST_DOFS[0]);
+    let tallies = compare_combinations(0..20, 2, MOST_DOFS[0]);
     assert!(tallies.iter().all(|tally| tally.compared > 1000), "{:?}", tallies.map(|tally| tally.compared));
     check(&tallies);
 }
@@ -236,7 +244,7 @@ fn some_combinations_of_attributes_are_linearised() {
 #[ignore = "a campaign"]
 fn many_combinations_of_attributes_are_linearised() {
     let first = number("SEED", 1000) as u64;
-    check(&compare_combinations(first..first + number("SEEDS", 1000) as u64, MOST_DOFS[0]));
+    check(&compare_combinations(first..first + number("SEEDS", 1000) as u64, usize::MAX, MOST_DOFS[0]));
 }
 
 /// Returns a number from the environment.
