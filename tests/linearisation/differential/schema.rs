@@ -231,7 +231,7 @@ fn some_attributes_of_the_schema_are_linearised() {
 
 #[test]
 fn some_combinations_of_attributes_are_linearised() {
-    let tallies = compare_combinations(0..20, 2, MOST_DOFS[0]);
+    let tallies = compare_combinations(3..20, 1, MOST_DOFS[0]);
     assert!(tallies.iter().all(|tally| tally.compared > 1000), "{:?}", tallies.map(|tally| tally.compared));
     check(&tallies);
 }
