@@ -18,7 +18,7 @@ use crate::error::catch_panic;
 pub(crate) const LOG_TARGET: &str = "mujoco";
 
 thread_local! {
-    /// Whether the thread has warnings to log.
+    /// `true` if the thread has warnings to log.
     static HAS_WARNINGS: Cell<bool> = const { Cell::new(false) };
     /// Number of reasons in this thread for not logging now.
     static HOLDERS: Cell<usize> = const { Cell::new(0) };

@@ -72,7 +72,8 @@ void mujoco_sys_setLightDirectional(mjModel* m, int light, int directional);
 // Rest length of a tendon: one number, or since 2.3 the two ends of a range.
 mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count);
 
-// Number of the solver's recorded iterations, and their statistics. With islands, those of the first island.
+// Number of the solver's recorded iterations for an island, and their statistics. Without islands,
+// all constraints are those of the first one.
 int mujoco_sys_solverIterations(const mjData* d, int island, const mjSolverStat** statistics);
 
 // Texture of a geom of a scene. Since 3.2 only the material is known (`material` >= 0), whose texture is that of the model.

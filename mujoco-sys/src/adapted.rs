@@ -207,8 +207,9 @@ adapted! {
     mujoco_sys_setLightDirectional = set_light_directional(m: *mut mjModel, light: c_int, directional: c_int);
     /// Returns the rest length of a tendon's spring (`tendon_lengthspring`): one number, or since 2.3 the two ends of a range.
     mujoco_sys_tendonRestLength = tendon_rest_length(m: *const mjModel, tendon: c_int, count: *mut c_int) -> *mut mjtNum;
-    /// Returns the number of the solver's recorded iterations for an island, and writes the place of their statistics (`solver`). Returns 0 if
-    /// the engine records none for this island. Without islands, all constraints are those of the first one.
+    /// Returns the number of the solver's recorded iterations for an island, and writes the place of
+    /// their statistics (`solver`). Returns 0 if the engine records none for this island. Without
+    /// islands, all constraints are those of the first one.
     mujoco_sys_solverIterations = solver_iterations(
         d: *const mjData, island: c_int, statistics: *mut *const mjSolverStat,
     ) -> c_int;

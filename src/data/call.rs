@@ -94,7 +94,8 @@ impl Data {
         (raw.flg_energypos, raw.flg_energyvel, raw.flg_subtreevel, raw.flg_rnepost) = (0, 0, 0, 0);
     }
 
-    /// Continues [`run`](Self::run) for a simulation with callbacks or with constraints that the engine needs.
+    /// Continues [`run`](Self::run) for a simulation with callbacks or with constraints that the
+    /// engine needs.
     fn run_with_callbacks(
         &mut self,
         function: &'static str,
@@ -123,7 +124,6 @@ impl Data {
         self.finish(function, computes, time, counters, status, change, failure)
     }
 
-    /// Logs the new warnings of a call, or poisons the data if the call failed.
     /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep them
     /// when they remove the constraints, and the visualiser would read the rows.
     #[inline]
@@ -140,6 +140,7 @@ impl Data {
         }
     }
 
+    /// Logs the new warnings of a call, or poisons the data if the call failed.
     #[cold]
     #[allow(clippy::too_many_arguments, reason = "the complete state of a call, in a cold function")]
     fn finish(

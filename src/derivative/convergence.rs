@@ -1,8 +1,8 @@
 //! Convergence of the constraint solver in steps that are differenced.
 //!
-//! Whether the forces have converged does not tell whether their derivatives have: from a warm
-//! start at rest, the forces are right at once, and after a cold start, their errors are the same
-//! on both sides of a difference. So a difference is compared with that of twice as many
+//! The derivatives of the forces can be wrong while the forces are right, and the reverse: from a
+//! warm start at rest, the forces are right at once, and after a cold start, their errors are the
+//! same on both sides of a difference. So a difference is compared with that of twice as many
 //! iterations.
 
 use super::kinks::Scale;

@@ -8,7 +8,7 @@ use crate::model::engine_limits::rays_overrun_grid;
 
 /// Simulations by the compiler whose safety the text does not reveal.
 pub(in crate::model) struct Simulations {
-    /// That of muscles, which may not terminate.
+    /// Simulation of muscles, which may not terminate.
     pub(in crate::model) muscles: Option<MuscleSimulation>,
     /// `true` if there may be too little memory for constraints that the test step needs.
     pub(in crate::model) may_lack_room: bool,

@@ -122,8 +122,7 @@ pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
         for (name, block) in blocks {
             let estimates = estimates.get_or_insert_with(|| WIDTHS.map(|width| linear_system_by(data, width, width)));
             let estimates = [0, 1, 2, 3].map(|at| block(&estimates[at]));
-            // Differences of steps whose two sides agree to 0.2 % are not repeated with another step.
-            let relative = if report.method == TransitionMethod::Columns { 5e-3 } else { 1e-4 };
+            let relative = if report.method == TransitionMethod::Columns { 1e-3 } else { 1e-4 };
             let mut finer = || {
                 let finer = finer.get_or_insert_with(|| FINER_WIDTHS.map(|width| linear_system_by(data, width, width)));
                 finer.iter().map(|system| block(system).clone()).collect()

@@ -141,8 +141,9 @@ pub(super) enum Difference {
     /// In contacts or numbers.
     Values(String),
     /// In numbers that change as much, within a factor of 100, if the velocities change in the 13th
-    /// digit, or if the constants of the compiled model are updated. The arrays that `update_constants` computes have rounding errors, which a solver that
-    /// does not converge or a simulation that diverges magnifies.
+    /// digit, or if the constants of the compiled model are updated. The arrays that
+    /// `update_constants` computes have rounding errors, which a solver that does not converge or a
+    /// simulation that diverges magnifies.
     Rounding,
 }
 
