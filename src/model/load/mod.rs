@@ -16,7 +16,6 @@ pub use self::options::LoadOptions;
 use self::package::Resolved;
 use super::xml_guard::{self, Files};
 use super::{DisableFlags, Model};
-use crate::data::length_range::MuscleSimulation;
 use crate::data::{Data, Warning};
 use crate::engine;
 use crate::error::{Error, Result};
@@ -208,10 +207,16 @@ impl Model {
         let name = path_c_string(path)?;
         let simulations = xml_guard::check(source_name, text, &sources)?;
         if simulations.may_lack_room {
-            Self::check_room(text, &name, files, source_name, compile)?;
+            let text = xml_guard::without_constraints(text);
+            Self::check_variant(text, &name, files, source_name, compile, |model| model.check_room(source_name))?;
         }
+        // Rejects a text for which the compiler's simulation of muscles would not terminate.
         if let Some(muscles) = simulations.muscles {
-            Self::check_muscles(&muscles, text, &name, files, source_name, compile)?;
+            let text = xml_guard::without_simulation(text);
+            Self::check_variant(text, &name, files, source_name, compile, |mut model| {
+                let checked = muscles.check(&mut model);
+                checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
+            })?;
         }
         compile(&name, &virtual_files, source_name)
     }
@@ -226,42 +231,33 @@ impl Model {
         Ok(virtual_files)
     }
 
-    /// Rejects a text for which the engine would read constraints without room in the compiler's test
-    /// step. Compiles the text without constraints, and takes the step with them.
-    fn check_room(
-        text: &[u8],
+    /// Compiles a variant of a text, if there is one, and checks the result. The warnings of the check
+    /// are those of the compiler, or concern the variant only.
+    fn check_variant(
+        text: Option<Vec<u8>>,
         name: &CString,
         files: &[(&str, &[u8])],
         source_name: &str,
         compile: &mut Compile<'_>,
+        check: impl FnOnce(Self) -> Result<()>,
     ) -> Result<()> {
-        let Some(text) = xml_guard::without_constraints(text) else { return Ok(()) };
-        let mut model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
-        model.raw_mut().opt.disableflags &= !(DisableFlags::CONSTRAINT.bits() as i32);
-        let mut data = Data::new(model)?;
-        // The compiler reports other errors and warnings.
-        let _ = collecting_warnings(|| data.step());
+        let Some(text) = text else { return Ok(()) };
+        let model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
+        collecting_warnings(|| check(model)).0
+    }
+
+    /// Rejects a model, compiled without constraints, for which the engine would read constraints
+    /// without room in the compiler's test step. Takes the step with them.
+    fn check_room(mut self, source_name: &str) -> Result<()> {
+        self.raw_mut().opt.disableflags &= !(DisableFlags::CONSTRAINT.bits() as i32);
+        let mut data = Data::new(self)?;
+        // The compiler reports other errors.
+        let _ = data.step();
         if data.warning(Warning::ConstraintFull).number == 0 {
             return Ok(());
         }
         let message = "the memory in <size> is too small for the constraints of the initial state".to_owned();
         Err(Error::Load { source_name: source_name.to_owned(), message })
-    }
-
-    /// Rejects a text for which the compiler's simulation of muscles would not terminate. Compiles the text without that
-    /// simulation, and runs the simulation on the result.
-    fn check_muscles(
-        muscles: &MuscleSimulation,
-        text: &[u8],
-        name: &CString,
-        files: &[(&str, &[u8])],
-        source_name: &str,
-        compile: &mut Compile<'_>,
-    ) -> Result<()> {
-        let Some(text) = xml_guard::without_simulation(text) else { return Ok(()) };
-        let mut model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
-        let (checked, _) = collecting_warnings(|| muscles.check(&mut model));
-        checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
     }
 
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
