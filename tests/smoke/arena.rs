@@ -360,3 +360,28 @@ fn constraints_without_room_leave_no_numbers() {
     }
     assert!((lost > 20 && rejected > 5) || cfg!(not(engine_since = "2.3.0")), "{lost} {rejected}");
 }
+
+/// There is room in the initial state, but not in the compiler's simulation of a muscle, in which joints
+/// reach their limits.
+#[test]
+#[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
+fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
+    let repeat = |text: &str| (0..20).map(|number| text.replace('N', &number.to_string())).collect::<String>();
+    let bodies = repeat("<body><joint name='jN' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body>");
+    let joints = repeat("<joint joint='jN' coef='1'/>");
+    let messages: Vec<String> = (1_000..40_000)
+        .step_by(500)
+        .filter_map(|memory| {
+            let text = format!(
+                "<mujoco><size memory='{memory}'/><option solver='PGS' jacobian='dense'/><worldbody>{bodies}
+                   <body name='b' pos='1 0 1'><joint/><geom size='.1' pos='.2 0 0'/><site name='s'/></body></worldbody>
+                   <equality><connect body1='b' body2='world' anchor='.5 0 0'/></equality><tendon><fixed name='t'>{joints}</fixed></tendon>
+                   <actuator><muscle tendon='t'/></actuator><sensor><accelerometer site='s'/></sensor></mujoco>"
+            );
+            Model::from_xml_str(&text).err().map(|error| error.to_string())
+        })
+        .collect();
+    for place in ["constraints of the initial state", "constraints in the simulation for a lengthrange"] {
+        assert!(messages.iter().any(|message| message.contains(place)), "{place}: {messages:#?}");
+    }
+}

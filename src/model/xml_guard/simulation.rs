@@ -110,18 +110,19 @@ pub(in crate::model) fn without_simulation(text: &[u8]) -> Option<Vec<u8>> {
 /// Returns the text with constraints and the simulation of muscles disabled, or `None` if the text is
 /// not MJCF.
 pub(in crate::model) fn without_constraints(text: &[u8]) -> Option<Vec<u8>> {
-    appended(&without_simulation(text)?, b"<option><flag constraint=\"disable\"/></option>")
+    let settings = b"<compiler><lengthrange mode=\"none\"/></compiler><option><flag constraint=\"disable\"/></option>";
+    appended(text, settings)
 }
 
-/// Returns the text with a setting, which takes effect because the compiler uses the last one.
-fn appended(text: &[u8], setting: &[u8]) -> Option<Vec<u8>> {
+/// Returns the text with settings, which take effect because the compiler uses the last ones.
+fn appended(text: &[u8], settings: &[u8]) -> Option<Vec<u8>> {
     let mut depth = 0_usize;
     for tag in Tags::new(text) {
         match (tag.closes, depth) {
             (false, 0) if tag.empty || tag.name != b"mujoco" => return None,
             (false, _) => depth += usize::from(!tag.empty),
             (true, 1) => {
-                return Some([&text[..tag.position], setting, &text[tag.position..]].concat());
+                return Some([&text[..tag.position], settings, &text[tag.position..]].concat());
             }
             (true, _) => depth = depth.checked_sub(1)?,
         }

@@ -5,6 +5,8 @@ use std::hash::{DefaultHasher, Hash, Hasher as _};
 use std::sync::{Mutex, PoisonError};
 
 use mujoco_safe::{Data, LoadOptions, Model};
+use rand::RngExt;
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::document::Node;
 use super::schema::Attribute;
@@ -61,16 +63,18 @@ pub fn case(attribute: &Attribute, enough: Effect) -> Result<Case, String> {
     search(attribute, enough, super::rig())
 }
 
-/// Returns a model with those of the attributes that the compiler accepts together, in the order of
-/// their addition.
-pub fn combination(attributes: &[Attribute]) -> String {
-    attributes
-        .iter()
+/// Draws eight of the attributes. Returns their names, and a model with those of them that the compiler
+/// accepts together, in the order of their addition.
+pub fn combination(attributes: &[Attribute], random: &mut Xoshiro256PlusPlus) -> (String, String) {
+    let some = [(); 8].map(|()| &attributes[random.random_range(0..attributes.len())]);
+    let text = some
+        .into_iter()
         .fold(super::rig(), |model, attribute| {
             let case = search(attribute, Effect::Stored, model.clone());
             case.map_or(model, |case| Node::parse(&case.text))
         })
-        .text()
+        .text();
+    (some.map(ToString::to_string).join(", "), text)
 }
 
 /// Returns a case in a model.

@@ -156,7 +156,6 @@ fn report(models: usize, tallies: [Tally; 2]) -> [Tally; 2] {
 
 /// Compares models with several random attributes, until `enough` have been compared.
 fn compare_combinations(seeds: Range<u64>, enough: usize, most_dofs: usize) -> [Tally; 2] {
-    const ATTRIBUTES: usize = 8;
     load_plugins();
     let (mut total, mut special) = (Tally::default(), Tally::default());
     let mut all = attributes();
@@ -167,12 +166,10 @@ fn compare_combinations(seeds: Range<u64>, enough: usize, most_dofs: usize) -> [
             break;
         }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let some: Vec<_> = (0..ATTRIBUTES).map(|_| all[random.random_range(0..all.len())].clone()).collect();
-        let text = combination(&some);
+        let (names, text) = combination(&all, &mut random);
         let integrator = INTEGRATORS[random.random_range(0..INTEGRATORS.len())];
         let cone = CONES[random.random_range(0..2)];
-        let names: Vec<_> = some.iter().map(ToString::to_string).collect();
-        let what = format!("seed {seed}, {}", names.join(", "));
+        let what = format!("seed {seed}, {names}");
         // Older engines lack some of the integrators.
         let is_compared = [integrator, Integrator::Euler].into_iter().any(|integrator| {
             let tallies = [&mut total, &mut special];

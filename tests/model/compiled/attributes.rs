@@ -34,15 +34,13 @@ fn campaign(numbers: impl Iterator<Item = usize>, changes: usize) -> Report {
 
 /// Changes numbers of models with several random attributes.
 fn campaign_of_combinations(seeds: std::ops::Range<u64>, changes: usize) -> Report {
-    const ATTRIBUTES: usize = 8;
     let mut report = Report::default();
     let mut all = attributes();
     // `mj_setConst` of older engines overwrites the user's statistics.
     all.retain(|attribute| cfg!(engine_since = "3.17.0") || !attribute.to_string().starts_with("statistic "));
     for seed in seeds {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let some: Vec<_> = (0..ATTRIBUTES).map(|_| all[random.random_range(0..all.len())].clone()).collect();
-        let text = combination(&some);
+        let (_, text) = combination(&all, &mut random);
         let model = load(&text).expect("the engine has compiled the text");
         for _ in 0..changes {
             let (change, text) = texts::perturb(&text, &mut random);

@@ -34,13 +34,18 @@ fn parse(text: &str) -> Spec {
     Spec::from_xml_str(text).unwrap()
 }
 
-/// Returns all elements.
+/// Returns all elements in the order of the text.
 fn elements(spec: &Spec) -> Vec<ElementId<Any>> {
-    let mut found = Vec::new();
-    let mut open = vec![spec.element(spec.world()).parent().unwrap()];
-    while let Some(id) = open.pop() {
-        found.push(id);
-        open.extend(spec.element(id).children());
+    let mut found = vec![spec.element(spec.world()).parent().unwrap()];
+    let mut open = vec![spec.element(found[0]).children()];
+    while let Some(children) = open.last_mut() {
+        match children.next() {
+            Some(id) => {
+                found.push(id);
+                open.push(spec.element(id).children());
+            }
+            None => drop(open.pop()),
+        }
     }
     found
 }
