@@ -1,6 +1,8 @@
-//! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and
-//! generates the accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For engines whose binary models can
-//! be validated it sets `cfg(validates_binaries)` and generates the table of their files.
+//! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets
+//! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
+//! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For
+//! engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
+//! table of their files.
 
 #[path = "build/accessors.rs"]
 mod accessors;
@@ -72,8 +74,9 @@ fn main() {
         println!("cargo::rustc-cfg=validates_binaries");
         write("binary_table.rs", &binary_table::generate(&read(&fields)));
     }
-    // Lets the tests, examples and benches of this crate load an engine outside the directories of the system's loader. Cargo does not
-    // pass link arguments on to dependants: their installed programs need LD_LIBRARY_PATH or an rpath.
+    // Lets the tests, examples and benches of this crate load an engine outside the directories of
+    // the system's loader. Cargo does not pass link arguments on to dependants: their installed
+    // programs need LD_LIBRARY_PATH or an rpath.
     if let Some(rpath) = variable("DEP_MUJOCO_RPATH") {
         println!("cargo::rustc-link-arg=-Wl,-rpath,{rpath}");
     }
@@ -83,7 +86,8 @@ fn variable(name: &str) -> Option<String> {
     std::env::var(name).ok()
 }
 
-/// Returns the `mjVERSION_HEADER` of a version: one digit for each part up to 3.4.0, three for minor and patch version from 3.5.0.
+/// Returns the `mjVERSION_HEADER` of a version: one digit for each part up to 3.4.0, three for
+/// minor and patch version from 3.5.0.
 fn number(version: &str) -> u32 {
     let parts: Vec<u32> = version.split('.').map(|part| part.parse().expect("a version has three numbers")).collect();
     let base = if (parts[0], parts[1]) >= (3, 5) { 1000 } else { 10 };

@@ -1,6 +1,8 @@
-//! Memory and speed of a [`Batch`] of 4,096 humanoids. Prints the resident memory beyond that of the program before the batch, and the
-//! steps per second on two threads as a multiple of a loop of `mj_step` over the same states, with one `mjData` per thread. Then gives
-//! each humanoid other parameters of the model, and prints the memory and the duration of a step as a multiple of that without parameters.
+//! Memory and speed of a [`Batch`] of 4,096 humanoids. Prints the resident memory beyond that of
+//! the program before the batch, and the steps per second on two threads as a multiple of a loop of
+//! `mj_step` over the same states, with one `mjData` per thread. Then gives each humanoid other
+//! parameters of the model, and prints the memory and the duration of a step as a multiple of that
+//! without parameters.
 //!
 //! ```text
 //! cargo bench --bench batch
@@ -17,7 +19,8 @@ use mujoco_safe::{Batch, Data, Model, Result, StateSpec, sample, sys};
 
 const COUNT: usize = 4096;
 const THREADS: usize = 2;
-/// Number of simulations that a thread takes at a time in the loop of `mj_step`, about that of a batch.
+/// Number of simulations that a thread takes at a time in the loop of `mj_step`, about that of a
+/// batch.
 const CHUNK: usize = 256;
 const STEPS: usize = 30;
 
@@ -89,8 +92,9 @@ impl Raw {
 /// Steps one state by the engine alone.
 fn step_row(model: &Model, data: &mut Data, state: &mut [f64], parts: &[Range<usize>; 9]) {
     let raw = data.as_mut_ptr();
-    // SAFETY: the pointers are those of a simulation that is borrowed exclusively, and each array has the length of its range in a
-    // state vector. The batch makes the same steps without an engine error.
+    // SAFETY: the pointers are those of a simulation that is borrowed exclusively, and each array
+    // has the length of its range in a state vector. The batch makes the same steps without an
+    // engine error.
     unsafe {
         let arrays = [
             (*raw).qpos,
@@ -115,7 +119,8 @@ fn step_row(model: &Model, data: &mut Data, state: &mut [f64], parts: &[Range<us
     }
 }
 
-/// Returns parameters of every kind of randomisation: all masses, the friction of the floor, and the damping of all joints.
+/// Returns parameters of every kind of randomisation: all masses, the friction of the floor, and
+/// the damping of all joints.
 fn parameters(model: &Model) -> Result<Parameters> {
     let factor = Distribution::LogUniform { low: 0.8, high: 1.25 };
     let mut parameters = Parameters::new();

@@ -1,8 +1,8 @@
-//! LQR control law of the humanoid: a straightforward closure that allocates vectors in every call, against [`Lqr`], which reuses
-//! its buffers. The number of allocations is printed as well.
+//! LQR control law of the humanoid: a straightforward closure that allocates vectors in every call,
+//! against [`Lqr`], which reuses its buffers. The number of allocations is printed as well.
 //!
-//! (The source of this comparison, in another language on another machine, reports 1.22 µs with 13 allocations against 0.81
-//! µs with none.)
+//! (The source of this comparison, in another language on another machine, reports 1.22 µs with 13
+//! allocations against 0.81 µs with none.)
 //!
 //! ```text
 //! cargo bench --bench controller
@@ -17,7 +17,8 @@ use nalgebra::{DMatrix, DVector};
 /// Number of calls per run.
 const CALLS: u32 = 100;
 
-/// Evaluates the controller repeatedly for one state. The control law does not depend on the controls, which it overwrites.
+/// Evaluates the controller repeatedly for one state. The control law does not depend on the
+/// controls, which it overwrites.
 fn run(data: &mut Data, controller: &mut impl Controller) {
     for _ in 0..CALLS {
         controller.control(data).expect("the controller belongs to this model");

@@ -1,5 +1,6 @@
-//! Cost of the guard that catches engine errors: `mj_version`, which does no other work, so that the difference is the guard; and
-//! `mj_forward` of the cart-pole, the shortest call of practical interest.
+//! Cost of the guard that catches engine errors: `mj_version`, which does no other work, so that
+//! the difference is the guard; and `mj_forward` of the cart-pole, the shortest call of practical
+//! interest.
 //!
 //! ```text
 //! cargo bench --bench guard
@@ -21,7 +22,8 @@ fn main() -> Result<()> {
     let guarded = |_: &mut Data| {
         for _ in 0..CALLS {
             let mut version = 0;
-            // SAFETY: loading the model installed the guard's handler, and the result has a valid place.
+            // SAFETY: loading the model installed the guard's handler, and the result has a valid
+            // place.
             black_box(unsafe { sys::guard::mj_version(black_box(&raw mut version)) });
         }
     };

@@ -1,5 +1,6 @@
-//! Jacobians of a body's centre of mass, a foot of the humanoid: [`Data::jac_body_com_into`], which writes to the caller's
-//! matrices, and [`Data::jac_body_com`], which allocates them, against `mj_jacBodyCom`.
+//! Jacobians of a body's centre of mass, a foot of the humanoid: [`Data::jac_body_com_into`], which
+//! writes to the caller's matrices, and [`Data::jac_body_com`], which allocates them, against
+//! `mj_jacBodyCom`.
 //!
 //! ```text
 //! cargo bench --bench jacobian

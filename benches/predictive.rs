@@ -1,12 +1,16 @@
-//! Parts of an iteration of predictive control by iLQR, for the humanoid that stands on its left leg under pushes, with a horizon of
-//! 50 steps: median and 99th percentile of the derivatives, the backward pass and the line search. The first trajectory of a plan is part
-//! of the iteration. Then the same run in real time, with the planner in a second thread, and the time of a plan by sampling.
+//! Parts of an iteration of predictive control by iLQR, for the humanoid that stands on its left
+//! leg under pushes, with a horizon of 50 steps: median and 99th percentile of the derivatives, the
+//! backward pass and the line search. The first trajectory of a plan is part of the iteration. Then
+//! the same run in real time, with the planner in a second thread, and the time of a plan by
+//! sampling.
 //!
-//! The number of operations of an iteration hardly varies in this run. The 99th percentile therefore depends on the other load of the machine.
-//! For comparison, the bench first prints the percentiles of arithmetic in the same threads that takes 5 ms without other load.
+//! The number of operations of an iteration hardly varies in this run. The 99th percentile
+//! therefore depends on the other load of the machine. For comparison, the bench first prints the
+//! percentiles of arithmetic in the same threads that takes 5 ms without other load.
 //!
-//! The motion is chaotic: under pushes of some other strengths, the humanoid falls in one build of this crate and stands in another, because the
-//! last bits of the plans differ. In the run without threads it stands.
+//! The motion is chaotic: under pushes of some other strengths, the humanoid falls in one build of
+//! this crate and stands in another, because the last bits of the plans differ. In the run without
+//! threads it stands.
 //!
 //! ```text
 //! cargo bench --bench predictive
@@ -45,7 +49,8 @@ const NEWTONS: f64 = 30.0;
 const SAMPLED_PLANS: usize = 100;
 const SAMPLES: usize = 32;
 
-/// Returns the cost of standing: posture, height and drift of the centre of mass, upright torso, motion, effort.
+/// Returns the cost of standing: posture, height and drift of the centre of mass, upright torso,
+/// motion, effort.
 fn standing(data: &mut Data) -> Result<ResidualCost> {
     let model = data.model().clone();
     data.forward()?;
@@ -77,7 +82,8 @@ fn print(name: &str, milliseconds: impl Iterator<Item = f64>) {
     println!("predictive: {name:24} median {:6.2} ms, p99 {:6.2} ms", at(0.5), at(0.99));
 }
 
-/// Prints the times of a fixed amount of arithmetic in each thread. Their spread is the effect of the other load of the machine.
+/// Prints the times of a fixed amount of arithmetic in each thread. Their spread is the effect of
+/// the other load of the machine.
 fn print_other_load() {
     const SECONDS: f64 = 0.005;
     let work = |count: u32| (0..count).fold(1.0, |value: f64, _| black_box(0.5 * value + 1.0));

@@ -4,24 +4,29 @@
 //! MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render
 //! ```
 //!
-//! `MUJOCO_PYTHON` names an interpreter with the official bindings of the same engine version (`mujoco==2.2.2`, `numpy<2`,
-//! `pyopengl`, `pillow`) to run `render.py` beside this file; it also requires Debian's `libosmesa6`. Without the variable, the
-//! engine's renderer is omitted.
+//! `MUJOCO_PYTHON` names an interpreter with the official bindings of the same engine version
+//! (`mujoco==2.2.2`, `numpy<2`, `pyopengl`, `pillow`) to run `render.py` beside this file; it also
+//! requires Debian's `libosmesa6`. Without the variable, the engine's renderer is omitted.
 //!
-//! Both render the same scenes of `tests/render/pictures` with the model's number of samples and shadow settings, and read the
-//! pixels back. The interpreter uses the engine's library of this program (`LD_PRELOAD`). They alternate in turns of a few images each, and
-//! every pair of turns gives a ratio. The comparison uses the processor time of all threads. With a software renderer, such as Mesa's lavapipe
-//! and OSMesa, this is the full cost of an image, independent of other load. With a graphics card it is only the cost on the CPU.
+//! Both render the same scenes of `tests/render/pictures` with the model's number of samples and
+//! shadow settings, and read the pixels back. The interpreter uses the engine's library of this
+//! program (`LD_PRELOAD`). They alternate in turns of a few images each, and every pair of turns
+//! gives a ratio. The comparison uses the processor time of all threads. With a software renderer,
+//! such as Mesa's lavapipe and OSMesa, this is the full cost of an image, independent of other
+//! load. With a graphics card it is only the cost on the CPU.
 //!
-//! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone,
-//! the cost of images of many simulations relative to single calls, the images per second of two threads (by wall time), and the CPU time to prepare a frame for up to 10,000 geoms.
+//! The benchmark also measures the time to the first image, the cost of colours, depth and
+//! segmentation together relative to colours alone, the cost of images of many simulations relative
+//! to single calls, the images per second of two threads (by wall time), and the CPU time to
+//! prepare a frame for up to 10,000 geoms.
 //!
-//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`, `grains`, `meshes`, `lights`, `small`, `batch`,
-//! `threads`, `outputs` and `prepare`. Processor time comes from `/proc` (Linux).
+//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`,
+//! `grains`, `meshes`, `lights`, `small`, `batch`, `threads`, `outputs` and `prepare`. Processor
+//! time comes from `/proc` (Linux).
 //!
-//! The argument `pictures` compares the images of all scenes with the engine's instead: those of the tests, and those of
-//! `render/scenes.json`. It writes them to `target/tmp/pictures`, with all of them on `sheet.png`: the engine's image, ours, and their
-//! difference scaled by eight.
+//! The argument `pictures` compares the images of all scenes with the engine's instead: those of
+//! the tests, and those of `render/scenes.json`. It writes them to `target/tmp/pictures`, with all
+//! of them on `sheet.png`: the engine's image, ours, and their difference scaled by eight.
 
 #[path = "render/arm.rs"]
 mod arm;
@@ -204,7 +209,8 @@ fn compare(
     Ok(())
 }
 
-/// Compares the images per second of two threads with those of one thread, with a shared adapter and with one for each thread.
+/// Compares the images per second of two threads with those of one thread, with a shared adapter
+/// and with one for each thread.
 fn threads(rounds: usize) -> Result<()> {
     const PICTURES: usize = 100;
     let gpus = [Gpu::new()?, Gpu::new()?];
@@ -235,7 +241,8 @@ fn threads(rounds: usize) -> Result<()> {
     Ok(())
 }
 
-/// Compares the processor time of colours, depth and segmentation together with that of colours alone.
+/// Compares the processor time of colours, depth and segmentation together with that of colours
+/// alone.
 fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
     let mut drawing = Drawing::new(&Gpu::new()?, scenes::named(name), size, RendererOptions::default())?;
     let of_one = drawing.turn(3)? / 3.0;
@@ -265,8 +272,8 @@ fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
 
 const FIRST_FRAME: &str = "--first-frame";
 
-/// Measures the time from the creation of the renderer to the first pixels, each in a new process, with an empty and with a
-/// filled shader cache of Mesa on disk.
+/// Measures the time from the creation of the renderer to the first pixels, each in a new process,
+/// with an empty and with a filled shader cache of Mesa on disk.
 fn first_frame(rounds: usize) -> Result<()> {
     let kept = tempfile::tempdir()?;
     for (label, keeps) in [("empty shader cache", false), ("filled shader cache", true)] {
@@ -303,7 +310,8 @@ fn first_frame_of_this_process() -> Result<()> {
     Ok(())
 }
 
-/// Measures the CPU time from the abstract scene to the GPU buffers, without drawing. Spheres are added to the humanoid.
+/// Measures the CPU time from the abstract scene to the GPU buffers, without drawing. Spheres are
+/// added to the humanoid.
 fn prepare(rounds: usize) -> Result<()> {
     const PER_TURN: usize = 50;
     let mut data = Data::new(sample::humanoid())?;

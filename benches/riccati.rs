@@ -1,9 +1,10 @@
-//! Riccati equations of the humanoid on its left leg (54 states, 21 controls) and of the cart-pole (4 states, 1 control): with a
-//! reused workspace ([`Riccati::solve_into`]) and with a new one ([`Lqr::solve`]). The number of doublings and the residual are
-//! printed as well.
+//! Riccati equations of the humanoid on its left leg (54 states, 21 controls) and of the cart-pole
+//! (4 states, 1 control): with a reused workspace ([`Riccati::solve_into`]) and with a new one
+//! ([`Lqr::solve`]). The number of doublings and the residual are printed as well.
 //!
-//! No C implementation is available for comparison. If the environment variable `MUJOCO_PYTHON` names a Python with SciPy, both
-//! solve the same equation alternately, and the ratio of their times and SciPy's residual are printed.
+//! No C implementation is available for comparison. If the environment variable `MUJOCO_PYTHON`
+//! names a Python with SciPy, both solve the same equation alternately, and the ratio of their
+//! times and SciPy's residual are printed.
 //!
 //! ```text
 //! cargo bench --bench riccati
@@ -26,7 +27,8 @@ use mujoco_safe::{Lqr, LqrWeights, Result, StateSpace};
 /// Number of solutions by each program.
 const PAIRS: usize = 60;
 
-/// Python program that reads the equation and solves it once per input line. Single-threaded, as this crate.
+/// Python program that reads the equation and solves it once per input line. Single-threaded, as
+/// this crate.
 const SCIPY: &str = r#"
 import os, sys, time
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):

@@ -1,6 +1,7 @@
-//! Overhead and scaling of rollouts: [`Rollout::run_into`] against a sequential loop of `mj_step` from the same initial
-//! states with the same controls, recording the same states, for 64 standing humanoids and 64 cart-poles. The ratio for one
-//! thread is the overhead; the ratio for two threads is at best one half.
+//! Overhead and scaling of rollouts: [`Rollout::run_into`] against a sequential loop of `mj_step`
+//! from the same initial states with the same controls, recording the same states, for 64 standing
+//! humanoids and 64 cart-poles. The ratio for one thread is the overhead; the ratio for two threads
+//! is at best one half.
 //!
 //! ```text
 //! cargo bench --bench rollout
@@ -29,7 +30,8 @@ struct Runs {
 }
 
 impl Runs {
-    /// Prepares rollouts from a keyframe, with random controls up to the fraction `strength` of their range.
+    /// Prepares rollouts from a keyframe, with random controls up to the fraction `strength` of
+    /// their range.
     fn new(model: Model, key: &str, strength: f64, steps: usize) -> Result<Self> {
         let model = Arc::new(model);
         let mut data = Data::new(model.clone())?;
@@ -63,13 +65,15 @@ impl Runs {
         let (width, nu) = (self.width, self.workers.model().nu());
         for (rollout, states) in self.states.chunks_exact_mut((self.steps + 1) * width).enumerate() {
             let (data, model) = (&mut self.data, self.workers.model());
-            // The integration state contains everything that a step depends on. A reset would take as long as many steps.
+            // The integration state contains everything that a step depends on. A reset would take
+            // as long as many steps.
             data.set_state(StateSpec::INTEGRATION, &self.start).expect("the state has the right length");
             for (step, row) in states.chunks_exact_mut(width).enumerate() {
                 data.physics_state_into(row).expect("the row has the length of a state");
                 if step < self.steps {
                     data.ctrl_mut().copy_from_slice(&self.controls[(rollout * self.steps + step) * nu..][..nu]);
-                    // SAFETY: the data and its own model. The other variants made the same steps without an engine error.
+                    // SAFETY: the data and its own model. The other variants made the same steps
+                    // without an engine error.
                     unsafe { sys::mj_step(model.as_ptr(), data.as_mut_ptr()) };
                 }
             }

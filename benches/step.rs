@@ -1,11 +1,13 @@
-//! Overhead of the safe step: [`Data::step`] against `mj_step` from the same state under the same random controls, for the
-//! standing humanoid, the cart-pole, and 22 humanoids if the engine's sample models are installed (`apt-get install
-//! libmujoco-samples`). Restoring the initial state, which both variants do, takes less than a thousandth of a run.
+//! Overhead of the safe step: [`Data::step`] against `mj_step` from the same state under the same
+//! random controls, for the standing humanoid, the cart-pole, and 22 humanoids if the engine's
+//! sample models are installed (`apt-get install libmujoco-samples`). Restoring the initial state,
+//! which both variants do, takes less than a thousandth of a run.
 //!
-//! The ratio includes the guard, the check of the state for invalid numbers (in place of the engine's own), the warning counters,
-//! and the check of each pair of geoms before the engine's collision functions. Loading the first model installs the latter check
-//! in the engine's table of collision functions, so a raw run restores the original table. Since 3.3 that table has the checks for pairs of
-//! boxes and of other convex shapes, which these models do not have.
+//! The ratio includes the guard, the check of the state for invalid numbers (in place of the
+//! engine's own), the warning counters, and the check of each pair of geoms before the engine's
+//! collision functions. Loading the first model installs the latter check in the engine's table of
+//! collision functions, so a raw run restores the original table. Since 3.3 that table has the
+//! checks for pairs of boxes and of other convex shapes, which these models do not have.
 //!
 //! ```text
 //! cargo bench --bench step
@@ -20,7 +22,8 @@ type Collisions = [[sys::mjfCollision; sys::mjNGEOMTYPES as usize]; sys::mjNGEOM
 
 /// Replaces the table of collision functions and returns the previous one.
 fn exchange(collisions: &Collisions) -> Collisions {
-    // SAFETY: no other thread uses the engine, and the table contains the engine's functions, with or without checks.
+    // SAFETY: no other thread uses the engine, and the table contains the engine's functions, with
+    // or without checks.
     unsafe { std::ptr::replace(&raw mut sys::mjCOLLISIONFUNC, *collisions) }
 }
 
@@ -32,7 +35,8 @@ struct Episode {
 }
 
 impl Episode {
-    /// Prepares an episode from a keyframe, or from the default positions, with controls up to a tenth of their range.
+    /// Prepares an episode from a keyframe, or from the default positions, with controls up to a
+    /// tenth of their range.
     fn new(model: Model, key: Option<&str>, steps: u32) -> Result<Self> {
         let mut data = Data::new(model)?;
         if let Some(key) = key {
@@ -64,7 +68,8 @@ fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut 
     let raw = |episode: &mut Episode| {
         let checked = exchange(engines_own);
         episode.run(|data| {
-            // SAFETY: the data and its own model. The other variant made the same steps without an engine error.
+            // SAFETY: the data and its own model. The other variant made the same steps without an
+            // engine error.
             unsafe { sys::mj_step(data.model().as_ptr(), data.as_mut_ptr()) }
         });
         exchange(&checked);

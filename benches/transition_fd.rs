@@ -1,12 +1,14 @@
-//! Linearisation of the humanoid on its left leg, also with elliptic cones and equality constraints, and of the cart-pole,
-//! against `mjd_transitionFD`: central differences with [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates
-//! its result and includes the sensors; the same differences in two threads; the method through inverse dynamics, in one thread
-//! and in two; and the analytic method. Then the steps of a trajectory of the humanoid by the analytic method, in two threads and
-//! in one, and the speedup that this machine allows at that time, measured by two independent threads. First prints the accuracy
-//! of each method: the largest error of A and of B, relative to their largest numbers, against extrapolated differences of steps
-//! whose solver has converged. Last the derivatives of inverse dynamics, without those of sensors, in closed
-//! form, and their errors against extrapolated differences: against `mjd_inverseFD`, or with engines before 2.3.7 that lack it against
-//! [`Data::inverse_fd_into`].
+//! Linearisation of the humanoid on its left leg, also with elliptic cones and equality
+//! constraints, and of the cart-pole, against `mjd_transitionFD`: central differences with
+//! [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates its result and includes
+//! the sensors; the same differences in two threads; the method through inverse dynamics, in one
+//! thread and in two; and the analytic method. Then the steps of a trajectory of the humanoid by
+//! the analytic method, in two threads and in one, and the speedup that this machine allows at that
+//! time, measured by two independent threads. First prints the accuracy of each method: the largest
+//! error of A and of B, relative to their largest numbers, against extrapolated differences of
+//! steps whose solver has converged. Last the derivatives of inverse dynamics, without those of
+//! sensors, in closed form, and their errors against extrapolated differences: against
+//! `mjd_inverseFD`, or with engines before 2.3.7 that lack it against [`Data::inverse_fd_into`].
 //!
 //! ```text
 //! cargo bench --bench transition_fd
@@ -58,7 +60,8 @@ fn through(
     }
 }
 
-/// Returns the largest error of a matrix, relative to its largest number, or absolute for a matrix of zeros.
+/// Returns the largest error of a matrix, relative to its largest number, or absolute for a matrix
+/// of zeros.
 fn error(ours: &Matrix, theirs: &Matrix) -> f64 {
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
     let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| a - b);
@@ -132,7 +135,8 @@ fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
         let (a, b) = (state.a.as_mut_slice().as_mut_ptr(), state.b.as_mut_slice().as_mut_ptr());
         let (model, data) = (state.data.model().as_ptr(), state.data.as_mut_ptr());
         for _ in 0..calls {
-            // SAFETY: the data and its own model, A and B of the shapes that the engine writes, and NULL for C and D.
+            // SAFETY: the data and its own model, A and B of the shapes that the engine writes, and
+            // NULL for C and D.
             unsafe { sys::mjd_transitionFD(model, data, Lqr::EPS, 1, a, b, null_mut(), null_mut()) }
         }
     };
@@ -202,8 +206,9 @@ fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Resul
 /// Number of measurements of a speedup. Their median is printed.
 const SPEEDUP_RUNS: usize = 60;
 
-/// Prints the speedup by the second thread. Also prints the speedup of two independent threads, each of which linearises the complete
-/// trajectory without sharing anything with the other: the most that this machine, with its other load, allows.
+/// Prints the speedup by the second thread. Also prints the speedup of two independent threads,
+/// each of which linearises the complete trajectory without sharing anything with the other: the
+/// most that this machine, with its other load, allows.
 fn print_speedup(name: &str, trajectory: &mut Trajectory) -> Result<()> {
     let Trajectory { data, states, controls, systems, in_two, in_one } = trajectory;
     let (data, states, controls) = (&*data, &*states, &*controls);
@@ -267,7 +272,8 @@ fn difference_inverse(state: &mut Inverse) {
     let InverseJacobians { df_dq, df_dv, df_da, dm_dq, .. } = &mut state.jacobians;
     let [df_dq, df_dv, df_da, dm_dq] = [df_dq, df_dv, df_da, dm_dq].map(|matrix| matrix.as_mut_slice().as_mut_ptr());
     let (model, data) = (state.data.model().as_ptr(), state.data.as_mut_ptr());
-    // SAFETY: the data and its own model, matrices of the shapes that the engine writes, and NULL for those of the sensors.
+    // SAFETY: the data and its own model, matrices of the shapes that the engine writes, and NULL
+    // for those of the sensors.
     unsafe {
         sys::mjd_inverseFD(model, data, INVERSE_EPS, 0, df_dq, df_dv, df_da, null_mut(), null_mut(), null_mut(), dm_dq)
     }
@@ -315,7 +321,8 @@ fn compare_inverse(criterion: &mut Criterion, name: &str, data: Data, calls: u32
     Ok(())
 }
 
-/// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two joints that are coupled.
+/// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two
+/// joints that are coupled.
 fn constrained_humanoid() -> Result<Data> {
     let equality = r#"<equality>
         <weld body1="hand_left" body2="torso"/><joint joint1="right_knee" joint2="right_hip_y"/>

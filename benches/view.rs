@@ -1,5 +1,6 @@
-//! Overhead of named access: reading a field through the view of an element (`data.joint(id).qpos()`), by an index into the array
-//! (`data.qpos()[i]`), and through the engine's pointer without checks. The lookup of the names is not included.
+//! Overhead of named access: reading a field through the view of an element
+//! (`data.joint(id).qpos()`), by an index into the array (`data.qpos()[i]`), and through the
+//! engine's pointer without checks. The lookup of the names is not included.
 //!
 //! ```text
 //! cargo bench --bench view

@@ -1,11 +1,13 @@
-//! Generates the table of the sizes and arrays of binary models for the module `model::mjb`, in the order of the file.
+//! Generates the table of the sizes and arrays of binary models for the module `model::mjb`, in the
+//! order of the file.
 
 use std::fmt::Write as _;
 
 /// Numbers (`mjVERSION_HEADER`) of the engines whose binary models the module validates.
 pub(crate) const VALIDATED: [u32; 2] = [222, 3_005_000];
 
-/// Returns calls of the macros in `src/model/mjb/layout.rs` with the sizes and arrays in the engine's field table.
+/// Returns calls of the macros in `src/model/mjb/layout.rs` with the sizes and arrays in the
+/// engine's field table.
 pub(crate) fn generate(fields: &str) -> String {
     let rows: Vec<Vec<&str>> = fields.lines().skip(1).map(|line| line.split('\t').collect()).collect();
     let select = |owner: &'static str, kind: &'static str| rows.iter().filter(move |row| row[..2] == [owner, kind]);

@@ -1,7 +1,8 @@
 //! Table of the calls that compute the fields of `mjData`, for the documentation of their getters.
 
-/// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes the values, and the absence of a
-/// check. Empty for arrays that programs set, and for arrays that 2.2.2 does not have.
+/// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes
+/// the values, and the absence of a check. Empty for arrays that programs set, and for arrays that
+/// 2.2.2 does not have.
 pub(super) fn guarantee(name: &str, kind: &str, is_in_default: bool) -> String {
     let fits = |fields: &[&str]| {
         fields.iter().any(|field| match field.strip_suffix('*') {

@@ -1,6 +1,8 @@
-//! Quantities that the compiler derives from the writable arrays of a model: `knowledge/derived.tsv`.
+//! Quantities that the compiler derives from the writable arrays of a model:
+//! `knowledge/derived.tsv`.
 //!
-//! An array without a line in the table has no mutable accessor, because nobody has examined what depends on it. `updated by` is
+//! An array without a line in the table has no mutable accessor, because nobody has examined what
+//! depends on it. `updated by` is
 //!
 //! - `none`: nothing depends on the array;
 //! - `edit`: what depends on it is updated at the end of an edit, before any simulation with the
@@ -12,7 +14,8 @@ use std::fmt::Write as _;
 
 const TABLE: &str = include_str!("knowledge/derived.tsv");
 
-/// Returns the columns of an array: by what the derived quantities are updated, their names, and those that nothing updates.
+/// Returns the columns of an array: by what the derived quantities are updated, their names, and
+/// those that nothing updates.
 fn columns(array: &str) -> Option<[&'static str; 3]> {
     let line = TABLE.lines().skip(1).find(|line| line.split('\t').next() == Some(array))?;
     let columns: Vec<&str> = line.split('\t').skip(1).collect();

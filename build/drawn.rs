@@ -1,4 +1,5 @@
-//! Names of the visualiser's structs and enums in the engine's headers, which the renderer compares with its statement of support.
+//! Names of the visualiser's structs and enums in the engine's headers, which the renderer compares
+//! with its statement of support.
 
 use std::path::Path;
 
@@ -16,7 +17,8 @@ const ENUMS: [&str; 9] = [
     "mjtStereo",
 ];
 
-/// Generates a Rust array of the names that the headers in a directory declare. It is empty without a directory.
+/// Generates a Rust array of the names that the headers in a directory declare. It is empty without
+/// a directory.
 pub(super) fn generate(include: Option<&Path>) -> String {
     let mut text = String::new();
     for entry in include.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten().flatten() {
@@ -42,7 +44,8 @@ fn without_comments(text: &str) -> String {
     text.lines().flat_map(|line| [line.split("//").next().unwrap_or_default(), "\n"]).collect()
 }
 
-/// Returns the text between the braces of a declaration, whose tag ends with an underscore in some headers.
+/// Returns the text between the braces of a declaration, whose tag ends with an underscore in some
+/// headers.
 fn body<'t>(text: &'t str, kind: &str, name: &str) -> Option<&'t str> {
     let tags = [format!("{kind} {name}_ {{"), format!("{kind} {name} {{")];
     let (_, after) = tags.iter().find_map(|tag| text.split_once(tag.as_str()))?;

@@ -8,8 +8,8 @@ pub(crate) const BY_HAND: [&str; 8] =
 /// C types without an accessor: addresses for the engine's own use, and text.
 pub(crate) const WITHOUT_ACCESSOR: [&str; 2] = ["uintptr_t", "char"];
 
-/// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
-/// the flags before mutable access.
+/// Floating-point arrays from which the compiler has derived flags that let the engine skip
+/// computations, and the method that clears the flags before mutable access.
 pub(crate) const FLAGGED: [(&str, &str); 14] = [
     ("geom_size", "loosen_bounds"),
     ("geom_margin", "loosen_boxes"),
@@ -27,8 +27,8 @@ pub(crate) const FLAGGED: [(&str, &str); 14] = [
     ("dof_armature", "clear_simple_body_flags"),
 ];
 
-/// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, because their
-/// copy costs less than a longer list would.
+/// Long arrays that cannot change in a compiled model. All other arrays are restored, including
+/// short constant ones, because their copy costs less than a longer list would.
 pub(crate) const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
 /// Sizes that are -1 since 2.3 if there is no limit.

@@ -1,10 +1,12 @@
-//! Generates the checks of whether a computation of this crate understands a model, from the statements in `build/knowledge` and the field
-//! table of the engine.
+//! Generates the checks of whether a computation of this crate understands a model, from the
+//! statements in `build/knowledge` and the field table of the engine.
 //!
-//! A line of `derivative.tsv` states how parts of a computation treat some fields of the model: `-` for fields without an effect, `any` if
-//! all values are understood, `default` if only the default value is, or the name of a function in `src/derivative/support/predicates.rs`
-//! that examines the values. The default is zero unless the line has another. `engines` is a range of versions such as `3.1.2..3.11.0`,
-//! the end of which is not included; empty for all. A field that no line names must have the default zero in every computation.
+//! A line of `derivative.tsv` states how parts of a computation treat some fields of the model: `-`
+//! for fields without an effect, `any` if all values are understood, `default` if only the default
+//! value is, or the name of a function in `src/derivative/support/predicates.rs` that examines the
+//! values. The default is zero unless the line has another. `engines` is a range of versions such
+//! as `3.1.2..3.11.0`, the end of which is not included; empty for all. A field that no line names
+//! must have the default zero in every computation.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
@@ -97,7 +99,8 @@ impl ModelField<'_> {
     }
 }
 
-/// Returns the fields of the model in a field table, except for those of `mjVisual`, which only the visualiser reads.
+/// Returns the fields of the model in a field table, except for those of `mjVisual`, which only the
+/// visualiser reads.
 pub(crate) fn model_fields(table: &str) -> impl Iterator<Item = ModelField<'_>> {
     table.lines().skip(1).filter_map(|line| {
         let cells: Vec<&str> = line.split('\t').collect();
@@ -117,8 +120,9 @@ fn size(expression: &str) -> String {
     factors.collect::<Vec<_>>().join(" * ")
 }
 
-/// Returns calls of the macro `part!` in `src/derivative/support/mod.rs`: one for each part, and one for the fields that no statement is about.
-/// `version` is the `mjVERSION_HEADER` of the engine with this field table.
+/// Returns calls of the macro `part!` in `src/derivative/support/mod.rs`: one for each part, and
+/// one for the fields that no statement is about. `version` is the `mjVERSION_HEADER` of the engine
+/// with this field table.
 pub(crate) fn generate(table: &str, knowledge: &str, version: u32) -> String {
     let all = statements(knowledge);
     let mut by_field = HashMap::new();
@@ -137,7 +141,8 @@ pub(crate) fn generate(table: &str, knowledge: &str, version: u32) -> String {
     for (index, part) in PARTS.iter().enumerate() {
         let _ = writeln!(text, "part! {{ {part}(model)");
         let mut predicates = HashSet::new();
-        // In the order of the statements, so that the first failing one is the same for all engines.
+        // In the order of the statements, so that the first failing one is the same for all
+        // engines.
         let mut known: Vec<_> = fields.iter().filter_map(|(field, statement)| Some((field, (*statement)?))).collect();
         known.sort_by_key(|(_, statement)| all.iter().position(|other| other.field == statement.field));
         for (field, statement) in known {

@@ -1,8 +1,10 @@
-//! Decisions which arrays of floating-point numbers safe code may write, for each version of the engine.
+//! Decisions which arrays of floating-point numbers safe code may write, for each version of the
+//! engine.
 //!
-//! `knowledge/writable.tsv` has a line for each array, or several for ranges of versions. The decisions come from experiments that write
-//! hostile values to each array in front of a guard page, and run steps and other functions of the engine. An array without a line is
-//! read-only, so that a field of a new engine is read-only until its use has been examined.
+//! `knowledge/writable.tsv` has a line for each array, or several for ranges of versions. The
+//! decisions come from experiments that write hostile values to each array in front of a guard
+//! page, and run steps and other functions of the engine. An array without a line is read-only, so
+//! that a field of a new engine is read-only until its use has been examined.
 
 /// Access of safe code to an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +18,8 @@ pub(crate) enum Access {
 
 const TABLE: &str = include_str!("knowledge/writable.tsv");
 
-/// Returns the access to an array, or `None` without a decision. `version` is the engine's `mjVERSION_HEADER`.
+/// Returns the access to an array, or `None` without a decision. `version` is the engine's
+/// `mjVERSION_HEADER`.
 fn decision(owner: &str, name: &str, ctype: &str, version: u32) -> Option<Access> {
     let version = parts(version);
     TABLE.lines().skip(1).find_map(|line| {
@@ -40,7 +43,8 @@ pub(crate) fn access(owner: &str, name: &str, ctype: &str, version: u32) -> Acce
     decision(owner, name, ctype, version).unwrap_or(Access::ReadOnly)
 }
 
-/// Splits an `mjVERSION_HEADER`, which has one digit for each part up to 3.4.0 and three for the minor and patch version from 3.5.0.
+/// Splits an `mjVERSION_HEADER`, which has one digit for each part up to 3.4.0 and three for the
+/// minor and patch version from 3.5.0.
 fn parts(version: u32) -> [u32; 3] {
     let base = if version < 1000 { 10 } else { 1000 };
     [version / (base * base), version / base % base, version % base]
@@ -67,7 +71,8 @@ mod tests {
         (include_str!("../mujoco-sys/fields/v4_0_0.tsv"), 4_000_000),
     ];
 
-    /// Returns the name, the kind and the type of each array of floating-point numbers in a field table.
+    /// Returns the name, the kind and the type of each array of floating-point numbers in a field
+    /// table.
     fn arrays(table: &str) -> impl Iterator<Item = [&str; 3]> {
         table.lines().skip(1).filter_map(|line| {
             let cells: Vec<&str> = line.split('\t').collect();

@@ -4,9 +4,10 @@
 //! cargo run --release --example assemble -- --out out
 //! ```
 //!
-//! The arms are two copies of `models/arm.xml` on a table, whose motors become servos. Each holds its hand above a box. The
-//! program prints the sizes of the joined model, and the distances of the hands from the boxes. With `--out` it writes the
-//! model's MJCF text and, with the feature `renderer`, a picture.
+//! The arms are two copies of `models/arm.xml` on a table, whose motors become servos. Each holds
+//! its hand above a box. The program prints the sizes of the joined model, and the distances of the
+//! hands from the boxes. With `--out` it writes the model's MJCF text and, with the feature
+//! `renderer`, a picture.
 //!
 //! `--help` lists the options.
 

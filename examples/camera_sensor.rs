@@ -1,11 +1,12 @@
-//! Visual servoing: a rover drives to a ball with the depth and segmentation images of its camera, ten images per second.
+//! Visual servoing: a rover drives to a ball with the depth and segmentation images of its camera,
+//! ten images per second.
 //!
 //! ```text
 //! cargo run --release --features renderer --example camera_sensor -- --out out
 //! ```
 //!
-//! The program prints the position of the ball in every tenth image if it writes images, and the final distance. `--help` lists the
-//! options.
+//! The program prints the position of the ball in every tenth image if it writes images, and the
+//! final distance. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;

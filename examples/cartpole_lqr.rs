@@ -4,8 +4,8 @@
 //! cargo run --release --example cartpole_lqr -- --angle 0.3 --out out
 //! ```
 //!
-//! The program prints the linear system, the gain, the residual of the Riccati equation and the final state. `--help` lists the
-//! options.
+//! The program prints the linear system, the gain, the residual of the Riccati equation and the
+//! final state. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -47,8 +47,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let model = Arc::new(sample::cartpole());
     let mut data = Data::new(model.clone())?;
 
-    // State: [cart position, pole angle, cart velocity, pole velocity]. The origin is the upright pole at rest.
-    // Linearise one simulation step there: x' = A x + B u.
+    // State: [cart position, pole angle, cart velocity, pole velocity]. The origin is the upright
+    // pole at rest. Linearise one simulation step there: x' = A x + B u.
     let system = data.transition_fd(1e-6, Differences::Central)?;
 
     // Minimise the sum of xᵀQx + uᵀRu over an infinite horizon.

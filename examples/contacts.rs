@@ -4,8 +4,9 @@
 //! cargo run --release --example contacts -- --out out
 //! ```
 //!
-//! A spinning block falls onto the floor and comes to rest. The program prints the contacts at rest and compares the sum of their
-//! normal forces with the weight. It plots contacts, forces, velocity and penetration.
+//! A spinning block falls onto the floor and comes to rest. The program prints the contacts at rest
+//! and compares the sum of their normal forces with the weight. It plots contacts, forces, velocity
+//! and penetration.
 //!
 //! `--help` lists the options.
 

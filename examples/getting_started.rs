@@ -4,7 +4,8 @@
 //! cargo run --release --example getting_started
 //! ```
 //!
-//! The program prints properties of a humanoid, the contacts of its feet, and the results of two falls.
+//! The program prints properties of a humanoid, the contacts of its feet, and the results of two
+//! falls.
 
 use std::sync::Arc;
 

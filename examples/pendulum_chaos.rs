@@ -1,11 +1,13 @@
-//! Chaos and energy of a triple pendulum: state copies, sensitivity to the initial state, and the error of the integrators.
+//! Chaos and energy of a triple pendulum: state copies, sensitivity to the initial state, and the
+//! error of the integrators.
 //!
 //! ```text
 //! cargo run --release --example pendulum_chaos -- --out out
 //! ```
 //!
-//! The program simulates the pendulum several times from states that differ by 1e-9 m/s, and prints when their angles differ by
-//! more than 0.1 rad. Then it compares the drift of the total energy for several time steps and two integrators.
+//! The program simulates the pendulum several times from states that differ by 1e-9 m/s, and prints
+//! when their angles differ by more than 0.1 rad. Then it compares the drift of the total energy
+//! for several time steps and two integrators.
 //!
 //! `--help` lists the options.
 

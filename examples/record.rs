@@ -4,7 +4,8 @@
 //! cargo run --release --features renderer --example record -- --out humanoid.gif
 //! ```
 //!
-//! The program prints the number of frames and the duration of the recording. `--help` lists the options.
+//! The program prints the number of frames and the duration of the recording. `--help` lists the
+//! options.
 
 #[path = "common/mod.rs"]
 mod common;

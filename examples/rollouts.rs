@@ -4,8 +4,8 @@
 //! cargo run --release --example rollouts -- --out out
 //! ```
 //!
-//! The program prints the number of poles that remain upright, the strongest push among them, and the speed of the simulation.
-//! `--help` lists the options.
+//! The program prints the number of poles that remain upright, the strongest push among them, and
+//! the speed of the simulation. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -121,7 +121,8 @@ fn is_upright(result: &RolloutResult, index: usize) -> bool {
     result.states_of(index).rows().all(|state| state[1].abs() < FALLEN)
 }
 
-/// Plots the angle and the position of every rollout, and quantiles over the rollouts that remain upright.
+/// Plots the angle and the position of every rollout, and quantiles over the rollouts that remain
+/// upright.
 fn plot(
     path: &Path,
     model: &Model,

@@ -4,8 +4,9 @@
 //! cargo run --release --example tippe_top -- --out out
 //! ```
 //!
-//! The top is a ball with a low centre of mass and a stem. A fast spin about the stem raises the centre of mass until the top spins
-//! on its stem. The program prints the time at which it turns over, and plots the height of the stem and the spin.
+//! The top is a ball with a low centre of mass and a stem. A fast spin about the stem raises the
+//! centre of mass until the top spins on its stem. The program prints the time at which it turns
+//! over, and plots the height of the stem and the spin.
 //!
 //! `--help` lists the options.
 
@@ -53,7 +54,8 @@ fn main() -> std::process::ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut data = Data::new(Model::from_xml_str(TOP)?)?;
-    // The velocity of a free joint is linear, then angular in the body's frame. A small tilt breaks the symmetry.
+    // The velocity of a free joint is linear, then angular in the body's frame. A small tilt breaks
+    // the symmetry.
     data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 0.3, 0.0, arguments.spin]);
 
     let (mut stem, mut rate, mut turned) = (Vec::new(), Vec::new(), None);

@@ -1,11 +1,12 @@
-//! Side-by-side comparison of two recorded trajectories: a humanoid on one leg without control and under LQR.
+//! Side-by-side comparison of two recorded trajectories: a humanoid on one leg without control and
+//! under LQR.
 //!
 //! ```text
 //! cargo run --release --features renderer --example trajectories -- --out trajectories.gif
 //! ```
 //!
-//! The simulations run first; the frames are rendered from the recorded trajectories. The program prints the number of frames and
-//! the duration of the recording. `--help` lists the options.
+//! The simulations run first; the frames are rendered from the recorded trajectories. The program
+//! prints the number of frames and the duration of the recording. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -33,7 +34,8 @@ struct Arguments {
     /// Image size of each half in pixels
     #[arg(long, value_name = "WxH", default_value = "320x360", value_parser = command_line::size)]
     size: [u32; 2],
-    /// Play the trajectories in a window instead, forwards and backwards (requires `--features viewer`)
+    /// Play the trajectories in a window instead, forwards and backwards (requires
+    /// `--features viewer`)
     #[arg(long)]
     view: bool,
 }

@@ -4,8 +4,8 @@
 //! cargo run --release --features viewer --example view -- model.xml
 //! ```
 //!
-//! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the window to load it. Press
-//! F1 for the keyboard and mouse controls. `--help` lists the options.
+//! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the
+//! window to load it. Press F1 for the keyboard and mouse controls. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;

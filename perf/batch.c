@@ -1,5 +1,5 @@
-// Batch of simulations in C. Each simulation is a row with its state. The threads take the rows in chunks, copy each into their mjData, call
-// mj_step, and copy the new state back.
+// Batch of simulations in C. Each simulation is a row with its state. The threads take the rows in
+// chunks, copy each into their mjData, call mj_step, and copy the new state back.
 #include "engine.h"
 
 #include <stdatomic.h>

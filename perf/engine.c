@@ -1,5 +1,5 @@
-// Reference implementation: the engine called from C. Reads one command per line, so that it can run alternately with others, and
-// answers with the elapsed seconds and a checksum of the result.
+// Reference implementation: the engine called from C. Reads one command per line, so that it can
+// run alternately with others, and answers with the elapsed seconds and a checksum of the result.
 //
 //   engine --version                prints the version of the engine
 //   engine MODEL.xml [KEYFRAME] < commands
@@ -8,7 +8,8 @@
 //   batch COUNT CALLS THREADS     COUNT simulations of one step per call, each a row of states; after one warm-up call
 //   transition CALLS              mjd_transitionFD of A and B by central differences, after one warm-up call
 //
-// Warm-up calls are not timed, because another process may have replaced the contents of the caches.
+// Warm-up calls are not timed, because another process may have replaced the contents of the
+// caches.
 #include "engine.h"
 
 #include <sched.h>

@@ -31,7 +31,8 @@ double now(void);
 
 double sum(const double* values, int count);
 
-// Measures `calls` steps of a batch, with one simulation for each thread, which it creates where `d` has none.
+// Measures `calls` steps of a batch, with one simulation for each thread, which it creates where
+// `d` has none.
 void batch(mjData** d, int count, int calls, int threads);
 
 #endif

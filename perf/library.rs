@@ -113,7 +113,8 @@ impl Library {
         Ok((seconds, last[..nq].iter().sum()))
     }
 
-    /// Steps a batch on the threads of the current pool. As for steps, the first call is not timed: see `engine.c`.
+    /// Steps a batch on the threads of the current pool. As for steps, the first call is not timed:
+    /// see `engine.c`.
     pub(crate) fn batch(&mut self, count: usize, calls: usize) -> Outcome<(f64, f64)> {
         let width = count * self.data.model().nu();
         self.generate_controls((calls + 1) * count);
@@ -138,7 +139,8 @@ impl Library {
         Ok((seconds, batch.states().row(count - 1)[qpos].iter().sum()))
     }
 
-    /// Linearises on the threads of the current pool. As for steps, the first call is not timed: see `engine.c`.
+    /// Linearises on the threads of the current pool. As for steps, the first call is not timed:
+    /// see `engine.c`.
     pub(crate) fn transition(&mut self, calls: usize) -> Outcome<(f64, f64)> {
         self.restart()?;
         let Self { data, transitions, a, b, .. } = self;

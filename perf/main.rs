@@ -1,13 +1,14 @@
-//! Speed comparison with other implementations: the engine in C, its Python bindings, SciPy and NumPy. `scripts/compare`
-//! builds and installs everything that it requires.
+//! Speed comparison with other implementations: the engine in C, its Python bindings, SciPy and
+//! NumPy. `scripts/compare` builds and installs everything that it requires.
 //!
 //! ```text
 //! cargo bench --bench compare -- --engine target/perf/engine --python target/perf/venv/bin/python --out out
 //! ```
 //!
-//! Each reference runs in its own process. The measurements alternate in the order ours, theirs, theirs, ours. Each pair gives a
-//! ratio; the report contains the median and the quartiles of the ratios. Every thread is pinned to a processor (see
-//! `processor.rs`). A multi-threaded pair counts only if the machine provided a core for each thread.
+//! Each reference runs in its own process. The measurements alternate in the order ours, theirs,
+//! theirs, ours. Each pair gives a ratio; the report contains the median and the quartiles of the
+//! ratios. Every thread is pinned to a processor (see `processor.rs`). A multi-threaded pair counts
+//! only if the machine provided a core for each thread.
 
 mod library;
 #[path = "../benches/common/models.rs"]
@@ -45,7 +46,8 @@ struct Arguments {
     /// Program that measures the engine in C
     #[arg(long, value_name = "PROGRAM", default_value = "target/perf/engine")]
     engine: PathBuf,
-    /// Python interpreter with the engine's bindings, SciPy and NumPy; without it, only C is compared
+    /// Python interpreter with the engine's bindings, SciPy and NumPy; without it, only C is
+    /// compared
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
     /// Python interpreter with slycot; without it, the Riccati solver is not compared with SLICOT
@@ -65,8 +67,9 @@ struct Arguments {
     bench: bool,
 }
 
-/// Model, initial keyframe, and amount of work per run. A run takes a few milliseconds, because the load of the machine varies
-/// from one hundredth of a second to the next. Rollouts take longer, to amortise the start of the threads.
+/// Model, initial keyframe, and amount of work per run. A run takes a few milliseconds, because the
+/// load of the machine varies from one hundredth of a second to the next. Rollouts take longer, to
+/// amortise the start of the threads.
 struct Task {
     name: &'static str,
     path: PathBuf,

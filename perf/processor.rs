@@ -1,7 +1,8 @@
 //! Processors: affinity of threads, and detection of cores that are shared with other load.
 //!
-//! Threads are pinned. Otherwise the scheduler's placement persists for milliseconds: two threads can share a
-//! processor while another is idle, and one of two programs can get a processor whose core has other load.
+//! Threads are pinned. Otherwise the scheduler's placement persists for milliseconds: two threads
+//! can share a processor while another is idle, and one of two programs can get a processor whose
+//! core has other load.
 //!
 //! Two processors of a virtual machine can share one core of the host for seconds at a
 //! time; the speed-up of two threads is then meaningless.
@@ -16,7 +17,8 @@ use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::Outcome;
 
-/// Creates a pool with each thread pinned to a processor, starting with the first. Without `taskset`, threads are not pinned.
+/// Creates a pool with each thread pinned to a processor, starting with the first. Without
+/// `taskset`, threads are not pinned.
 pub(crate) fn pool(threads: usize) -> Outcome<ThreadPool> {
     let processors = processors();
     let pin = move |thread: usize| {
@@ -74,7 +76,8 @@ fn throughput(pool: &ThreadPool) -> f64 {
     threads as f64 * longest(one) / longest(all)
 }
 
-/// Times some milliseconds of independent multiplications, which leave no execution units of a core to a second thread.
+/// Times some milliseconds of independent multiplications, which leave no execution units of a core
+/// to a second thread.
 fn work() -> f64 {
     let begin = Instant::now();
     let mut lanes = [1_u64, 2, 3, 4, 5, 6, 7, 8];

@@ -27,8 +27,8 @@ pub(crate) struct Comparison {
 const MAX_TRIES: usize = 4;
 
 impl Comparison {
-    /// Measures both sides alternately, ours on the threads of a pool. Discards the first pair, and every pair for which
-    /// a core per thread was not available before and after.
+    /// Measures both sides alternately, ours on the threads of a pool. Discards the first pair, and
+    /// every pair for which a core per thread was not available before and after.
     pub(crate) fn measure(
         pool: &ThreadPool,
         pairs: usize,
@@ -71,8 +71,8 @@ impl Comparison {
         self.our_checksum.to_bits() == self.their_checksum.to_bits()
     }
 
-    /// Prints a warning if the results differ. Two builds of the engine differ in the last bits, which simulations with contacts
-    /// amplify.
+    /// Prints a warning if the results differ. Two builds of the engine differ in the last bits,
+    /// which simulations with contacts amplify.
     pub(crate) fn warn_if_different(self) -> Self {
         let (ours, theirs) = (self.our_checksum, self.their_checksum);
         if (ours - theirs).abs() > TOLERANCE * (1.0 + theirs.abs()) {

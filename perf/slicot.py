@@ -26,7 +26,8 @@ def sb02od(a, b, q, r):
 
 def sb02md(a, b, q, r):
     g = b @ np.linalg.solve(r, b.T)
-    # The eigenvalues of the inverse symplectic matrix that are outside the unit circle belong to the stabilising solution.
+    # The eigenvalues of the inverse symplectic matrix that are outside the unit circle belong to
+    # the stabilising solution.
     return slycot.sb02md(len(a), a, g, q, "D", hinv="D", sort="U")[0]
 
 

@@ -13,7 +13,8 @@ use crate::report::{Comparison, Report};
 /// Routines of SLICOT, with their names in the report.
 const ROUTINES: [(&str, &str); 2] = [("SB02OD", "SLICOT SB02OD"), ("SB02MD", "SLICOT SB02MD")];
 
-/// Compares the time of the Riccati equation of a task with that of SLICOT's routines, which `python` calls through slycot.
+/// Compares the time of the Riccati equation of a task with that of SLICOT's routines, which
+/// `python` calls through slycot.
 pub(crate) fn compare(
     report: &mut Report,
     (python, out): (&Path, &Path),

@@ -1,7 +1,8 @@
 //! The [`Controller`] trait, and controllers that need no solver.
 //!
-//! A controller sets `ctrl` before each step. Rollouts, recordings, the viewer and the trajectory optimiser all accept a
-//! controller. Regulators that solve for a gain are in [`control`](crate::control).
+//! A controller sets `ctrl` before each step. Rollouts, recordings, the viewer and the trajectory
+//! optimiser all accept a controller. Regulators that solve for a gain are in
+//! [`control`](crate::control).
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -29,10 +30,12 @@ use crate::model::Model;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 ///
-/// The closure must declare the type of its argument, `|data: &mut Data|`, because the compiler does not infer it from this trait.
+/// The closure must declare the type of its argument, `|data: &mut Data|`, because the compiler
+/// does not infer it from this trait.
 ///
-/// `Box<dyn Controller>` and `&mut dyn Controller` are controllers too, also with `Send` and `Sync`, so a program can choose a controller
-/// at run time. A `Box<C>` or `&mut C` of another controller `C` must be converted to one of them.
+/// `Box<dyn Controller>` and `&mut dyn Controller` are controllers too, also with `Send` and
+/// `Sync`, so a program can choose a controller at run time. A `Box<C>` or `&mut C` of another
+/// controller `C` must be converted to one of them.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, PdController, RandomController, Trajectory, sample};
@@ -72,8 +75,8 @@ where
     }
 }
 
-/// Implements [`Controller`] for pointers to trait objects. A generic `Box<C>` would overlap with closures, because a box of a closure is
-/// a closure.
+/// Implements [`Controller`] for pointers to trait objects. A generic `Box<C>` would overlap with
+/// closures, because a box of a closure is a closure.
 macro_rules! forward_to_trait_object {
     ($($pointer:ty),*) => {
         $(
@@ -105,8 +108,8 @@ impl Controller for ZeroController {
     }
 }
 
-/// Controller that draws each control from a uniform distribution: over the control's range if it is limited, else over ±1. The
-/// same seed yields the same controls on every machine.
+/// Controller that draws each control from a uniform distribution: over the control's range if it
+/// is limited, else over ±1. The same seed yields the same controls on every machine.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, RandomController, sample};
@@ -142,10 +145,12 @@ impl Controller for RandomController {
     }
 }
 
-/// PD controller that drives each actuator's length to a target: `ctrl = kp (target − length) − kd velocity`.
+/// PD controller that drives each actuator's length to a target:
+/// `ctrl = kp (target − length) − kd velocity`.
 ///
-/// The length of an actuator on a joint is the joint position times the gear, so this is the usual PD controller of a robot
-/// with motors on its joints; it works the same way for tendons. Lengths and velocities are those of the present state.
+/// The length of an actuator on a joint is the joint position times the gear, so this is the usual
+/// PD controller of a robot with motors on its joints; it works the same way for tendons. Lengths
+/// and velocities are those of the present state.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, PdController, sample};
@@ -169,12 +174,14 @@ pub struct PdController {
 }
 
 impl PdController {
-    /// Creates a controller with the same gains for all actuators. Targets are the lengths in the reference configuration.
+    /// Creates a controller with the same gains for all actuators. Targets are the lengths in the
+    /// reference configuration.
     pub fn new(model: &Model, kp: f64, kd: f64) -> Self {
         Self { kp, kd, target: model.actuator_length0().to_vec(), lineage: model.lineage() }
     }
 
-    /// Sets the target length of an actuator, given by its id or its view: [`Model::actuator`] looks up a name.
+    /// Sets the target length of an actuator, given by its id or its view: [`Model::actuator`]
+    /// looks up a name.
     ///
     /// # Panics
     ///

@@ -1,4 +1,5 @@
-//! Version of the engine, and the process-wide handlers that must be installed before the first call.
+//! Version of the engine, and the process-wide handlers that must be installed before the first
+//! call.
 
 use std::env::consts;
 use std::fs;
@@ -18,14 +19,16 @@ pub fn engine_version() -> Version {
     Version::from_number(unsafe { mj_version() } as u32)
 }
 
-/// Installs the handlers once, and rejects an engine of another version, because its structs have another layout. Every function
-/// that creates a model calls this first, so no engine call can precede it.
+/// Installs the handlers once, and rejects an engine of another version, because its structs have
+/// another layout. Every function that creates a model calls this first, so no engine call can
+/// precede it.
 pub(crate) fn ready() -> Result<()> {
     static SAME_VERSION: OnceLock<bool> = OnceLock::new();
     let same = SAME_VERSION.get_or_init(|| {
         let same = engine_version() == built_against();
         if same {
-            // SAFETY: this crate has called no other function of the engine yet, so no other thread reads the handlers at this time.
+            // SAFETY: this crate has called no other function of the engine yet, so no other thread
+            // reads the handlers at this time.
             unsafe { guard::install(Some(on_warning)) };
         }
         same
@@ -33,19 +36,22 @@ pub(crate) fn ready() -> Result<()> {
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }
 }
 
-/// Loads the engine's plugins from a shared library, or from all shared libraries in a directory. Models whose `<extension>` element
-/// names such a plugin load afterwards: actuators, sensors, passive forces and signed distance fields. Engines from 2.3 have plugins. Without
-/// this call no plugin is known; a wheel has them in the directory `mujoco/plugin`.
+/// Loads the engine's plugins from a shared library, or from all shared libraries in a directory.
+/// Models whose `<extension>` element names such a plugin load afterwards: actuators, sensors,
+/// passive forces and signed distance fields. Engines from 2.3 have plugins. Without this call no
+/// plugin is known; a wheel has them in the directory `mujoco/plugin`.
 ///
 /// # Safety
 ///
-/// The libraries are plugins for this version of the engine. Their code runs now and in every call with a model or a simulation that uses
-/// them, in any thread: it must be sound for all models and states.
+/// The libraries are plugins for this version of the engine. Their code runs now and in every call
+/// with a model or a simulation that uses them, in any thread: it must be sound for all models and
+/// states.
 ///
 /// # Errors
 ///
-/// [`Error::Unsupported`] with an engine before 2.3, [`Error::File`] if the path does not exist, [`Error::Engine`] if a library cannot be
-/// loaded, or has a plugin whose name is in use by another. Plugins that were loaded before the error remain.
+/// [`Error::Unsupported`] with an engine before 2.3, [`Error::File`] if the path does not exist,
+/// [`Error::Engine`] if a library cannot be loaded, or has a plugin whose name is in use by
+/// another. Plugins that were loaded before the error remain.
 ///
 /// ```no_run
 /// use mujoco_safe::Model;
@@ -80,12 +86,12 @@ pub unsafe fn load_plugins(path: impl AsRef<Path>) -> Result<()> {
     Ok(())
 }
 
-/// Installs a clock in the engine for the whole process. From then on each simulation accumulates the duration of the parts of its
-/// steps; see [`Data::timer`](crate::Data::timer). Without a clock the timers only count calls. A step reads the clock about 20
-/// times, at about 25 ns each.
+/// Installs a clock in the engine for the whole process. From then on each simulation accumulates
+/// the duration of the parts of its steps; see [`Data::timer`](crate::Data::timer). Without a clock
+/// the timers only count calls. A step reads the clock about 20 times, at about 25 ns each.
 ///
-/// Call this before the first step of any simulation: a step that is in progress in another thread would record the uptime of the
-/// machine as its duration.
+/// Call this before the first step of any simulation: a step that is in progress in another thread
+/// would record the uptime of the machine as its duration.
 ///
 /// ```
 /// mujoco_safe::data::enable_timers();

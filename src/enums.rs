@@ -1,7 +1,9 @@
-//! The engine's enumerations. A C int is converted to an enum only by comparing it with each constant.
+//! The engine's enumerations. A C int is converted to an enum only by comparing it with each
+//! constant.
 //!
-//! The enums are the same with every engine. A variant that the present engine lacks does not occur in its models, and a setter returns
-//! [`Error::Unsupported`](crate::Error::Unsupported) for it, with the versions that have it.
+//! The enums are the same with every engine. A variant that the present engine lacks does not occur
+//! in its models, and a setter returns [`Error::Unsupported`](crate::Error::Unsupported) for it,
+//! with the versions that have it.
 
 use mujoco_sys as sys;
 
@@ -17,7 +19,8 @@ macro_rules! engine_enum {
         }
 
         impl $name {
-            /// Returns [`Error::Unsupported`](crate::Error::Unsupported) for a variant that only other versions of the engine have.
+            /// Returns [`Error::Unsupported`](crate::Error::Unsupported) for a variant that only
+            /// other versions of the engine have.
             #[allow(dead_code, reason = "not every enum is passed to the engine")]
             pub(crate) fn check_supported(self) -> crate::error::Result<()> {
                 let what = format_args!(concat!(stringify!($name), "::{:?}"), self);
@@ -73,13 +76,14 @@ engine_enum! {
         Implicit = mjINT_IMPLICIT,
         /// Implicit in velocity, without Coriolis and centrifugal forces. With engines from 2.3.3.
         ImplicitFast = mjINT_IMPLICITFAST,
-        /// Constraint solve and implicit update of the velocity in one operation: `qacc` is the change of the velocity in a step
-        /// divided by its duration. With engines from 3.13.0.
+        /// Constraint solve and implicit update of the velocity in one operation: `qacc` is the
+        /// change of the velocity in a step divided by its duration. With engines from 3.13.0.
         Discrete = mjINT_DISCRETE,
     }
 }
 engine_enum! {
-    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 always use `All`.
+    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 always use
+    /// `All`.
     #[doc(alias = "mjtCollision")]
     Collision {
         /// Pairs that the model names, and pairs that `contype` and `conaffinity` select.
@@ -170,12 +174,13 @@ engine_enum! {
         Fixed = mjCAMLIGHT_FIXED,
         /// The position follows the body, the orientation is constant.
         Track = mjCAMLIGHT_TRACK,
-        /// The position follows the centre of mass of the body's subtree, the orientation is constant.
+        /// The position follows the centre of mass of the body's subtree, the orientation is
+        /// constant.
         TrackCom = mjCAMLIGHT_TRACKCOM,
         /// The position is fixed in the frame of its body, the orientation points at a target body.
         TargetBody = mjCAMLIGHT_TARGETBODY,
-        /// The position is fixed in the frame of its body, the orientation points at the centre of mass of a target body's
-        /// subtree.
+        /// The position is fixed in the frame of its body, the orientation points at the centre of
+        /// mass of a target body's subtree.
         TargetBodyCom = mjCAMLIGHT_TARGETBODYCOM,
     }
 }
@@ -223,7 +228,8 @@ engine_enum! {
         Site = mjTRN_SITE,
         /// Contacts of a body (adhesion).
         Body = mjTRN_BODY,
-        /// Orientation of a ball joint, or of a site relative to another one. With engines from 3.11.0.
+        /// Orientation of a ball joint, or of a site relative to another one. With engines from
+        /// 3.11.0.
         So3 = mjTRN_SO3,
     }
 }
@@ -259,9 +265,11 @@ engine_enum! {
         Affine = mjGAIN_AFFINE,
         /// Active force of a muscle as a function of length and velocity.
         Muscle = mjGAIN_MUSCLE,
-        /// Torque constant of a DC motor, or its quotient by the resistance. With engines from 3.7.0.
+        /// Torque constant of a DC motor, or its quotient by the resistance. With engines from
+        /// 3.7.0.
         DcMotor = mjGAIN_DCMOTOR,
-        /// Servo of a relative orientation, along the geodesic to the desired one. With engines from 3.11.0.
+        /// Servo of a relative orientation, along the geodesic to the desired one. With engines
+        /// from 3.11.0.
         So3 = mjGAIN_SO3,
         /// PID controller with set points of position and velocity. With engines from 3.12.0.
         Pid = mjGAIN_PID,
@@ -270,7 +278,8 @@ engine_enum! {
     }
 }
 engine_enum! {
-    /// Bias of an actuator: the force that is added to the product of gain and control or activation.
+    /// Bias of an actuator: the force that is added to the product of gain and control or
+    /// activation.
     #[doc(alias = "mjtBias")]
     ActuatorBias {
         /// No bias.
@@ -313,7 +322,8 @@ engine_enum! {
     SensorDataType {
         /// Real numbers.
         Real = mjDATATYPE_REAL,
-        /// Positive numbers. A number that is not positive means that the sensor has no measurement.
+        /// Positive numbers. A number that is not positive means that the sensor has no
+        /// measurement.
         Positive = mjDATATYPE_POSITIVE,
         /// Unit vector.
         Axis = mjDATATYPE_AXIS,
@@ -407,7 +417,8 @@ engine_enum! {
         TendonActuatorForce = mjSENS_TENDONACTFRC,
         /// Pixel coordinates of a site in the image of a camera. With engines from 3.0.0.
         CameraProjection = mjSENS_CAMPROJECTION,
-        /// Signed distance between two geoms, or the geoms of two bodies, m. With engines from 3.1.6.
+        /// Signed distance between two geoms, or the geoms of two bodies, m. With engines from
+        /// 3.1.6.
         GeomDistance = mjSENS_GEOMDIST,
         /// Direction from a geom to the nearest point of another one. With engines from 3.1.6.
         GeomNormal = mjSENS_GEOMNORMAL,
@@ -415,19 +426,22 @@ engine_enum! {
         GeomFromTo = mjSENS_GEOMFROMTO,
         /// Potential energy, J. With engines from 3.3.0.
         PotentialEnergy = mjSENS_E_POTENTIAL,
-        /// Kinetic energy, J. The engine evaluates it with the sensors of the position stage, so its own linearisation
-        /// ([`Data::transition_fd`](crate::Data::transition_fd)) has no derivative with respect to velocities. With engines from 3.3.0.
+        /// Kinetic energy, J. The engine evaluates it with the sensors of the position stage, so
+        /// its own linearisation ([`Data::transition_fd`](crate::Data::transition_fd)) has no
+        /// derivative with respect to velocities. With engines from 3.3.0.
         KineticEnergy = mjSENS_E_KINETIC,
         /// 1 for an object inside a site's shape, else 0. With engines from 3.3.5.
         InsideSite = mjSENS_INSIDESITE,
-        /// Contacts between selected geoms: force, torque, distance, position and directions. With engines from 3.3.5.
+        /// Contacts between selected geoms: force, torque, distance, position and directions. With
+        /// engines from 3.3.5.
         Contact = mjSENS_CONTACT,
         /// Penetration and sliding velocity at the vertices of a mesh. With engines from 3.3.5.
         Tactile = mjSENS_TACTILE,
     }
 }
 
-/// Coincidence of an attached frame with a frame of its body, which saves the engine its computation.
+/// Coincidence of an attached frame with a frame of its body, which saves the engine its
+/// computation.
 #[doc(alias = "mjtSameFrame")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]

@@ -1,5 +1,5 @@
-//! Conversion between C and Rust: arrays that may be NULL, strings, sizes, the status of a guarded call, and exit handlers. This is the
-//! only file that calls `from_raw_parts`.
+//! Conversion between C and Rust: arrays that may be NULL, strings, sizes, the status of a guarded
+//! call, and exit handlers. This is the only file that calls `from_raw_parts`.
 
 #![allow(clippy::disallowed_methods, reason = "the lint confines `from_raw_parts` and `check` to a few files")]
 
@@ -47,18 +47,20 @@ pub(crate) fn limit(limit: impl TryInto<usize>) -> usize {
     limit.try_into().unwrap_or(0)
 }
 
-/// Registers a function that is called while the process ends, before all functions that were registered earlier. A failed registration
-/// has no effect.
+/// Registers a function that is called while the process ends, before all functions that were
+/// registered earlier. A failed registration has no effect.
 #[cfg(feature = "renderer")]
 pub(crate) fn at_exit(function: extern "C" fn()) {
     unsafe extern "C" {
         fn atexit(function: extern "C" fn()) -> c_int;
     }
-    // SAFETY: a function of the C library that stores a pointer at a function, and calls it before the code of the function is unloaded.
+    // SAFETY: a function of the C library that stores a pointer at a function, and calls it before
+    // the code of the function is unloaded.
     unsafe { atexit(function) };
 }
 
-/// Returns the array at `array` as a slice, which is empty for NULL. The engine stores NULL for empty arrays.
+/// Returns the array at `array` as a slice, which is empty for NULL. The engine stores NULL for
+/// empty arrays.
 ///
 /// # Safety
 ///
@@ -72,8 +74,9 @@ pub(crate) unsafe fn array<'a, T>(array: *const T, length: usize) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(array, length) }
 }
 
-/// Returns `true` if `predicate` holds for all values of an array. Runs in every step of a simulation: building the slice of
-/// [`array`] takes longer than testing the few numbers of a small model.
+/// Returns `true` if `predicate` holds for all values of an array. Runs in every step of a
+/// simulation: building the slice of [`array`] takes longer than testing the few numbers of a small
+/// model.
 ///
 /// # Safety
 ///
@@ -105,7 +108,8 @@ pub(crate) unsafe fn array_mut<'a, T>(array: *mut T, length: usize) -> &'a mut [
 /// As for [`array`], with `rows * N` values.
 #[inline]
 pub(crate) unsafe fn rows<'a, T, const N: usize>(values: *const T, rows: usize) -> &'a [[T; N]] {
-    // SAFETY: `[T; N]` has the alignment of `T` and the size of `N` of them; the caller guarantees the rest.
+    // SAFETY: `[T; N]` has the alignment of `T` and the size of `N` of them; the caller guarantees
+    // the rest.
     unsafe { array(values.cast::<[T; N]>(), rows) }
 }
 
@@ -133,7 +137,8 @@ pub(crate) unsafe fn made_by<T>(make: impl FnOnce(*mut T)) -> T {
     unsafe { made.assume_init() }
 }
 
-/// Copies a C string. Bytes that are not UTF-8 become replacement characters; NULL becomes an empty string.
+/// Copies a C string. Bytes that are not UTF-8 become replacement characters; NULL becomes an empty
+/// string.
 ///
 /// # Safety
 ///
@@ -146,7 +151,8 @@ pub(crate) unsafe fn text(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-/// Converts text to a C string. A NUL byte inside would truncate the string in C, so it is an error.
+/// Converts text to a C string. A NUL byte inside would truncate the string in C, so it is an
+/// error.
 pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<CString> {
     CString::new(text).map_err(|error| {
         Error::invalid(
@@ -157,15 +163,16 @@ pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<C
     })
 }
 
-/// Converts the status of a guarded call without a simulation, or on one that is dropped after an error, to a result. Such a call
-/// has no data to poison. Calls on a [`Data`](crate::Data) go through its methods in `data/call.rs`.
+/// Converts the status of a guarded call without a simulation, or on one that is dropped after an
+/// error, to a result. Such a call has no data to poison. Calls on a [`Data`](crate::Data) go
+/// through its methods in `data/call.rs`.
 #[inline]
 pub(crate) fn check_without_data(function: &'static str, status: c_int) -> Result<()> {
     check(function, status)
 }
 
-/// Converts the status of a guarded call to a result. Only for the functions that decide about poisoning: `data/call.rs` and
-/// [`check_without_data`].
+/// Converts the status of a guarded call to a result. Only for the functions that decide about
+/// poisoning: `data/call.rs` and [`check_without_data`].
 #[inline]
 pub(crate) fn check(function: &'static str, status: c_int) -> Result<()> {
     let result = if status == guard::OK { Ok(()) } else { Err(engine_error(function, status)) };
@@ -179,7 +186,8 @@ fn engine_error(function: &'static str, status: c_int) -> Error {
     if status == guard::OUT_OF_MEMORY {
         return Error::OutOfMemory { function };
     }
-    // SAFETY: the pointer is a NUL-terminated buffer of this thread, which only the next caught error of this thread changes.
+    // SAFETY: the pointer is a NUL-terminated buffer of this thread, which only the next caught
+    // error of this thread changes.
     let message = unsafe { text(guard::message()) };
     Error::Engine { function, message }
 }

@@ -1,5 +1,7 @@
-//! Documentation of the engine's fields at run time: [`Model::field_docs`](crate::Model::field_docs), [`Model::fields`](crate::Model::fields) and the
-//! same functions of the other structs. The texts are those of the engine's headers, in the engine's spelling.
+//! Documentation of the engine's fields at run time:
+//! [`Model::field_docs`](crate::Model::field_docs), [`Model::fields`](crate::Model::fields) and the
+//! same functions of the other structs. The texts are those of the engine's headers, in the
+//! engine's spelling.
 
 use std::fmt;
 
@@ -7,8 +9,8 @@ use mujoco_sys::FIELDS;
 
 use crate::error::{Error, Result, near_names};
 
-/// Documentation of a field of one of the engine's structs. `Display` writes its name and documentation: `nv: number of degrees of freedom =
-/// dim(qvel)`.
+/// Documentation of a field of one of the engine's structs. `Display` writes its name and
+/// documentation: `nv: number of degrees of freedom = dim(qvel)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct FieldDoc {
@@ -52,14 +54,16 @@ impl FieldDoc {
         Self::all(structure).find(|field| field.name == name)
     }
 
-    /// Returns the error about an unknown field, with similar names among `known`, and with the struct that has a field of this name.
+    /// Returns the error about an unknown field, with similar names among `known`, and with the
+    /// struct that has a field of this name.
     pub(crate) fn unknown(structure: &'static str, name: &str, known: impl Iterator<Item = &'static str>) -> Error {
         const STRUCTURES: [&str; 5] = ["Model", "Data", "Option", "Visual", "Statistic"];
         let owner = STRUCTURES.into_iter().find(|&other| other != structure && Self::find(other, name).is_some());
         Error::NoSuchField { structure, name: name.to_owned(), near: near_names(name, known), owner }
     }
 
-    /// Returns the shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a single value.
+    /// Returns the shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a
+    /// single value.
     ///
     /// ```
     /// use mujoco_safe::Data;
@@ -82,7 +86,8 @@ impl fmt::Display for FieldDoc {
     }
 }
 
-/// Declares `field_docs` and `fields` of a type: the type, its struct in the engine, and a field and its documentation for the examples.
+/// Declares `field_docs` and `fields` of a type: the type, its struct in the engine, and a field
+/// and its documentation for the examples.
 macro_rules! field_docs {
     ($module:ident::$type:ident, $structure:literal, $name:literal, $docs:literal) => {
         /// # Field documentation
@@ -91,7 +96,8 @@ macro_rules! field_docs {
             ///
             /// # Errors
             ///
-            /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names, and with the struct that has the field if another one has it.
+            /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names, and with the
+            /// struct that has the field if another one has it.
             ///
             /// ```
             #[doc = concat!("use mujoco_safe::{Error, ", stringify!($module), "::", stringify!($type), "};")]

@@ -11,10 +11,12 @@ use crate::error::{Error, Result};
 /// Largest size in bytes of a file that [`read_regular`] reads.
 const MOST_BYTES: u64 = 1 << 31;
 
-/// Opens a regular file of an ordinary file system for reading. Reads from pipes, sockets and devices can block or never
-/// end. So can reads from kernel file systems, such as `/proc/kmsg`, although the metadata marks such files as regular.
+/// Opens a regular file of an ordinary file system for reading. Reads from pipes, sockets and
+/// devices can block or never end. So can reads from kernel file systems, such as `/proc/kmsg`,
+/// although the metadata marks such files as regular.
 pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
-    // Check before opening, because opening a pipe waits for a writer and opening a device can have side effects.
+    // Check before opening, because opening a pipe waits for a writer and opening a device can have
+    // side effects.
     check_regular(path)?;
     let mut options = File::options();
     options.read(true);
@@ -100,13 +102,14 @@ pub(crate) fn free_path(path: &Path) -> PathBuf {
     free
 }
 
-/// Creates a file with private permissions for data that will later be written to `path`. The file is in the directory for
-/// temporary files or, if that fails, in the directory of `path`.
+/// Creates a file with private permissions for data that will later be written to `path`. The file
+/// is in the directory for temporary files or, if that fails, in the directory of `path`.
 pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     NamedTempFile::new().or_else(|error| NamedTempFile::new_in(folder(path)).map_err(|_| error))
 }
 
-/// Replaces a file atomically by the data that `write` writes. If an error occurs, the previous file is left unchanged.
+/// Replaces a file atomically by the data that `write` writes. If an error occurs, the previous
+/// file is left unchanged.
 pub(crate) fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
     try_replace(path, write).map_err(Error::file(path))
 }
@@ -119,11 +122,12 @@ fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Resu
     replacement.finish()
 }
 
-/// Pending replacement of a file. The new file has a temporary name until [`finish`](Self::finish) renames it. Dropping the value
-/// before that deletes the new file.
+/// Pending replacement of a file. The new file has a temporary name until [`finish`](Self::finish)
+/// renames it. Dropping the value before that deletes the new file.
 pub(crate) struct Replacement {
     file: File,
-    /// Temporary path of the file. `None` if the target is a pipe or a device, which is written to directly.
+    /// Temporary path of the file. `None` if the target is a pipe or a device, which is written to
+    /// directly.
     name: Option<TempPath>,
     path: PathBuf,
     permissions: Option<Permissions>,
@@ -138,7 +142,8 @@ impl Replacement {
             if existing.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
-            // Require write permission for the existing file, although the permissions of its directory suffice to replace it.
+            // Require write permission for the existing file, although the permissions of its
+            // directory suffice to replace it.
             let file = File::options().write(true).open(&path)?;
             if !existing.is_file() {
                 return Ok(Self { file, name: None, path, permissions: None });
@@ -179,14 +184,16 @@ impl Replacement {
     }
 }
 
-/// Resolves symbolic links, so that a replacement does not overwrite the link itself. The target need not exist.
+/// Resolves symbolic links, so that a replacement does not overwrite the link itself. The target
+/// need not exist.
 fn resolve_links(path: &Path) -> io::Result<PathBuf> {
     const MOST_LINKS: usize = 40;
     if let Ok(path) = fs::canonicalize(path) {
         return Ok(path);
     }
     let mut path = path.to_owned();
-    // Links such as `/dev/stdout` refer to open files of the process. They can be opened even if they appear to be dangling.
+    // Links such as `/dev/stdout` refer to open files of the process. They can be opened even if
+    // they appear to be dangling.
     if fs::metadata(&path).is_ok() {
         return Ok(path);
     }

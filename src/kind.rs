@@ -1,10 +1,12 @@
-//! Kinds of named elements: as values ([`Kind`]), and as types ([`Joint`], [`Body`], …) that distinguish the ids.
+//! Kinds of named elements: as values ([`Kind`]), and as types ([`Joint`], [`Body`], …) that
+//! distinguish the ids.
 
 use std::fmt;
 
 use mujoco_sys as sys;
 
-/// Kind of element as a type, which prevents the use of a joint's id for a body. Implemented by the types of this module.
+/// Kind of element as a type, which prevents the use of a joint's id for a body. Implemented by the
+/// types of this module.
 pub trait ElementKind: sealed::Sealed + 'static {
     /// The kind as a value.
     const KIND: Kind;
@@ -15,8 +17,8 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// Passes the table of kinds to a macro, one kind per line: the variant of [`Kind`] and the type, the name in messages, the engine's
-/// `mjtObj`, and the type of the ids.
+/// Passes the table of kinds to a macro, one kind per line: the variant of [`Kind`] and the type,
+/// the name in messages, the engine's `mjtObj`, and the type of the ids.
 macro_rules! for_each_kind {
     ($then:ident) => {
         $then! {

@@ -24,7 +24,8 @@ impl<'a> Row<'a> {
     ///
     /// # Safety
     ///
-    /// `read` writes a row of initialised values, and of columns if it has some, which nothing changes during `'a`.
+    /// `read` writes a row of initialised values, and of columns if it has some, which nothing
+    /// changes during `'a`.
     unsafe fn read(read: impl FnOnce(*mut adapted::Row)) -> Self {
         let mut row = MaybeUninit::uninit();
         read(row.as_mut_ptr());
@@ -65,8 +66,9 @@ impl<'a> Row<'a> {
 }
 
 impl Data {
-    /// Returns the derivative of a length of an actuator with respect to each degree of freedom, from `actuator_moment`. The actuators have
-    /// one output each, except those with several forces.
+    /// Returns the derivative of a length of an actuator with respect to each degree of freedom,
+    /// from `actuator_moment`. The actuators have one output each, except those with several
+    /// forces.
     pub(crate) fn moment_row(&self, output: usize) -> Row<'_> {
         let outputs = self.model().actuator_length0().len();
         assert!(output < outputs, "Bug: output {output} of {outputs}");
@@ -86,21 +88,22 @@ impl Data {
         self.model().first_output(actuator)
     }
 
-    /// Returns the derivative of a tendon's length with respect to each degree of freedom, in the layout of the present options.
+    /// Returns the derivative of a tendon's length with respect to each degree of freedom, in the
+    /// layout of the present options.
     pub(crate) fn tendon_row(&self, tendon: usize) -> Row<'_> {
         assert!(tendon < self.model().ntendon(), "Bug: tendon {tendon} of {}", self.model().ntendon());
         // SAFETY: a tendon of the model, whose arrays have the layout of its options.
         unsafe { Row::read(|row| adapted::tendon_row(self.model().as_ptr(), self.as_ptr(), tendon as c_int, row)) }
     }
 
-    /// Returns the row of the factor L of the inertia matrix, without its diagonal of ones; `None` for engines that store it with
-    /// `dof_Madr`.
+    /// Returns the row of the factor L of the inertia matrix, without its diagonal of ones; `None`
+    /// for engines that store it with `dof_Madr`.
     pub(crate) fn factor_row(&self, dof: usize) -> Option<Row<'_>> {
         self.triangle_row(dof, adapted::factor_row)
     }
 
-    /// Returns the lower triangle of a row of the inertia matrix, with the diagonal element last; `None` for engines that store it with
-    /// `dof_Madr`.
+    /// Returns the lower triangle of a row of the inertia matrix, with the diagonal element last;
+    /// `None` for engines that store it with `dof_Madr`.
     pub(crate) fn inertia_row(&self, dof: usize) -> Option<Row<'_>> {
         self.triangle_row(dof, adapted::inertia_row)
     }
@@ -123,8 +126,8 @@ impl Data {
         is_known.then_some(row)
     }
 
-    /// Returns the address of the first stored element of a row of the inertia matrix, and the row as by
-    /// [`inertia_row`](Self::inertia_row).
+    /// Returns the address of the first stored element of a row of the inertia matrix, and the row
+    /// as by [`inertia_row`](Self::inertia_row).
     pub(crate) fn inertia_place(&self, dof: usize) -> (usize, Option<Row<'_>>) {
         let row = self.inertia_row(dof);
         let start = match &row {
@@ -341,7 +344,8 @@ impl Model {
         usize::try_from(unsafe { adapted::drawn_texture(self.as_ptr(), material as c_int) }).ok()
     }
 
-    /// Returns `true` if the engine converts the pixels of a texture from the sRGB colour space to linear colours.
+    /// Returns `true` if the engine converts the pixels of a texture from the sRGB colour space to
+    /// linear colours.
     #[cfg(feature = "renderer")]
     pub(crate) fn texture_is_srgb(&self, texture: usize) -> bool {
         assert!(texture < self.ntex(), "Bug: texture {texture} of {}", self.ntex());
@@ -373,7 +377,8 @@ impl ModelMut<'_> {
     /// Sets whether an equality constraint is enforced, or enforced initially.
     pub(crate) fn set_equality_active(&mut self, equality: usize, active: bool) {
         let length = self.neq();
-        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively.
         let flags = unsafe { ffi::array_mut(adapted::equality_active(self.as_ptr()), length) };
         flags[equality] = active.into();
     }
@@ -381,7 +386,8 @@ impl ModelMut<'_> {
     /// Returns the pixels of all textures for writing.
     pub(crate) fn texture_bytes_mut(&mut self) -> &mut [u8] {
         let length = self.ntexdata();
-        // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.
+        // SAFETY: the engine allocated the array with this length, the model is borrowed
+        // exclusively, and any byte is a colour.
         unsafe { ffi::array_mut(adapted::texture_bytes(self.as_ptr()), length) }
     }
 
@@ -396,7 +402,8 @@ impl ModelMut<'_> {
     pub(crate) fn set_tendon_rest_length(&mut self, tendon: usize, [low, high]: [f64; 2]) {
         assert!(tendon < self.ntendon(), "Bug: tendon {tendon} of {}", self.ntendon());
         let mut count = 0;
-        // SAFETY: a tendon of the model, which has one or two numbers, and the model is borrowed exclusively.
+        // SAFETY: a tendon of the model, which has one or two numbers, and the model is borrowed
+        // exclusively.
         let lengths = unsafe {
             let lengths = adapted::tendon_rest_length(self.as_ptr(), tendon as c_int, &raw mut count);
             ffi::array_mut(lengths, ffi::size(count))

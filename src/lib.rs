@@ -34,54 +34,63 @@
 //!                                        └── transition_fd ─▶ StateSpace ─▶ Lqr ─▶ gains K
 //! ```
 //!
-//! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by [`Model::edit`] before it is shared and by
-//!   [`Data::edit_model`] afterwards. [`Options`], [`Visual`](model::Visual) and [`Statistics`](model::Statistics) are typed and checked.
+//! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by
+//!   [`Model::edit`] before it is shared and by [`Data::edit_model`] afterwards. [`Options`],
+//!   [`Visual`](model::Visual) and [`Statistics`](model::Statistics) are typed and checked.
 //! - [`spec`]: models in code, built element by element and joined with others.
-//! - [`Data`]: a simulation. Every array of the engine is a method with the engine's name: [`Data::qpos`],
-//!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
-//!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The search of this documentation finds them by their C names.
+//! - [`Data`]: a simulation. Every array of the engine is a method with the engine's name:
+//!   [`Data::qpos`], [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is
+//!   every function: `mj_step` is [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The
+//!   search of this documentation finds them by their C names.
 //! - [`element`]: named access to single elements (joints, bodies, sensors, …) of all 21 kinds.
-//! - [`Matrix`]: row-major matrices as the engine writes them, with nalgebra views of the same memory. [`math`] wraps the
-//!   engine's mathematics.
+//! - [`Matrix`]: row-major matrices as the engine writes them, with nalgebra views of the same
+//!   memory. [`math`] wraps the engine's mathematics.
 //! - [`callback`]: closures inside a step.
 //! - [`controller`]: the [`Controller`] trait and simple controllers.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
-//! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes animations, `viewer` opens a window.
+//! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes
+//!   animations, `viewer` opens a window.
 //! - [`sample`]: sample models.
 //!
-//! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of common problems. The [`prelude`] imports the
-//! names that most programs need. The [`cookbook`](guide::cookbook) has complete programs, [`promises`](guide::promises) lists the guarantees with their
-//! tests, and [`coverage`](guide::coverage) lists the counterpart of each function, field and kind of the engine. [`Model::field_docs`] returns the engine's
-//! description of a field.
+//! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of
+//! common problems. The [`prelude`] imports the names that most programs need. The
+//! [`cookbook`](guide::cookbook) has complete programs, [`promises`](guide::promises) lists the
+//! guarantees with their tests, and [`coverage`](guide::coverage) lists the counterpart of each
+//! function, field and kind of the engine. [`Model::field_docs`] returns the engine's description
+//! of a field.
 //!
 //! # Guarantees
 //!
-//! No call without `unsafe` can crash the process, access memory out of bounds, end the program, wait on
-//! standard input or write a file that the caller did not name. Where the engine prints a message and exits, a call returns an
-//! [`Error`]; also where the engine would silently reset the simulation or return values of another state. The known exception is the
-//! compilation of XML: see [`Model::from_xml_str`].
+//! No call without `unsafe` can crash the process, access memory out of bounds, end the program,
+//! wait on standard input or write a file that the caller did not name. Where the engine prints a
+//! message and exits, a call returns an [`Error`]; also where the engine would silently reset the
+//! simulation or return values of another state. The known exception is the compilation of XML: see
+//! [`Model::from_xml_str`].
 //!
-//! Mistakes in the program, such as the use of an id of another model, panic. Functions for control loops do not allocate, except those
-//! that return a `Vec` or a [`Matrix`].
+//! Mistakes in the program, such as the use of an id of another model, panic. Functions for control
+//! loops do not allocate, except those that return a `Vec` or a [`Matrix`].
 //!
 //! # Features
 //!
-//! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories,
-//! rollouts and other arrays as NumPy files. `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
-//! `bindgen`: bindings for an engine without committed ones (see [`guide::engines`]).
+//! All features are off by default. `renderer`: rendering and animations, without a window or a
+//! display. `viewer`: the window. `npz`: trajectories, rollouts and other arrays as NumPy files.
+//! `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states,
+//! matrices and trajectories as plain data in the formats of serde. `bindgen`: bindings for an
+//! engine without committed ones (see [`guide::engines`]).
 //!
 //! # Units and conventions
 //!
-//! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
-//! number of positions `nq` differs from the number of degrees of freedom `nv` if there are free or ball joints.
+//! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices
+//! count from 0. The number of positions `nq` differs from the number of degrees of freedom `nv` if
+//! there are free or ball joints.
 
-// The page of a type in the documentation has the methods in the order of the modules that declare them: loading a model comes first,
-// the generated accessors come last.
+// The page of a type in the documentation has the methods in the order of the modules that declare
+// them: loading a model comes first, the generated accessors come last.
 //
-// Modules import each other without cycles, except `data` and `model`: a simulation belongs to a model, and loading a model simulates its
-// muscles to find their ranges of lengths.
+// Modules import each other without cycles, except `data` and `model`: a simulation belongs to a
+// model, and loading a model simulates its muscles to find their ranges of lengths.
 pub mod model;
 
 pub mod data;
@@ -134,7 +143,8 @@ mod generated;
 /// The linear algebra crate of the views of matrices, in the version that this crate uses.
 pub use nalgebra;
 
-/// The crate of the arrays that matrices lend (feature `ndarray`), in the version that this crate uses.
+/// The crate of the arrays that matrices lend (feature `ndarray`), in the version that this crate
+/// uses.
 #[cfg(feature = "ndarray")]
 pub use ndarray;
 

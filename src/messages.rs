@@ -75,7 +75,8 @@ fn log() {
     }
     HAS_WARNINGS.set(false);
     for message in WARNINGS.try_with(RefCell::take).unwrap_or_default() {
-        // The caller has not recorded the result of the call yet, so a panic of the logger ends here.
+        // The caller has not recorded the result of the call yet, so a panic of the logger ends
+        // here.
         let _ = catch_panic(|| log::warn!(target: LOG_TARGET, "{message}"));
     }
 }

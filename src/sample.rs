@@ -20,13 +20,15 @@ pub const SYSTEM_MODELS: &str = "/usr/share/mujoco/model";
 ///
 /// # Panics
 ///
-/// If the engine cannot load models at all: see [`Error::EngineVersion`](crate::Error::EngineVersion) and
+/// If the engine cannot load models at all: see
+/// [`Error::EngineVersion`](crate::Error::EngineVersion) and
 /// [`Error::LoaderLocked`](crate::Error::LoaderLocked).
 pub fn cartpole() -> Model {
     bundled(CARTPOLE_XML)
 }
 
-/// Loads a humanoid of 40 kg: 27 degrees of freedom, 21 motors, and the keyframes `squat`, `stand_on_left_leg` and `stand`.
+/// Loads a humanoid of 40 kg: 27 degrees of freedom, 21 motors, and the keyframes `squat`,
+/// `stand_on_left_leg` and `stand`.
 ///
 /// # Panics
 ///
@@ -42,8 +44,8 @@ pub fn humanoid() -> Model {
     bundled(HUMANOID_XML)
 }
 
-/// Loads a torso on one leg that moves in a plane: 6 degrees of freedom, 3 motors. The model of the task
-/// [`Hopper`](crate::environment::Hopper).
+/// Loads a torso on one leg that moves in a plane: 6 degrees of freedom, 3 motors. The model of the
+/// task [`Hopper`](crate::environment::Hopper).
 ///
 /// # Panics
 ///
@@ -52,8 +54,8 @@ pub fn hopper() -> Model {
     bundled(HOPPER_XML)
 }
 
-/// Loads a torso on two legs that moves in a plane: 9 degrees of freedom, 6 motors. The model of the task
-/// [`HalfCheetah`](crate::environment::HalfCheetah).
+/// Loads a torso on two legs that moves in a plane: 9 degrees of freedom, 6 motors. The model of
+/// the task [`HalfCheetah`](crate::environment::HalfCheetah).
 ///
 /// # Panics
 ///
@@ -66,8 +68,8 @@ fn bundled(xml: &str) -> Model {
     Model::from_xml_str(xml).unwrap_or_else(|error| panic!("cannot load a bundled model: {error}"))
 }
 
-/// Returns the model files (`.xml`) in [`SYSTEM_MODELS`], sorted by path. The list is empty if the package is not installed. Some
-/// of the files are parts that others include.
+/// Returns the model files (`.xml`) in [`SYSTEM_MODELS`], sorted by path. The list is empty if the
+/// package is not installed. Some of the files are parts that others include.
 #[doc(alias = "example_model_files")]
 pub fn system_models() -> Vec<PathBuf> {
     let mut found = Vec::new();

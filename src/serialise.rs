@@ -1,5 +1,5 @@
-//! Implementations of serde's traits for results and matrices (feature `serde`). Types with an invariant are validated when they
-//! are deserialised.
+//! Implementations of serde's traits for results and matrices (feature `serde`). Types with an
+//! invariant are validated when they are deserialised.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -37,13 +37,13 @@ impl Serialize for Matrix {
     }
 }
 
-/// Largest number of rows or columns of a deserialised matrix without values, above the needs of any model. Without this limit, a
-/// loop over 2⁶⁴ empty rows would practically never end.
+/// Largest number of rows or columns of a deserialised matrix without values, above the needs of
+/// any model. Without this limit, a loop over 2⁶⁴ empty rows would practically never end.
 pub(crate) const MOST_WITHOUT_VALUES: usize = 1 << 20;
 
 impl<'de> Deserialize<'de> for Matrix {
-    /// Returns an error unless the number of values is `nrows * ncols`, or if a matrix without values has more than 2²⁰ rows or
-    /// columns.
+    /// Returns an error unless the number of values is `nrows * ncols`, or if a matrix without
+    /// values has more than 2²⁰ rows or columns.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Unvalidated { nrows, ncols, values } = Unvalidated::deserialize(deserializer)?;
         // The engine and nalgebra do not check the shape.
@@ -61,7 +61,8 @@ impl<'de> Deserialize<'de> for Matrix {
 }
 
 impl Serialize for StateSpec {
-    /// Writes the names of the components (`"QPOS | QVEL"`) in human-readable formats, and the bits in others.
+    /// Writes the names of the components (`"QPOS | QVEL"`) in human-readable formats, and the bits
+    /// in others.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         bitflags::serde::serialize(self, serializer)
     }

@@ -1,23 +1,26 @@
 //! Stages and parts of the engine's pipeline, and the record of the parts whose results are valid.
 //!
-//! This module does not depend on [`error`](crate::error), because [`Error::NotComputed`](crate::Error::NotComputed) names the
-//! missing results with these types.
+//! This module does not depend on [`error`](crate::error), because
+//! [`Error::NotComputed`](crate::Error::NotComputed) names the missing results with these types.
 
 use std::fmt;
 
 use bitflags::bitflags;
 
-/// Progress of the pipeline of a [`Data`](crate::Data) for its present model. Each stage includes the one before it. A reset and a
-/// change of the model return it to [`Nothing`](Self::Nothing). A change of the state does not, because programs usually read
-/// results after they write the next state.
+/// Progress of the pipeline of a [`Data`](crate::Data) for its present model. Each stage includes
+/// the one before it. A reset and a change of the model return it to [`Nothing`](Self::Nothing). A
+/// change of the state does not, because programs usually read results after they write the next
+/// state.
 ///
-/// A call that needs a later stage returns [`Error::NotComputed`](crate::Error::NotComputed). Without this check the engine would
-/// interpret arrays with the wrong layout, or return values of an earlier state.
+/// A call that needs a later stage returns [`Error::NotComputed`](crate::Error::NotComputed).
+/// Without this check the engine would interpret arrays with the wrong layout, or return values of
+/// an earlier state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
     /// Nothing has been computed since the last reset or change of the model.
     Nothing,
-    /// Quantities that depend on positions: poses, the inertia matrix, contacts, the constraint Jacobian.
+    /// Quantities that depend on positions: poses, the inertia matrix, contacts, the constraint
+    /// Jacobian.
     Position,
     /// Quantities that also depend on velocities: bias and passive forces.
     Velocity,
@@ -54,8 +57,8 @@ impl SensorUpdate {
 }
 
 bitflags! {
-    /// Parts of the pipeline whose results are valid: laid out as the present options require, and newer than all results that
-    /// they depend on.
+    /// Parts of the pipeline whose results are valid: laid out as the present options require, and
+    /// newer than all results that they depend on.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) struct PipelineFlags: u32 {
         const KINEMATICS = 1;
@@ -86,7 +89,8 @@ bitflags! {
         const SENSOR_ACC = 1 << 24;
         /// Linear term `efc_b` of the cost that the solver of forward dynamics minimises.
         const SOLVER_COST = 1 << 25;
-        /// States of the constraints, `efc_state`. A sensor callback runs before newer engines have written them.
+        /// States of the constraints, `efc_state`. A sensor callback runs before newer engines have
+        /// written them.
         const CONSTRAINT_STATE = 1 << 26;
 
         /// Results of [`Stage::Position`].
@@ -122,7 +126,8 @@ bitflags! {
         /// Valid results after a step. They belong to the state before the step, or to the last
         /// evaluation of a Runge–Kutta step.
         const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
-        /// Valid results after inverse dynamics, which uses neither the projection nor the actuators.
+        /// Valid results after inverse dynamics, which uses neither the projection nor the
+        /// actuators.
         const AFTER_INVERSE = Self::SOLVED.bits() | Self::VELOCITY.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();
     }
 }
@@ -254,7 +259,8 @@ impl PipelineFlags {
         Self::ONLY_IN_STAGES.iter().find(row).map(|&(_, _, name)| name)
     }
 
-    /// Returns all parts that depend on these, directly or indirectly. They become stale when these are recomputed.
+    /// Returns all parts that depend on these, directly or indirectly. They become stale when these
+    /// are recomputed.
     const fn dependents(self, features: Features) -> Self {
         // The constraints themselves do not read the factor, so it does not have to be computed
         // before them.
@@ -283,7 +289,8 @@ impl PipelineFlags {
         self.difference(results.dependents(features)).union(results)
     }
 
-    /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages up to `skip` left out.
+    /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages
+    /// up to `skip` left out.
     pub(crate) fn sensors_after(self, skip: Stage, sensors: SensorUpdate, features: Features) -> Self {
         let skipped = match skip {
             Stage::Nothing => Self::empty(),
@@ -317,8 +324,9 @@ impl From<Stage> for PipelineFlags {
     }
 }
 
-/// Results that a call needs: those of a [`Stage`], or of some parts of the pipeline. An argument of
-/// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
+/// Results that a call needs: those of a [`Stage`], or of some parts of the pipeline. An argument
+/// of [`Data::require`](crate::Data::require), and a field of
+/// [`Error::NotComputed`](crate::Error::NotComputed).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct MissingResults(Missing);
 
@@ -333,11 +341,12 @@ impl MissingResults {
     /// Valid results of the first half of a step.
     pub(crate) const FIRST_HALF: Self = Self(Missing::FirstHalf);
 
-    /// Readings of all sensors, `sensordata`. [`Data::forward`](crate::Data::forward), [`step`](crate::Data::step) and
-    /// [`inverse`](crate::Data::inverse) compute them.
+    /// Readings of all sensors, `sensordata`. [`Data::forward`](crate::Data::forward),
+    /// [`step`](crate::Data::step) and [`inverse`](crate::Data::inverse) compute them.
     pub const SENSORS: Self = Self(Missing::Parts(PipelineFlags::SENSORS));
     /// Accelerations of bodies and forces on them: `cacc`, `cfrc_int`, `cfrc_ext`.
-    /// [`Data::rne_post_constraint`](crate::Data::rne_post_constraint) computes them; `forward` and `step` do not.
+    /// [`Data::rne_post_constraint`](crate::Data::rne_post_constraint) computes them; `forward` and
+    /// `step` do not.
     pub const BODY_FORCES: Self = Self(Missing::Parts(PipelineFlags::POST_CONSTRAINT));
     /// Velocities and angular momenta of subtrees: `subtree_linvel`, `subtree_angmom`.
     /// [`Data::subtree_vel`](crate::Data::subtree_vel) computes them; `forward` and `step` do not.
@@ -361,7 +370,8 @@ impl MissingResults {
         }
     }
 
-    /// Returns the end of the error text: the events since which the results are missing, and the call that computes them.
+    /// Returns the end of the error text: the events since which the results are missing, and the
+    /// call that computes them.
     pub(crate) fn remedy(self) -> &'static str {
         match self.0 {
             Missing::Stage(_) => "since the last reset or change of the model: call forward or step first",

@@ -42,9 +42,10 @@ struct Connection {
 static CONNECTION: OnceLock<Connection> = OnceLock::new();
 static IS_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Makes Xlib call a function in the thread of the connection, instead of ending the process, when it finds that the connection was lost.
-/// The calls of Xlib with this display fail from then on. Returns `false` with a version of Xlib before 1.7, which cannot do this, and for
-/// the display of another windowing system.
+/// Makes Xlib call a function in the thread of the connection, instead of ending the process, when
+/// it finds that the connection was lost. The calls of Xlib with this display fail from then on.
+/// Returns `false` with a version of Xlib before 1.7, which cannot do this, and for the display of
+/// another windowing system.
 pub(crate) fn watch(display: DisplayHandle<'_>, on_loss: impl Fn() + Send + Sync + 'static) -> bool {
     let RawDisplayHandle::Xlib(handle) = display.as_raw() else { return false };
     let Some(display) = handle.display else { return false };
@@ -101,7 +102,8 @@ pub(crate) fn is_lost() -> bool {
 
 /// Returns the function of Xlib with this name.
 fn symbol(name: &CStr) -> Option<NonNull<c_void>> {
-    // SAFETY: the name ends with NUL. The windowing library has loaded Xlib before, so this only finds it. It stays loaded.
+    // SAFETY: the name ends with NUL. The windowing library has loaded Xlib before, so this only
+    // finds it. It stays loaded.
     let library = unsafe { dlopen(c"libX11.so.6".as_ptr(), RTLD_LAZY) };
     if library.is_null() {
         return None;
@@ -110,7 +112,8 @@ fn symbol(name: &CStr) -> Option<NonNull<c_void>> {
     NonNull::new(unsafe { dlsym(library, name.as_ptr()) })
 }
 
-/// Called by Xlib before the exit handler of the display. The default prints a message and ends the process.
+/// Called by Xlib before the exit handler of the display. The default prints a message and ends the
+/// process.
 unsafe extern "C" fn handle_error(display: *mut c_void) -> c_int {
     let Some(connection) = CONNECTION.get() else { return 0 };
     if display as usize == connection.display {

@@ -1,9 +1,11 @@
-//! Shared code of the benchmarks: criterion's settings, and the comparison of several variants of a computation.
+//! Shared code of the benchmarks: criterion's settings, and the comparison of several variants of a
+//! computation.
 //!
-//! Criterion times the variants one after another. On a machine with other load, the difference between two variants can then be
-//! smaller than the drift of the machine. The ratio of two variants is therefore measured separately: they run alternately, one
-//! short run each, and every adjacent pair of runs gives one ratio. Criterion reports the ratio with its confidence interval on a
-//! separate line (which starts with `time:` like all its lines):
+//! Criterion times the variants one after another. On a machine with other load, the difference
+//! between two variants can then be smaller than the drift of the machine. The ratio of two
+//! variants is therefore measured separately: they run alternately, one short run each, and every
+//! adjacent pair of runs gives one ratio. Criterion reports the ratio with its confidence interval
+//! on a separate line (which starts with `time:` like all its lines):
 //!
 //! ```text
 //! step/humanoid/Data::step ÷ mj_step
@@ -20,7 +22,8 @@ use std::time::{Duration, Instant};
 use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{Criterion, SamplingMode, Throughput};
 
-/// Configures criterion so that all benchmarks together take a few minutes, and applies the command-line arguments.
+/// Configures criterion so that all benchmarks together take a few minutes, and applies the
+/// command-line arguments.
 pub(crate) fn criterion() -> Criterion {
     Criterion::default()
         .warm_up_time(Duration::from_millis(200))
@@ -31,11 +34,13 @@ pub(crate) fn criterion() -> Criterion {
         .configure_from_args()
 }
 
-/// Variant of a computation: its name, and a run on the shared state. A run must be long enough to be timed individually.
+/// Variant of a computation: its name, and a run on the shared state. A run must be long enough to
+/// be timed individually.
 pub(crate) type Variant<'a, T> = (&'a str, &'a dyn Fn(&mut T));
 
-/// Times each variant, and its ratio to the last variant, the reference. All variants work on the same state, and therefore have
-/// the same inputs in the same memory. A reported time is that of a run divided by `per_run`, its number of calls.
+/// Times each variant, and its ratio to the last variant, the reference. All variants work on the
+/// same state, and therefore have the same inputs in the same memory. A reported time is that of a
+/// run divided by `per_run`, its number of calls.
 pub(crate) fn compare<T>(
     criterion: &mut Criterion,
     name: &str,
@@ -79,8 +84,9 @@ pub(crate) fn time(run: &mut dyn FnMut()) -> Duration {
     start.elapsed()
 }
 
-/// Calls a function from a deeper stack frame. The alignment of the engine's stack changes the time of a short call by up to 2 %.
-/// The variants have different numbers of frames; averaging over many depths removes the bias.
+/// Calls a function from a deeper stack frame. The alignment of the engine's stack changes the time
+/// of a short call by up to 2 %. The variants have different numbers of frames; averaging over many
+/// depths removes the bias.
 #[inline(never)]
 fn call_at_depth(frames: u64, call: &mut dyn FnMut() -> Duration) -> Duration {
     if frames == 0 { call() } else { black_box(call_at_depth(black_box(frames - 1), call)) }

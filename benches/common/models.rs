@@ -19,16 +19,17 @@ impl Balance {
         Ok(Self { data: Data::new(sample::cartpole())?, weights })
     }
 
-    /// Creates the humanoid standing on its left leg: 54 states, 21 controls. The cost is dominated by the centre of mass
-    /// relative to the foot, followed by the joints of the leg and the abdomen, then the other joints; the global
-    /// position costs almost nothing.
+    /// Creates the humanoid standing on its left leg: 54 states, 21 controls. The cost is dominated
+    /// by the centre of mass relative to the foot, followed by the joints of the leg and the
+    /// abdomen, then the other joints; the global position costs almost nothing.
     pub(crate) fn humanoid() -> Result<Self> {
         let mut data = Data::new(sample::humanoid())?;
         let key = data.model().keyframe("stand_on_left_leg")?.id();
         let model = data.model().clone();
         let nv = model.nv();
 
-        // Inverse dynamics at rest. At the right height the vertical force vanishes, because the floor supplies it.
+        // Inverse dynamics at rest. At the right height the vertical force vanishes, because the
+        // floor supplies it.
         let mut forces_at = |height: f64| -> Result<DVector<f64>> {
             data.reset_to_key(key)?;
             data.forward()?;

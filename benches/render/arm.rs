@@ -1,4 +1,5 @@
-//! Model of an arm of 56 meshes, each a surface of revolution with grooves. Its files are too large for the repository.
+//! Model of an arm of 56 meshes, each a surface of revolution with grooves. Its files are too large
+//! for the repository.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -12,7 +12,8 @@ const COUNT: usize = 64;
 /// Steps between the states of two simulations.
 const STEPS: usize = 5;
 
-/// Compares the processor time of the images of many simulations in one call with that of one call for each.
+/// Compares the processor time of the images of many simulations in one call with that of one call
+/// for each.
 pub fn compare(rounds: usize) -> Result<()> {
     let gpu = Gpu::new()?;
     let setting = scenes::named("humanoid");

@@ -78,7 +78,8 @@ impl Engine {
     }
 }
 
-/// Returns the path of the shared library of the engine in this process, for use in the other process: builds of the same version differ in speed.
+/// Returns the path of the shared library of the engine in this process, for use in the other
+/// process: builds of the same version differ in speed.
 fn engine_library() -> Result<Option<String>> {
     let maps = fs::read_to_string("/proc/self/maps")?;
     let mut paths = maps.lines().filter_map(|line| Some(&line[line.find('/')?..]));

@@ -16,8 +16,9 @@ pub fn named(arm: &Arm, name: &str) -> Result<Setting> {
     all(arm)?.into_iter().find(|setting| setting.name == name).ok_or_else(|| format!("no scene is named {name}").into())
 }
 
-/// Returns all scenes of `scenes.json`. Each row has a model, and names of its cameras or views with a free camera: azimuth and elevation
-/// in degrees, and the distance relative to the initial distance of the free camera.
+/// Returns all scenes of `scenes.json`. Each row has a model, and names of its cameras or views
+/// with a free camera: azimuth and elevation in degrees, and the distance relative to the initial
+/// distance of the free camera.
 pub fn all(arm: &Arm) -> Result<Vec<Setting>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/render");
     let rows: Value = serde_json::from_str(&fs::read_to_string(folder.join("scenes.json"))?)?;

@@ -32,12 +32,14 @@ pub fn compare_all(arm: &Arm, engine: &mut Engine) -> Result<()> {
     for setting in scenes::all().into_iter().chain(more_scenes::all(arm)?) {
         let mut options = RendererOptions::default().with_max_lights(8);
         if setting.render.contains(RenderFlags::WIREFRAME) {
-            // The engine's renderer adds the light that casts shadows once for each of the polygons that share an edge.
+            // The engine's renderer adds the light that casts shadows once for each of the polygons
+            // that share an edge.
             options = options.with_shadow_size(0);
         }
         let mut data = setting.after_steps();
         let mut scene = setting.scene(&mut data);
-        // An infinite plane follows the camera of the previous update. The engine's process has updated its scene before, too.
+        // An infinite plane follows the camera of the previous update. The engine's process has
+        // updated its scene before, too.
         let mut camera = setting.camera(data.model());
         scene.update(&mut data, &setting.options(), None, &mut camera, Categories::all())?;
         let mut pair = |size: [u32; 2]| -> Result<[RgbImage; 2]> {

@@ -4,9 +4,10 @@
 //! cargo run --release --example arm_tracking -- --out out
 //! ```
 //!
-//! Fifty times a second, iLQR plans the torques of the next 0.1 s. A residual of this program measures the distance of the hand from the target at
-//! the time of each step ([`tracking`]). The planner knows the exact model and the path of the target, so
-//! the distance is below 0.1 mm after the approach. The program prints it. `--help` lists the options.
+//! Fifty times a second, iLQR plans the torques of the next 0.1 s. A residual of this program
+//! measures the distance of the hand from the target at the time of each step ([`tracking`]). The
+//! planner knows the exact model and the path of the target, so the distance is below 0.1 mm after
+//! the approach. The program prints it. `--help` lists the options.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -71,8 +72,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Shows the arm under the controller: the path of the hand in the plan, the cost of each term, and sliders for the weights. The trajectory mode
-/// replays the run.
+/// Shows the arm under the controller: the path of the hand in the plan, the cost of each term, and
+/// sliders for the weights. The trajectory mode replays the run.
 fn view(model: &Arc<Model>, run: Run, threads: usize) -> Result<(), Box<dyn Error>> {
     let mut data = Data::new(model.clone())?;
     data.reset_to_key(model.keyframe("ready")?.id())?;

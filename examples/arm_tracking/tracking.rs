@@ -21,7 +21,8 @@ pub fn model() -> Result<Model> {
     Model::from_xml_str(include_str!("../../models/arm.xml"))
 }
 
-/// Returns the position of the target, which moves on a figure of eight in a vertical plane with up to 0.5 m/s. Unit: metres.
+/// Returns the position of the target, which moves on a figure of eight in a vertical plane with up
+/// to 0.5 m/s. Unit: metres.
 pub fn target(time: f64) -> [f64; 3] {
     let angle = TAU * time / ROUND;
     [0.42, 0.2 * angle.sin(), 0.45 + 0.12 * (2.0 * angle).sin()]
@@ -62,7 +63,8 @@ pub struct Run {
     pub hand: Vec<[f64; 3]>,
 }
 
-/// Creates the controller, which plans every 20 ms for the next 0.1 s. Its cost measures the distance of the hand from the target, motion and effort.
+/// Creates the controller, which plans every 20 ms for the next 0.1 s. Its cost measures the
+/// distance of the hand from the target, motion and effort.
 pub fn controller(data: &Data, threads: usize) -> Result<PredictiveController<IlqrPlanner, ResidualCost>> {
     let model = data.model();
     let cost = ResidualCost::new(

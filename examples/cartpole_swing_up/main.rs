@@ -1,12 +1,14 @@
-//! Cart-pole swing-up: trajectory optimisation with iLQR, time-varying LQR along the plan, and LQR at the top.
+//! Cart-pole swing-up: trajectory optimisation with iLQR, time-varying LQR along the plan, and LQR
+//! at the top.
 //!
 //! ```text
 //! cargo run --release --example cartpole_swing_up -- --out out
 //! ```
 //!
-//! The plan is computed by the iterative linear-quadratic regulator with control limits ([`mujoco_safe::control::ilqr`]). Each
-//! simulation starts up to 0.1 rad away from the start of the plan, so that it fails without feedback. The program
-//! prints the iterations and the cost of each plan, and the time from which the pole is upright. `--help` lists the options.
+//! The plan is computed by the iterative linear-quadratic regulator with control limits
+//! ([`mujoco_safe::control::ilqr`]). Each simulation starts up to 0.1 rad away from the start of
+//! the plan, so that it fails without feedback. The program prints the iterations and the cost of
+//! each plan, and the time from which the pole is upright. `--help` lists the options.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -61,7 +61,8 @@ impl TrajectoryCost for SwingUp {
         expansion.x[0] = 2.0 * distance * state[0];
         expansion.xx[(0, 0)] = 2.0 * distance;
         expansion.x[1] = height * state[1].sin();
-        // Below the horizontal the cosine has negative curvature. A non-convex cost would have no minimum along the step.
+        // Below the horizontal the cosine has negative curvature. A non-convex cost would have no
+        // minimum along the step.
         expansion.xx[(1, 1)] = height * state[1].cos().max(0.0);
         match controls {
             Some(controls) => {
@@ -100,8 +101,8 @@ impl Attempt {
     }
 }
 
-/// Plans a swing-up and simulates it. The seed determines the initial state, the initial guess and the deviation of the
-/// simulation from the plan.
+/// Plans a swing-up and simulates it. The seed determines the initial state, the initial guess and
+/// the deviation of the simulation from the plan.
 pub fn attempt(model: &Arc<Model>, seed: u64, threads: usize) -> Result<Attempt> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
@@ -109,7 +110,8 @@ pub fn attempt(model: &Arc<Model>, seed: u64, threads: usize) -> Result<Attempt>
     let timestep = model.timestep();
     let steps = (PLAN_DURATION / timestep).round() as usize;
 
-    // Start with a hanging pole somewhere on the rail, and with almost zero controls as the initial guess.
+    // Start with a hanging pole somewhere on the rail, and with almost zero controls as the initial
+    // guess.
     let hanging = std::f64::consts::PI + between(-0.2, 0.2);
     let start = [between(-0.3, 0.3), hanging];
     data.qpos_mut().copy_from_slice(&start);
@@ -163,7 +165,8 @@ impl TrackThenHold {
         let (system, _) = transition.linear_system(&mut upright)?;
         let solution = Lqr::solve(&system, &weights)?;
         let hold = Lqr::with_gain(&upright, Matrix::from(&solution.k))?;
-        // Track the plan with the weights of the final regulator, and use its cost-to-go as the terminal cost.
+        // Track the plan with the weights of the final regulator, and use its cost-to-go as the
+        // terminal cost.
         let terminal: DMatrix<f64> = solution.p;
         let (states, controls) = (plan.states.clone(), plan.controls.clone());
         let track = TimeVaryingLqr::along(&mut transition, data, states, controls, &weights, &terminal)?;

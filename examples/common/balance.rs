@@ -1,4 +1,5 @@
-//! Humanoid balancing on its left leg under LQR, as the example `humanoid_lqr` derives it step by step.
+//! Humanoid balancing on its left leg under LQR, as the example `humanoid_lqr` derives it step by
+//! step.
 
 #[path = "../humanoid_lqr/set_point.rs"]
 pub mod set_point;

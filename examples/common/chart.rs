@@ -14,7 +14,8 @@ pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(226, 228, 232);
 
-/// Scale factor. Plotters rounds coordinates to whole pixels, so charts are drawn large to keep curves smooth.
+/// Scale factor. Plotters rounds coordinates to whole pixels, so charts are drawn large to keep
+/// curves smooth.
 const SCALE: u32 = 3;
 const WIDTH: u32 = 760;
 const LEGEND: u32 = 150;

@@ -1,4 +1,5 @@
-//! Command line of the examples: values of options, progress bar and exit code. [`clap`] parses the options.
+//! Command line of the examples: values of options, progress bar and exit code. [`clap`] parses the
+//! options.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -8,7 +9,8 @@ use std::time::Duration;
 use indicatif::style::TemplateError;
 use indicatif::{ProgressBar, ProgressStyle};
 
-// Options of the examples that plan a motion. A comment for documentation would replace the description of the program in `--help`.
+// Options of the examples that plan a motion. A comment for documentation would replace the
+// description of the program in `--help`.
 #[derive(clap::Args)]
 pub struct Planning {
     /// Number of threads for planning
@@ -43,7 +45,8 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, |cores| cores.get())
 }
 
-/// Creates a progress bar for a simulation of this duration, s. Its position is in [`milliseconds`].
+/// Creates a progress bar for a simulation of this duration, s. Its position is in
+/// [`milliseconds`].
 pub fn progress_bar(seconds: f64) -> Result<ProgressBar, TemplateError> {
     let bar = ProgressBar::new(milliseconds(seconds));
     bar.set_style(ProgressStyle::with_template("{bar:40} {percent} %, {elapsed}")?);

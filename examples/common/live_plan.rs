@@ -1,4 +1,5 @@
-//! Predictive controller whose plan is shown in the viewer: the path of points over the horizon, the cost of each term, and sliders for the weights.
+//! Predictive controller whose plan is shown in the viewer: the path of points over the horizon,
+//! the cost of each term, and sliders for the weights.
 
 use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
 use mujoco_safe::control::residual::ResidualCost;
@@ -29,7 +30,8 @@ struct ShownTerm {
     cost: f64,
 }
 
-/// Predictive controller that shows its plan. The simulation waits for the planner, so on a slow machine it is slower than real time.
+/// Predictive controller that shows its plan. The simulation waits for the planner, so on a slow
+/// machine it is slower than real time.
 pub struct LivePlan {
     controller: PredictiveController<IlqrPlanner, ResidualCost>,
     before_step: fn(&mut Data),
@@ -46,7 +48,8 @@ pub struct LivePlan {
 }
 
 impl LivePlan {
-    /// Adds the display to a controller. The controller calls `before_step` before each step, for inputs such as the place of a target.
+    /// Adds the display to a controller. The controller calls `before_step` before each step, for
+    /// inputs such as the place of a target.
     pub fn new(
         data: &Data,
         controller: PredictiveController<IlqrPlanner, ResidualCost>,

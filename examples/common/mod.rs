@@ -1,5 +1,5 @@
-//! Code shared by the examples: command line, charts, the viewer window, plans in the viewer, a balancing humanoid, and the cost of
-//! standing.
+//! Code shared by the examples: command line, charts, the viewer window, plans in the viewer, a
+//! balancing humanoid, and the cost of standing.
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 

@@ -20,7 +20,8 @@ pub struct Standing<'a> {
 }
 
 impl Standing<'_> {
-    /// Returns the cost: position and velocity of the centre of mass, angular momentum, upright torso, posture, motion and effort.
+    /// Returns the cost: position and velocity of the centre of mass, angular momentum, upright
+    /// torso, posture, motion and effort.
     pub fn cost(&self, model: &Arc<Model>) -> Result<ResidualCost> {
         // The first six degrees of freedom are those of the free joint.
         let joints: Vec<f64> = (0..model.nv()).map(|dof| f64::from(u8::from(dof >= 6))).collect();

@@ -23,7 +23,8 @@ pub fn show(
     Ok(())
 }
 
-/// Shows a simulation under a predictive controller with its plan, and recorded trajectories, until the window is closed.
+/// Shows a simulation under a predictive controller with its plan, and recorded trajectories, until
+/// the window is closed.
 #[cfg(feature = "viewer")]
 pub fn show_plan(title: &str, data: Data, plan: LivePlan, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     viewer(title)

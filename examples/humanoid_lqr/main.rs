@@ -4,9 +4,10 @@
 //! cargo run --release --example humanoid_lqr -- --push 20,0 --out out
 //! ```
 //!
-//! The program finds a set-point near the keyframe at which the floor supports the weight ([`set_point`]), defines the cost of
-//! deviations ([`weights`]), linearises the simulation, solves the Riccati equation for the gain, and simulates ([`simulate`]).
-//! It prints the result of each part. `--help` lists the options.
+//! The program finds a set-point near the keyframe at which the floor supports the weight
+//! ([`set_point`]), defines the cost of deviations ([`weights`]), linearises the simulation, solves
+//! the Riccati equation for the gain, and simulates ([`simulate`]). It prints the result of each
+//! part. `--help` lists the options.
 //!
 //! The method follows the LQR tutorial of MuJoCo's Python bindings.
 

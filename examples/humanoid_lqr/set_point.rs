@@ -37,8 +37,9 @@ const HEIGHTS: usize = 2001;
 impl SetPoint {
     /// Finds the set-point near a keyframe, by a search over the height.
     pub fn near(data: &mut Data, keyframe: KeyframeId) -> Result<(Self, Sweep)> {
-        // Compute the forces that keep the robot at rest at the keyframe. A force on the free joint is unphysical, because it
-        // has no motor: the feet penetrate the floor too much or too little to support the weight.
+        // Compute the forces that keep the robot at rest at the keyframe. A force on the free joint
+        // is unphysical, because it has no motor: the feet penetrate the floor too much or too
+        // little to support the weight.
         let at_keyframe = inverse_at(data, keyframe, 0.0)?;
 
         // Find the height at which the floor supports the weight.
@@ -50,8 +51,9 @@ impl SetPoint {
         let best = (0..HEIGHTS).min_by(|&a, &b| forces[a].abs().total_cmp(&forces[b].abs())).unwrap_or(0);
         let offset = heights[best];
 
-        // Solve for the controls: qfrc_actuator = momentᵀ · force, and the force of a motor is its control. `transposed`
-        // returns the row-major moment as a column-major view, which is momentᵀ.
+        // Solve for the controls: qfrc_actuator = momentᵀ · force, and the force of a motor is its
+        // control. `transposed` returns the row-major moment as a column-major view, which is
+        // momentᵀ.
         let wanted = inverse_at(data, keyframe, offset)?;
         let qpos = data.qpos().to_vec();
         let moment_transposed = data.full_moment()?.transposed().into_owned();
@@ -61,7 +63,8 @@ impl SetPoint {
             .expect("the SVD computed both factors");
         data.ctrl_mut().copy_from_slice(ctrl.as_slice());
 
-        // Evaluate the forces that these controls produce. They match on all joints except the free joint.
+        // Evaluate the forces that these controls produce. They match on all joints except the free
+        // joint.
         data.forward()?;
         let actual = data.qfrc_actuator().to_vec();
         let ctrl = ctrl.as_slice().to_vec();
@@ -76,7 +79,8 @@ impl SetPoint {
         data.forward()
     }
 
-    /// Returns the largest difference between required and actual forces on these degrees of freedom.
+    /// Returns the largest difference between required and actual forces on these degrees of
+    /// freedom.
     pub fn force_error(&self, joint_dofs: std::ops::Range<usize>) -> f64 {
         joint_dofs.map(|dof| (self.wanted[dof] - self.actual[dof]).abs()).fold(0.0, f64::max)
     }

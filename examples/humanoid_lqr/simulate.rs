@@ -10,7 +10,8 @@ use crate::set_point::SetPoint;
 
 /// Default start of a push, s.
 pub const PUSH_AT: f64 = 1.0;
-/// Height of the centre of mass below which the robot counts as fallen, as a fraction of the height at the set-point.
+/// Height of the centre of mass below which the robot counts as fallen, as a fraction of the height
+/// at the set-point.
 const FALLEN: f64 = 0.8;
 
 /// Horizontal push of the torso.

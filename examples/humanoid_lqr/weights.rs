@@ -8,7 +8,8 @@ use mujoco_safe::id::BodyId;
 use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{Data, LqrWeights, Model, Result};
 
-/// Weight of the centre of mass relative to the foot. It dominates: the deviation is in metres, those of joints in radians.
+/// Weight of the centre of mass relative to the foot. It dominates: the deviation is in metres,
+/// those of joints in radians.
 const BALANCE: f64 = 1000.0;
 /// Weight of the joints between torso and foot.
 const BALANCE_JOINT: f64 = 3.0;
@@ -29,7 +30,8 @@ pub struct Dofs {
 }
 
 impl Dofs {
-    /// Classifies the degrees of freedom. Uses `dofs()`, because joint ids differ from it by 5 after the free joint.
+    /// Classifies the degrees of freedom. Uses `dofs()`, because joint ids differ from it by 5
+    /// after the free joint.
     pub fn of(model: &Model, torso: Body<'_>, foot: Body<'_>) -> Self {
         let is_free = |joint: &Joint<'_>| joint.joint_type() == JointType::Free;
         let free = model.joints().find(is_free).map_or(0..0, |joint| joint.dofs());

@@ -31,7 +31,8 @@ impl Attempt {
     }
 }
 
-/// Simulates a push, until the time is over or the robot has fallen. The seed is that of the planner.
+/// Simulates a push, until the time is over or the robot has fallen. The seed is that of the
+/// planner.
 pub fn attempt(robot: &Robot, push: Push, seed: u64, seconds: f64) -> Result<Attempt> {
     let disturbance = Disturbance { push: Some(push), ..Disturbance::default() };
     let torso = robot.model.body("torso")?;

@@ -4,12 +4,14 @@ use mujoco_safe::{Data, Result};
 
 use crate::robot::Robot;
 
-/// Number of outputs per step of a rollout: centre of mass, midpoint of the soles, and the remaining cost.
+/// Number of outputs per step of a rollout: centre of mass, midpoint of the soles, and the
+/// remaining cost.
 pub const OUTPUTS: usize = 6;
 
 /// Cost of 1 m below the height of the set-point.
 const HEIGHT: f64 = 10.0;
-/// Cost of 1 m between the midpoint of the soles and the capture point of the linear inverted pendulum.
+/// Cost of 1 m between the midpoint of the soles and the capture point of the linear inverted
+/// pendulum.
 const CAPTURE_POINT: f64 = 10.0;
 /// Distance below which the cost becomes quadratic, m.
 const SMOOTHING: f64 = 0.05;

@@ -8,7 +8,8 @@ use crate::common::live_plan::{LivePlan, Point};
 use crate::common::window;
 use crate::pushes::Scenario;
 
-/// Shows the humanoid until the window is closed. The user can pull it and change the weights of the cost.
+/// Shows the humanoid until the window is closed. The user can pull it and change the weights of
+/// the cost.
 pub fn run(threads: usize) -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::new()?;
     let model = &scenario.model;

@@ -1,26 +1,31 @@
-//! Predictive sampling for a humanoid: it recovers from pushes that its linear-quadratic regulator alone cannot withstand.
+//! Predictive sampling for a humanoid: it recovers from pushes that its linear-quadratic regulator
+//! alone cannot withstand.
 //!
 //! ```text
 //! cargo run --release --example humanoid_predictive -- --out out
 //! ```
 //!
-//! Fifty times a second, the planner simulates 32 rollouts of half a second under the regulator with random additions to the
-//! controls, and applies the best of them ([`planner`]). The cost rewards an upright robot that is not about to fall ([`cost`]);
-//! it does not prescribe steps. The simulation waits for the planner, and the program prints the real-time factor. `--help` lists
+//! Fifty times a second, the planner simulates 32 rollouts of half a second under the regulator
+//! with random additions to the controls, and applies the best of them ([`planner`]). The cost
+//! rewards an upright robot that is not about to fall ([`cost`]); it does not prescribe steps. The
+//! simulation waits for the planner, and the program prints the real-time factor. `--help` lists
 //! the options.
 //!
 //! ```text
 //! cargo run --release --features renderer --example humanoid_predictive -- --pushes 100 --out out
 //! ```
 //!
-//! compares LQR with iLQR over a receding horizon in pushes of random direction against the humanoid on one leg ([`pushes`]): a table, a plot and a film.
+//! compares LQR with iLQR over a receding horizon in pushes of random direction against the
+//! humanoid on one leg ([`pushes`]): a table, a plot and a film.
 //!
 //! ```text
 //! cargo run --release --features viewer --example humanoid_predictive -- --view
 //! ```
 //!
-//! shows the humanoid on one leg under iLQR in the viewer ([`live`]): the planned paths of its centre of mass and of its right sole, the cost of each
-//! term, and sliders for the weights. Space starts the simulation. Double-click on the humanoid, then pull it with Ctrl and the right mouse button.
+//! shows the humanoid on one leg under iLQR in the viewer ([`live`]): the planned paths of its
+//! centre of mass and of its right sole, the cost of each term, and sliders for the weights. Space
+//! starts the simulation. Double-click on the humanoid, then pull it with Ctrl and the right mouse
+//! button.
 
 mod attempt;
 #[path = "../common/mod.rs"]
@@ -53,23 +58,27 @@ use robot::{NEWTONS, PUSH_DURATION, Robot, push};
 /// Default simulated time, s.
 const SECONDS: f64 = 6.0;
 
-/// A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
+/// A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by
+/// predictive sampling.
 #[derive(Parser)]
 #[command(args_override_self = true)]
 struct Arguments {
     /// Number of pushes, each in another direction
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Push the humanoid on one leg in N random directions instead, under LQR and under iLQR over a receding horizon
+    /// Push the humanoid on one leg in N random directions instead, under LQR and under iLQR over a
+    /// receding horizon
     #[arg(long, value_name = "N", conflicts_with = "seeds")]
     pushes: Option<usize>,
-    /// Seed of the first of these directions; the weights and the horizon were chosen with seeds other than 101 to 200
+    /// Seed of the first of these directions; the weights and the horizon were chosen with seeds
+    /// other than 101 to 200
     #[arg(long, value_name = "N", default_value_t = 101, requires = "pushes")]
     first_seed: u64,
     /// Force of a push of 0.1 s, N; 180 by default, and 85 with `--pushes`
     #[arg(long, value_name = "F")]
     newtons: Option<f64>,
-    /// Simulated time, s; 6 by default with a push at 1 s, and 4 with `--pushes` with a push at 0.2 s
+    /// Simulated time, s; 6 by default with a push at 1 s, and 4 with `--pushes` with a push at 0.2
+    /// s
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
     /// Number of threads for planning

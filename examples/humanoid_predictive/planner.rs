@@ -1,6 +1,7 @@
-//! Predictive sampling around a regulator: simulates many rollouts under the regulator plus random perturbations of its controls,
-//! and applies the best one until a better one is found (Howell, Gileadi, Tunyasuvunakool, Zakka, Erez, Tassa, *Predictive
-//! Sampling: Real-time Behaviour Synthesis with MuJoCo*, 2022).
+//! Predictive sampling around a regulator: simulates many rollouts under the regulator plus random
+//! perturbations of its controls, and applies the best one until a better one is found (Howell,
+//! Gileadi, Tunyasuvunakool, Zakka, Erez, Tassa, *Predictive Sampling: Real-time Behaviour
+//! Synthesis with MuJoCo*, 2022).
 
 use mujoco_safe::rollout::{Rollout, Workers};
 use mujoco_safe::{Controller, Data, Lqr, Result, StateSpec};
@@ -108,7 +109,8 @@ impl Planner {
     /// Simulates candidates and selects the best one.
     fn plan(&mut self, data: &Data) -> Result<()> {
         data.state_into(STATE, &mut self.state)?;
-        // Candidates: the previous best, the regulator alone, and noisy variations of the previous best.
+        // Candidates: the previous best, the regulator alone, and noisy variations of the previous
+        // best.
         let previous = self.best.from(data.time());
         let mut candidates = vec![previous; SAMPLES];
         candidates[1].knots.fill(0.0);

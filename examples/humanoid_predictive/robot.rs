@@ -8,7 +8,8 @@ use crate::set_point::SetPoint;
 use crate::simulate::{PUSH_AT, Push};
 use crate::weights::{Dofs, weights};
 
-/// Force of a push, N. The regulator alone withstands 140 N along the main axes and 100 N along the diagonals.
+/// Force of a push, N. The regulator alone withstands 140 N along the main axes and 100 N along the
+/// diagonals.
 pub const NEWTONS: f64 = 180.0;
 /// Duration of a push, s.
 pub const PUSH_DURATION: f64 = 0.1;
@@ -45,7 +46,8 @@ impl Robot {
     }
 }
 
-/// Returns the push for a seed. Successive directions differ by the golden angle, so that all directions are well separated.
+/// Returns the push for a seed. Successive directions differ by the golden angle, so that all
+/// directions are well separated.
 pub fn push(newtons: f64, seed: u64) -> Push {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let angle = seed as f64 * GOLDEN_ANGLE;

@@ -4,8 +4,8 @@
 //! cargo run --release --example humanoid_stand_up -- --out out
 //! ```
 //!
-//! Fifty times a second, one iteration of iLQR plans the motion of the next 0.4 s ([`stand_up`]). The cost contains the pose at the end, but
-//! no motion towards it. `--help` lists the options.
+//! Fifty times a second, one iteration of iLQR plans the motion of the next 0.4 s ([`stand_up`]).
+//! The cost contains the pose at the end, but no motion towards it. `--help` lists the options.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -25,7 +25,8 @@ pub struct Run {
     pub model: Arc<Model>,
 }
 
-/// Resets a simulation to a keyframe. Returns the centre of mass and the midpoint of the soles, world frame.
+/// Resets a simulation to a keyframe. Returns the centre of mass and the midpoint of the soles,
+/// world frame.
 fn place(data: &mut Data, keyframe: &str) -> Result<[[f64; 3]; 2]> {
     let model = data.model().clone();
     data.reset_to_key(model.keyframe(keyframe)?.id())?;
@@ -35,7 +36,8 @@ fn place(data: &mut Data, keyframe: &str) -> Result<[[f64; 3]; 2]> {
     Ok([data.subtree_com()[model.body("torso")?.index()], soles])
 }
 
-/// Returns the cost of standing where the feet of the squat are, and the height of the centre of mass there.
+/// Returns the cost of standing where the feet of the squat are, and the height of the centre of
+/// mass there.
 fn standing(model: &Arc<Model>) -> Result<(ResidualCost, f64)> {
     let mut data = Data::new(model.clone())?;
     let [_, present] = place(&mut data, "squat")?;

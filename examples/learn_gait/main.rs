@@ -4,15 +4,17 @@
 //! cargo run --release --features renderer --example learn_gait -- --out out    # without the feature, no film
 //! ```
 //!
-//! The policy is linear in the observations, with 6 × 17 weights that start at zero. An iteration of the search ([`search`]) runs
-//! 18 episodes of 50 s at the same time, in a [`VectorEnvironment`](mujoco_safe::environment::VectorEnvironment) on all cores. The
-//! program repeats the search with other random numbers, prints the return of each policy in episodes that the search has not seen, plots
-//! the learning curves, records a film of the best policy, and saves it. `--policy` measures and records a saved policy. `--help` lists the
-//! options.
+//! The policy is linear in the observations, with 6 × 17 weights that start at zero. An iteration
+//! of the search ([`search`]) runs 18 episodes of 50 s at the same time, in a
+//! [`VectorEnvironment`](mujoco_safe::environment::VectorEnvironment) on all cores. The program
+//! repeats the search with other random numbers, prints the return of each policy in episodes that
+//! the search has not seen, plots the learning curves, records a film of the best policy, and saves
+//! it. `--policy` measures and records a saved policy. `--help` lists the options.
 //!
-//! With MuJoCo 2.2.2 of Debian 12, 3 of 3 searches reach a return of 2500; their policies run faster than 3.2 m/s. The mean includes the episodes
-//! in which a policy falls on its back, at most a fifth of them. The results are the same for any number of threads. Other builds of the
-//! engine differ in the last bits, and so find other gaits.
+//! With MuJoCo 2.2.2 of Debian 12, 3 of 3 searches reach a return of 2500; their policies run
+//! faster than 3.2 m/s. The mean includes the episodes in which a policy falls on its back, at most
+//! a fifth of them. The results are the same for any number of threads. Other builds of the engine
+//! differ in the last bits, and so find other gaits.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -111,10 +113,12 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Searches for a policy. Returns the curve, which is the return of the policy before each iteration, and the best policy.
+/// Searches for a policy. Returns the curve, which is the return of the policy before each
+/// iteration, and the best policy.
 ///
-/// Many policies run in most episodes and fall on their back in some, which the two episodes of an iteration may not show. The best policy is
-/// therefore selected in more episodes, among those of the highest points of the curve.
+/// Many policies run in most episodes and fall on their back in some, which the two episodes of an
+/// iteration may not show. The best policy is therefore selected in more episodes, among those of
+/// the highest points of the curve.
 fn learn(model: &Arc<Model>, seed: u64, iterations: usize) -> mujoco_safe::Result<(Vec<f64>, Policy)> {
     let mut search = Search::new(model, seed)?;
     let mut curve = Vec::with_capacity(iterations);

@@ -6,7 +6,8 @@ use std::path::Path;
 use mujoco_safe::{Matrix, MatrixView};
 use serde_json::{Value, json};
 
-/// Controls as a linear function of normalised observations: `W (observation − mean) / deviation`, clamped to ±1.
+/// Controls as a linear function of normalised observations: `W (observation − mean) / deviation`,
+/// clamped to ±1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Policy {
     /// Weights `W` `(nu, nobs)`.
@@ -23,7 +24,8 @@ impl Policy {
         Self { weights: Matrix::zeros(nu, nobs), mean: vec![0.0; nobs], deviation: vec![1.0; nobs] }
     }
 
-    /// Computes the controls `(n, nu)` for observations `(n, nobs)`, with the weights `(nu, nobs)` of each row.
+    /// Computes the controls `(n, nu)` for observations `(n, nobs)`, with the weights `(nu, nobs)`
+    /// of each row.
     pub fn act_with<'w>(
         &self,
         weights: impl Fn(usize) -> &'w [f64],
@@ -56,7 +58,8 @@ impl Policy {
         std::fs::write(path, file.to_string()).map_err(|error| format!("{}: {error}", path.display()).into())
     }
 
-    /// Reads a policy with `nu` controls and `nobs` observations from a file that [`save`](Self::save) has written.
+    /// Reads a policy with `nu` controls and `nobs` observations from a file that
+    /// [`save`](Self::save) has written.
     pub fn load(path: &Path, nu: usize, nobs: usize) -> Result<Self, Box<dyn Error>> {
         let name = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;

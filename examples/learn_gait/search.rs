@@ -1,9 +1,10 @@
-//! Augmented random search, version V2-t (Mania, Guy, Recht: *Simple random search of static linear policies is competitive for
-//! reinforcement learning*, 2018).
+//! Augmented random search, version V2-t (Mania, Guy, Recht: *Simple random search of static linear
+//! policies is competitive for reinforcement learning*, 2018).
 //!
-//! An iteration adds random directions to the weights of the policy and subtracts them, runs an episode with each of these policies, and
-//! moves the weights along the directions of the best episodes, in proportion to the differences of their returns. All episodes of an
-//! iteration run at the same time, in a vector environment.
+//! An iteration adds random directions to the weights of the policy and subtracts them, runs an
+//! episode with each of these policies, and moves the weights along the directions of the best
+//! episodes, in proportion to the differences of their returns. All episodes of an iteration run at
+//! the same time, in a vector environment.
 
 use std::sync::Arc;
 
@@ -72,7 +73,8 @@ impl Search {
         &self.policy
     }
 
-    /// Improves the policy by one iteration. Returns the mean return of the policy before the iteration.
+    /// Improves the policy by one iteration. Returns the mean return of the policy before the
+    /// iteration.
     pub fn iterate(&mut self) -> Result<f64> {
         let weights = &self.policy.weights;
         let mut directions = Matrix::zeros(DIRECTIONS, weights.as_slice().len());

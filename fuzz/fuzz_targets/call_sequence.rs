@@ -6,7 +6,8 @@
 mod fuzz;
 
 libfuzzer_sys::fuzz_target!(
-    // Removes libFuzzer's panic hook, which aborts even on panics that a sequence provokes and catches. Other panics still abort.
+    // Removes libFuzzer's panic hook, which aborts even on panics that a sequence provokes and
+    // catches. Other panics still abort.
     init: drop(std::panic::take_hook()),
     |bytes: &[u8]| {
         fuzz::Target::Sequences.run(bytes, &mut |_| ());

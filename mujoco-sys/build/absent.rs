@@ -1,7 +1,8 @@
 //! Constants of other versions that the engine does not have.
 
-/// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
-/// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
+/// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A
+/// Rust enum over the engine's constants has a variant for each of them. The first has the value -1
+/// as a C int, which the shim returns as the selection of collisions.
 const CONSTANTS: [(&str, &str); 64] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
@@ -70,8 +71,9 @@ const CONSTANTS: [(&str, &str); 64] = [
     ("mjNTEXROLE", "3.2.1 and later"),
 ];
 
-/// Returns Rust definitions of the constants that are missing in the bindings, and of a function that returns the versions with a missing
-/// constant. The value is one that does not occur in the engine's enum, or a bit that is none of its flags.
+/// Returns Rust definitions of the constants that are missing in the bindings, and of a function
+/// that returns the versions with a missing constant. The value is one that does not occur in the
+/// engine's enum, or a bit that is none of its flags.
 pub(crate) fn definitions(bindings: &str) -> String {
     let mut text = String::new();
     let mut versions = String::new();

@@ -12,7 +12,8 @@ pub(crate) fn bindings(include: &Path) -> Result<String, String> {
         // The headers of an installed engine count as system headers.
         .clang_arg("-fretain-comments-from-system-headers")
         .allowlist_item("(_?mj|MJ).*")
-        // Enums become constants with the engine's names: a C int is never converted to a Rust enum without a check.
+        // Enums become constants with the engine's names: a C int is never converted to a Rust enum
+        // without a check.
         .default_enum_style(bindgen::EnumVariation::Consts)
         .prepend_enum_name(false)
         .use_core()

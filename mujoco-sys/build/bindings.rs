@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::engines::{ENGINES, supported, version};
 use crate::find::Engine;
 
-/// The `mjVERSION_HEADER` of the engine that a search prefers, and whose bindings documentation builds use.
+/// The `mjVERSION_HEADER` of the engine that a search prefers, and whose bindings documentation
+/// builds use.
 pub(crate) const DEFAULT: u32 = ENGINES[0].number;
 
 /// Returns the name of the committed files of an engine, without directory and extension.
@@ -19,7 +20,8 @@ pub(crate) fn default_fields() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fields").join(name).with_extension("tsv")
 }
 
-/// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed files, or files generated from the headers.
+/// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed
+/// files, or files generated from the headers.
 pub(crate) fn choose(engine: &Engine, out: &Path) {
     if engine.version < DEFAULT {
         crate::help::end(&[format!(

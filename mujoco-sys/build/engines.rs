@@ -1,14 +1,17 @@
-//! The engines with committed bindings, and the tests that run with each. Used by the build script and by the tests of the documentation.
+//! The engines with committed bindings, and the tests that run with each. Used by the build script
+//! and by the tests of the documentation.
 
 /// An engine whose bindings and field table are committed.
 pub(crate) struct Supported {
-    /// `mjVERSION_HEADER`: one digit for each part of the version up to 3.4.0, three digits from 3.5.0.
+    /// `mjVERSION_HEADER`: one digit for each part of the version up to 3.4.0, three digits from
+    /// 3.5.0.
     pub(crate) number: u32,
     pub(crate) version: &'static str,
     pub(crate) tests: Tests,
 }
 
-/// Tests that run with an engine before a release, those of newer engines by `scripts/test --engine VERSION`.
+/// Tests that run with an engine before a release, those of newer engines by
+/// `scripts/test --engine VERSION`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tests {
     /// All tests.
@@ -30,7 +33,8 @@ impl Tests {
     }
 }
 
-/// The default engine, which a search prefers and whose bindings documentation builds use, then the others in the order of their versions.
+/// The default engine, which a search prefers and whose bindings documentation builds use, then the
+/// others in the order of their versions.
 pub(crate) const ENGINES: [Supported; 7] = [
     engine(222, "2.2.2", Tests::All),
     engine(237, "2.3.7", Tests::Smoke),

@@ -1,5 +1,6 @@
-// Expanded by the preprocessor into the table of fields: one record between @ and ; for each field. A type `-` is that of the field's
-// declaration, for values inside a struct: not all versions give it here.
+// Expanded by the preprocessor into the table of fields: one record between @ and ; for each field.
+// A type `-` is that of the field's declaration, for values inside a struct: not all versions give
+// it here.
 #include <mujoco/mujoco.h>
 #include <mujoco/mjxmacro.h>
 

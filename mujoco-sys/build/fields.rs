@@ -1,16 +1,20 @@
-//! The table of the engine's fields, the source of the safe crate's accessors and of the texts of `field_docs`. Used by the build script, by the
-//! tests and by `xtask`.
+//! The table of the engine's fields, the source of the safe crate's accessors and of the texts of
+//! `field_docs`. Used by the build script, by the tests and by `xtask`.
 //!
-//! The engine describes most of its structs in `mjxmacro.h` (type, name, rows, columns), which the C preprocessor expands
-//! through `fields.h`; the comment behind a field's declaration describes its meaning. `mjVisual` and `mjStatistic` are missing from `mjxmacro.h` of
-//! older engines and are read from their declarations. A line of the table is `struct, kind, type, name, rows, columns, comment`, separated by tabs,
-//! in the order of the engine's buffers. The kind is `size`, `scalar` or `vector` for values inside the struct, `array` for values behind a pointer,
-//! and `arena` for arrays in the arena of the data, which each call of the pipeline allocates again.
+//! The engine describes most of its structs in `mjxmacro.h` (type, name, rows, columns), which the
+//! C preprocessor expands through `fields.h`; the comment behind a field's declaration describes
+//! its meaning. `mjVisual` and `mjStatistic` are missing from `mjxmacro.h` of older engines and are
+//! read from their declarations. A line of the table is
+//! `struct, kind, type, name, rows, columns, comment`, separated by tabs, in the order of the
+//! engine's buffers. The kind is `size`, `scalar` or `vector` for values inside the struct, `array`
+//! for values behind a pointer, and `arena` for arrays in the arena of the data, which each call of
+//! the pipeline allocates again.
 
 use std::path::Path;
 use std::process::Command;
 
-/// Returns the table of the headers in `include`. `compiler` is a C compiler, which expands `fields_h` (the file `fields.h`).
+/// Returns the table of the headers in `include`. `compiler` is a C compiler, which expands
+/// `fields_h` (the file `fields.h`).
 pub(crate) fn table(include: &Path, fields_h: &Path, mut compiler: Command) -> Result<String, String> {
     // -P: no line markers.
     let expanded = compiler.args(["-E", "-P", "-I"]).arg(include).arg(fields_h).output();
@@ -30,7 +34,8 @@ pub(crate) fn table(include: &Path, fields_h: &Path, mut compiler: Command) -> R
     let mut line = |cells: [&str; 7]| table.extend([&cells.join("\t"), "\n"]);
     for record in expanded.split('@').skip(1) {
         let record = record.split(';').next().unwrap_or_default();
-        // A product such as `nuser*3` has no blanks in it; the preprocessor may put blanks around it.
+        // A product such as `nuser*3` has no blanks in it; the preprocessor may put blanks around
+        // it.
         let words: Vec<&str> = record.split_whitespace().collect();
         let [owner, kind, ctype, name, rows, columns] = words[..] else {
             return Err(format!("mjxmacro.h has a record of unknown form: {record}"));
@@ -71,7 +76,8 @@ struct Member {
     comment: String,
 }
 
-/// Returns the members of a struct with their comments. A comment may continue on the following lines.
+/// Returns the members of a struct with their comments. A comment may continue on the following
+/// lines.
 fn members(header: &str, name: &str) -> Vec<Member> {
     let starts = [format!("struct {name} {{"), format!("typedef struct {name} {{")];
     let mut members: Vec<Member> = Vec::new();

@@ -12,7 +12,8 @@ pub(crate) struct Engine {
     pub(crate) include: PathBuf,
     /// The directory that holds the shared library.
     pub(crate) library_dir: PathBuf,
-    /// The shared library's file name: `libmujoco.so`, or `libmujoco.so.2.2.2` in the official wheels.
+    /// The shared library's file name: `libmujoco.so`, or `libmujoco.so.2.2.2` in the official
+    /// wheels.
     pub(crate) library: String,
     /// `mjVERSION_HEADER`: 222 is 2.2.2.
     pub(crate) version: u32,
@@ -28,8 +29,9 @@ pub(crate) struct Missing {
     pub(crate) tried: Vec<String>,
 }
 
-/// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine of the default version, else the first whose bindings are
-/// committed, else the first of another version. With the feature `bindgen` returns the first engine.
+/// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine of the
+/// default version, else the first whose bindings are committed, else the first of another version.
+/// With the feature `bindgen` returns the first engine.
 pub(crate) fn engine() -> Result<Engine, Missing> {
     for variable in [MUJOCO_DIR].iter().chain(&ENVIRONMENTS) {
         println!("cargo::rerun-if-env-changed={variable}");
@@ -62,7 +64,8 @@ fn probe(root: &Path) -> Result<Engine, String> {
     Err(format!("{}: headers found, but no libmujoco.so in {places}", include.display()))
 }
 
-/// Returns Debian's multiarch directory name of the target: `x86_64-linux-gnu` for `x86_64-unknown-linux-gnu`.
+/// Returns Debian's multiarch directory name of the target: `x86_64-linux-gnu` for
+/// `x86_64-unknown-linux-gnu`.
 fn triplet() -> String {
     let part = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default();
     format!("{}-{}-{}", part("ARCH"), part("OS"), part("ENV"))

@@ -36,8 +36,9 @@ pub(crate) fn roots() -> Vec<PathBuf> {
     requested().map_or_else(|| found_roots(variable), |dir| vec![dir])
 }
 
-/// Returns the directories to search without `MUJOCO_DIR`: the wheel in the active Python environment, the active conda environment, ROS's
-/// `mujoco_vendor`, the prefix that pkg-config reports, and the system's prefixes.
+/// Returns the directories to search without `MUJOCO_DIR`: the wheel in the active Python
+/// environment, the active conda environment, ROS's `mujoco_vendor`, the prefix that pkg-config
+/// reports, and the system's prefixes.
 pub(crate) fn found_roots(variable: impl Fn(&str) -> Option<OsString>) -> Vec<PathBuf> {
     let [python, conda, ros] = ENVIRONMENTS.map(variable);
     let mut roots = Vec::new();
@@ -54,7 +55,8 @@ pub(crate) fn found_roots(variable: impl Fn(&str) -> Option<OsString>) -> Vec<Pa
     roots
 }
 
-/// Returns the package directories of the engine's wheel in a Python environment, one per version of Python.
+/// Returns the package directories of the engine's wheel in a Python environment, one per version
+/// of Python.
 fn wheels(prefix: &Path) -> Vec<PathBuf> {
     let pythons = std::fs::read_dir(prefix.join("lib")).into_iter().flatten().flatten();
     let mut wheels: Vec<_> =

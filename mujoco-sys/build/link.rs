@@ -6,13 +6,15 @@ use crate::find::Engine;
 
 /// Prints Cargo's link instructions and the metadata for dependants (`DEP_MUJOCO_*`).
 pub(crate) fn announce(engine: &Engine, out: &Path) {
-    // The linker searches `out` for the shim, and must not find the engine of an earlier build there.
+    // The linker searches `out` for the shim, and must not find the engine of an earlier build
+    // there.
     let _ = std::fs::remove_file(out.join("libmujoco.so"));
     if engine.on_loader_path {
         println!("cargo::rustc-link-search=native={}", engine.library_dir.display());
     } else {
-        // `cargo run` and `cargo test` add a search path to the loader's path only if it lies inside `target`, so a
-        // link to the library is placed there. An installed program needs LD_LIBRARY_PATH or an rpath.
+        // `cargo run` and `cargo test` add a search path to the loader's path only if it lies
+        // inside `target`, so a link to the library is placed there. An installed program needs
+        // LD_LIBRARY_PATH or an rpath.
         stage(engine, out);
         if crate::headers::requested().is_none() {
             println!("cargo::warning=linking the MuJoCo engine in {}", engine.library_dir.display());
@@ -43,7 +45,8 @@ pub(crate) fn announce_fields(out: &Path) {
     println!("cargo::metadata=fields={}", out.join("fields.tsv").display());
 }
 
-/// Creates links to the library in `out`: `libmujoco.so` for the linker and the library's file name for the loader.
+/// Creates links to the library in `out`: `libmujoco.so` for the linker and the library's file name
+/// for the loader.
 fn stage(engine: &Engine, out: &Path) {
     let library = engine.library_dir.join(&engine.library);
     for name in ["libmujoco.so", &engine.library] {

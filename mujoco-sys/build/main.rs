@@ -1,5 +1,5 @@
-//! Finds the engine, chooses its bindings, compiles the C shim and links the library. On failure it prints the places that it searched,
-//! the package to install and the variable to set.
+//! Finds the engine, chooses its bindings, compiles the C shim and links the library. On failure it
+//! prints the places that it searched, the package to install and the variable to set.
 
 mod absent;
 #[cfg(feature = "bindgen")]

@@ -1,4 +1,5 @@
-// Engine functions that raise no error, with the parameters of 2.2.2 for every version of the header.
+// Engine functions that raise no error, with the parameters of 2.2.2 for every version of the
+// header.
 #include "adapted.h"
 
 #include "compat.h"
@@ -448,7 +449,8 @@ int mujoco_sys_wake(const mjModel* m, mjData* d, int recompute_static) {
     if (i > 0) {
       d->parent_awake_ind[i - 1] = i;
     }
-    // The engine computes the poses of awake bodies only, and counts those attached to mocap bodies as awake.
+    // The engine computes the poses of awake bodies only, and counts those attached to mocap bodies
+    // as awake.
     int is_static = m->body_treeid[i] < 0 && m->body_mocapid[m->body_rootid[i]] < 0;
     d->body_awake[i] = is_static && !recompute_static ? mjS_STATIC : mjS_AWAKE;
   }

@@ -1,4 +1,5 @@
-// Functions whose parameters, and values whose place in the engine's structs, differ between versions. They raise no error.
+// Functions whose parameters, and values whose place in the engine's structs, differ between
+// versions. They raise no error.
 #ifndef MUJOCO_SYS_ADAPTED_H_
 #define MUJOCO_SYS_ADAPTED_H_
 
@@ -6,7 +7,8 @@
 
 #include <mujoco/mujoco.h>
 
-// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is NULL.
+// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that
+// is NULL.
 struct mujoco_sys_row {
   const mjtNum* values;
   const int* columns;
@@ -25,11 +27,12 @@ void mujoco_sys_rotVecMatT(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[
 void mujoco_sys_momentRow(const mjModel* m, const mjData* d, int actuator, struct mujoco_sys_row* row);
 void mujoco_sys_tendonRow(const mjModel* m, const mjData* d, int tendon, struct mujoco_sys_row* row);
 
-// Computes actuator_velocity from the moments. The model has one control and one force for each actuator.
+// Computes actuator_velocity from the moments. The model has one control and one force for each
+// actuator.
 void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d);
 
-// Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for engines before 3.3.3 except 3.3.0, which store L with
-// `dof_Madr` and `dof_parentid`.
+// Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for
+// engines before 3.3.3 except 3.3.0, which store L with `dof_Madr` and `dof_parentid`.
 void mujoco_sys_inertiaRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
 void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
 
@@ -47,8 +50,9 @@ int mujoco_sys_equalityCouplesSites(const mjModel* m, int equality);
 // Address of an actuator's activation, or -1.
 int mujoco_sys_activation(const mjModel* m, int actuator);
 
-// Normals and texture coordinates of a mesh, as ranges of mesh_normal and mesh_texcoord, and the triples of their indices for each face,
-// relative to these ranges. `facetexcoord` is NULL without texture coordinates. Before 2.3.3 all are those of the vertices.
+// Normals and texture coordinates of a mesh, as ranges of mesh_normal and mesh_texcoord, and the
+// triples of their indices for each face, relative to these ranges. `facetexcoord` is NULL without
+// texture coordinates. Before 2.3.3 all are those of the vertices.
 struct mujoco_sys_mesh {
   int normaladr;
   int normalnum;
@@ -76,7 +80,8 @@ mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count);
 // all constraints are those of the first one.
 int mujoco_sys_solverIterations(const mjData* d, int island, const mjSolverStat** statistics);
 
-// Texture of a geom of a scene. Since 3.2 only the material is known (`material` >= 0), whose texture is that of the model.
+// Texture of a geom of a scene. Since 3.2 only the material is known (`material` >= 0), whose
+// texture is that of the model.
 struct mujoco_sys_texture {
   int material;
   int texture;
@@ -88,23 +93,28 @@ struct mujoco_sys_texture mujoco_sys_sceneGeomTexture(const mjvGeom* geom);
 // Sets the texture. Returns 0 if a geom without a material cannot have a texture.
 int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_texture* texture);
 
-// Kind of a light: 0 for a spot light, 1 for a directional light, 2 for one that the engine's OpenGL renderer does not draw (since 3.3.3).
+// Kind of a light: 0 for a spot light, 1 for a directional light, 2 for one that the engine's
+// OpenGL renderer does not draw (since 3.3.3).
 int mujoco_sys_sceneLightKind(const mjvLight* light);
 
-// True if the geom casts shadows; false for decoration since 3.0.1, and for geoms without `castshadow` since 4.0.
+// True if the geom casts shadows; false for decoration since 3.0.1, and for geoms without
+// `castshadow` since 4.0.
 int mujoco_sys_sceneGeomCastsShadow(const mjvGeom* geom);
 
-// Sets a keyframe to the state of the data, and returns 0. Before 3.2 there is no function for this: returns -1.
+// Sets a keyframe to the state of the data, and returns 0. Before 3.2 there is no function for
+// this: returns -1.
 int mujoco_sys_setKeyframe(mjModel* m, const mjData* d, int key);
 
-// Texture that the engine's OpenGL renderer draws on a material, or -1: the first one, since 3.2.1 that of the base colour only.
+// Texture that the engine's OpenGL renderer draws on a material, or -1: the first one, since 3.2.1
+// that of the base colour only.
 int mujoco_sys_drawnTexture(const mjModel* m, int material);
 
-// True if the pixels of a texture are in the sRGB colour space and the engine converts them (since 3.3.3).
+// True if the pixels of a texture are in the sRGB colour space and the engine converts them (since
+// 3.3.3).
 int mujoco_sys_textureIsSrgb(const mjModel* m, int texture);
 
-// Projection of a camera of a scene: half the width of the near plane, or 0 if it follows from the aspect ratio (since 3.0); and true for an
-// orthographic projection (since 3.2).
+// Projection of a camera of a scene: half the width of the near plane, or 0 if it follows from the
+// aspect ratio (since 3.0); and true for an orthographic projection (since 3.2).
 struct mujoco_sys_projection {
   float half_width;
   int orthographic;
@@ -117,8 +127,9 @@ struct mujoco_sys_projection mujoco_sys_sceneProjection(const mjvGLCamera* camer
 // Sets the projection. Returns 0 if the engine has no such projection.
 int mujoco_sys_setSceneProjection(mjvGLCamera* camera, const struct mujoco_sys_projection* projection);
 
-// True if the scene had too few places for the geoms of the last update or addition, for engines that record it in the scene (since 3.3.7).
-// These engines warn of it (`mjWARN_VGEOMFULL`) in the update only, and since 3.7 not at all.
+// True if the scene had too few places for the geoms of the last update or addition, for engines
+// that record it in the scene (since 3.3.7). These engines warn of it (`mjWARN_VGEOMFULL`) in the
+// update only, and since 3.7 not at all.
 int mujoco_sys_sceneIsFull(const mjvScene* scn);
 
 // Flexes of a scene, since 3.0: their number, and the parts to draw.
@@ -137,16 +148,19 @@ struct mujoco_sys_flex {
 int mujoco_sys_sceneFlexes(const mjvScene* scn);
 void mujoco_sys_sceneFlex(const mjvScene* scn, int flex, struct mujoco_sys_flex* result);
 
-// Sets the positions of all flexes to zero and removes their faces. mjv_makeScene leaves them uninitialised.
+// Sets the positions of all flexes to zero and removes their faces. mjv_makeScene leaves them
+// uninitialised.
 void mujoco_sys_clearSceneFlexes(const mjModel* m, mjvScene* scn);
 
 // Sets the visible groups of flexes, since 3.0.
 void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups);
 
-// Sets the visible layer of three-dimensional flexes and the visible depth of bounding volumes, since 3.0.
+// Sets the visible layer of three-dimensional flexes and the visible depth of bounding volumes,
+// since 3.0.
 void mujoco_sys_setLayers(mjvOption* opt, int flex_layer, int bvh_depth);
 
-// State of the plugins, since 2.3, and plastic deformation of the flexes, since 4.0; and their lengths.
+// State of the plugins, since 2.3, and plastic deformation of the flexes, since 4.0; and their
+// lengths.
 mjtNum* mujoco_sys_pluginState(const mjData* d);
 size_t mujoco_sys_pluginStateLength(const mjModel* m);
 mjtNum* mujoco_sys_plastic(const mjData* d);
@@ -180,7 +194,8 @@ struct mujoco_sys_options {
 void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options);
 void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options);
 
-// Offset of the selected point's target from that of the centre of mass (3), and inertia at the point (1), of newer engines.
+// Offset of the selected point's target from that of the centre of mass (3), and inertia at the
+// point (1), of newer engines.
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]);
 void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 
@@ -194,12 +209,13 @@ int mujoco_sys_initiallyAsleep(const mjModel* m);
 // Returns 1 if the kinematic tree of a body sleeps (since 3.4), else 0.
 int mujoco_sys_isAsleep(const mjModel* m, const mjData* d, int body);
 
-// Wakes all kinematic trees (since 3.4), and returns the number of those that slept. If `recompute_static` is 1, the next call that computes poses
-// also computes those of static bodies.
+// Wakes all kinematic trees (since 3.4), and returns the number of those that slept. If
+// `recompute_static` is 1, the next call that computes poses also computes those of static bodies.
 int mujoco_sys_wake(const mjModel* m, mjData* d, int recompute_static);
 
-// Disables the islands of a model with flexes with 3.3.4 to 3.5. These engines search only the first row of each contact for the trees of its
-// island. The other rows of a contact with a flex can belong to other trees, for which the engine writes to the island with index -1.
+// Disables the islands of a model with flexes with 3.3.4 to 3.5. These engines search only the
+// first row of each contact for the trees of its island. The other rows of a contact with a flex
+// can belong to other trees, for which the engine writes to the island with index -1.
 void mujoco_sys_disableUnsafeIslands(mjModel* m);
 
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.

@@ -5,9 +5,11 @@
 
 static mujoco_sys_handler_fn handler;
 
-// Calls the handler, and raises an engine error if it fails. The handler has returned by then, so the jump skips none of its frames.
+// Calls the handler, and raises an engine error if it fails. The handler has returned by then, so
+// the jump skips none of its frames.
 static mjtNum call_handler(int callback, const mjModel* m, const mjData* d, int first, int second, mjtNum value) {
-  // The engine passes `const mjData*` to actuator callbacks only; it points to the same mutable data as in the other callbacks.
+  // The engine passes `const mjData*` to actuator callbacks only; it points to the same mutable
+  // data as in the other callbacks.
   const mujoco_sys_handler_fn current = __atomic_load_n(&handler, __ATOMIC_ACQUIRE);
   if (current(callback, m, (mjData*)d, first, second, &value)) {
     mju_error("a callback failed");
@@ -21,8 +23,9 @@ static void passive(const mjModel* m, mjData* d) { call_handler(MUJOCO_SYS_PASSI
 
 static void sensor(const mjModel* m, mjData* d, int stage) { call_handler(MUJOCO_SYS_SENSOR, m, d, stage, 0, 0); }
 
-// The engine's default filter, which an installed callback replaces. Excludes geoms whose contype and conaffinity masks do not match, geoms
-// that are welded together, and geoms of a parent and its child, unless the parent is welded to the world.
+// The engine's default filter, which an installed callback replaces. Excludes geoms whose contype
+// and conaffinity masks do not match, geoms that are welded together, and geoms of a parent and its
+// child, unless the parent is welded to the world.
 static int excluded(const mjModel* m, int geom1, int geom2) {
   if (!(m->geom_contype[geom1] & m->geom_conaffinity[geom2]) && !(m->geom_contype[geom2] & m->geom_conaffinity[geom1])) {
     return 1;

@@ -7,13 +7,14 @@
 
 static mjfCollision original[mjNGEOMTYPES][mjNGEOMTYPES];
 
-// True for the types whose contacts the engine computes from points (sphere centres, capsule ends) and a box.
+// True for the types whose contacts the engine computes from points (sphere centres, capsule ends)
+// and a box.
 static int is_point_and_box(int type1, int type2) {
   return type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE);
 }
 
-// For a point inside a box, the engine searches for the nearest face. In a box of zero, negative or NaN size it finds none and then
-// writes to an array at an uninitialised index.
+// For a point inside a box, the engine searches for the nearest face. In a box of zero, negative or
+// NaN size it finds none and then writes to an array at an uninitialised index.
 static void check_box(const mjModel* m, int box) {
   for (int i = 0; i < 3; i++) {
     const mjtNum size = m->geom_size[3 * box + i];
@@ -29,8 +30,8 @@ static int is_iterated(int type1, int type2) {
          type2 == mjGEOM_CYLINDER || type2 == mjGEOM_MESH;
 }
 
-// Upper limit of the size of a shape in an iterative collision, in metres. For a box of 1e9 m on a height field of 1 m, rounding
-// errors make libccd's portal search cycle for ever.
+// Upper limit of the size of a shape in an iterative collision, in metres. For a box of 1e9 m on a
+// height field of 1 m, rounding errors make libccd's portal search cycle for ever.
 static const mjtNum largest_size = 1e6;
 
 void mujoco_sys_check_pose(const mjModel* m, const mjData* d, int geom) {
@@ -52,7 +53,8 @@ void mujoco_sys_check_pose(const mjModel* m, const mjData* d, int geom) {
   }
 }
 
-// Raises an engine error for geoms with which the collision function of their types may not end or may write to a wrong address.
+// Raises an engine error for geoms with which the collision function of their types may not end or
+// may write to a wrong address.
 static void check_pair(const mjModel* m, const mjData* d, int type1, int type2, int g1, int g2, mjtNum margin) {
   if (is_point_and_box(type1, type2)) {
     check_box(m, g2);
@@ -68,7 +70,8 @@ static void check_pair(const mjModel* m, const mjData* d, int type1, int type2, 
 
 void mujoco_sys_check_contacts(const mjModel* m, const mjData* d) {
 #if mjVERSION_HEADER >= 230
-  // Newer engines compute the number of elements of the constraint Jacobian in an int. A contact has at most ten rows.
+  // Newer engines compute the number of elements of the constraint Jacobian in an int. A contact
+  // has at most ten rows.
   if ((long long)(d->ncon + mjMAXCONPAIR) * 10 * m->nv > 1 << 30) {
     compat_error_i("the Jacobian of more than %d contacts does not fit into an int", d->ncon);
   }
@@ -88,8 +91,9 @@ int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_con
   return function(m, d, con, g1, g2, margin);
 }
 
-// True for two geoms of one simple body, which a <pair> may name, with a sparse Jacobian. Such a contact has no effect on the motion, but the
-// engine writes each degree of freedom of the body twice into a row that has space for one entry.
+// True for two geoms of one simple body, which a <pair> may name, with a sparse Jacobian. Such a
+// contact has no effect on the motion, but the engine writes each degree of freedom of the body
+// twice into a row that has space for one entry.
 static int overflows_row(const mjModel* m, int g1, int g2) {
   const int body = m->geom_bodyid[g1];
   return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
@@ -104,12 +108,13 @@ int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collis
   return function(m, d, con, g1, g2, margin);
 }
 
-// These engines recognise their function for two boxes by its address in the table, and then remove contacts.
+// These engines recognise their function for two boxes by its address in the table, and then remove
+// contacts.
 #define REMOVES_CONTACTS_OF_BOXES (mjVERSION_HEADER >= 330 && mjVERSION_HEADER < 3006000)
 
 #if REMOVES_CONTACTS_OF_BOXES
-// Private function of the engine. Returns 1 if a point is outside of the box whose size is multiplied by `ratio`, -1 if it is inside of the box
-// whose size is divided by `ratio`, else 0.
+// Private function of the engine. Returns 1 if a point is outside of the box whose size is
+// multiplied by `ratio`, -1 if it is inside of the box whose size is divided by `ratio`, else 0.
 int mju_outsideBox(const mjtNum point[3], const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3], mjtNum ratio);
 
 // True unless a contact is outside of one box and not inside of the other, by the engine's rule.
@@ -126,8 +131,8 @@ static int is_at_boxes(const mjModel* m, const mjData* d, const mjContact* con, 
 
 static int is_same_point(const mjtNum a[3], const mjtNum b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
-// Removes the contacts of two boxes that the engine would remove if the table had its own function: those that are not at both boxes, and
-// all but the last of those at one point.
+// Removes the contacts of two boxes that the engine would remove if the table had its own function:
+// those that are not at both boxes, and all but the last of those at one point.
 static int remove_contacts(const mjModel* m, const mjData* d, mjContact* con, int count, const int boxes[2], mjtNum margin) {
   int near = 0;
   for (int i = 0; i < count; i++) {
@@ -159,7 +164,8 @@ static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_
   return count;
 }
 
-// Called for each pair of geoms that passes the broad phase, so the common case is a few instructions and a tail call.
+// Called for each pair of geoms that passes the broad phase, so the common case is a few
+// instructions and a tail call.
 static int collide(const mjModel* m, compat_collision_data* d, compat_contact* con, int g1, int g2, mjtNum margin) {
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
@@ -170,9 +176,10 @@ static int collide(const mjModel* m, compat_collision_data* d, compat_contact* c
   return check_and_collide(m, d, con, g1, g2, margin);
 }
 
-// Since 3.9 a pointer of the thread refers to memory on the stack of the data, in which the convex collider works. Only the end of the collision
-// of geoms resets it. After an error within that collision, collisions with flexes and computations of distances would write there, even if
-// the data has been freed. A complete collision resets the pointer.
+// Since 3.9 a pointer of the thread refers to memory on the stack of the data, in which the convex
+// collider works. Only the end of the collision of geoms resets it. After an error within that
+// collision, collisions with flexes and computations of distances would write there, even if the
+// data has been freed. A complete collision resets the pointer.
 #if mjVERSION_HEADER >= 3009000
 // The pair is explicit, because the engine calls the contact filter for others.
 static const char touching[] =

@@ -1,5 +1,6 @@
-// Engine functions with the parameters of 2.2.2, for every version of the header. `mjVERSION_HEADER` has one digit for each part of the
-// version up to 3.4.0 (222, 340) and three digits from 3.5.0 (3005000), so it grows from version to version.
+// Engine functions with the parameters of 2.2.2, for every version of the header.
+// `mjVERSION_HEADER` has one digit for each part of the version up to 3.4.0 (222, 340) and three
+// digits from 3.5.0 (3005000), so it grows from version to version.
 #ifndef MUJOCO_SYS_COMPAT_H_
 #define MUJOCO_SYS_COMPAT_H_
 
@@ -11,7 +12,8 @@
 
 #include "optional.h"
 
-// Raises an engine error whose text contains an integer. `mju_error` takes a format since 2.3.3, and `mju_error_i` is removed in 3.10.
+// Raises an engine error whose text contains an integer. `mju_error` takes a format since 2.3.3,
+// and `mju_error_i` is removed in 3.10.
 #if mjVERSION_HEADER < 233
 #define compat_error_i(format, number) mju_error_i(format, number)
 #else
@@ -69,7 +71,8 @@ static inline void compat_solveM2(const mjModel* m, mjData* d, mjtNum* x, const 
 }
 
 #if mjVERSION_HEADER >= 3005000
-// Adds a number to an element of a sparse matrix. Inserts the element in the order of the columns if the row lacks it.
+// Adds a number to an element of a sparse matrix. Inserts the element in the order of the columns
+// if the row lacks it.
 static inline void compat_addElement(mjtNum* dst, int* rownnz, const int* rowadr, int* colind, int row, int column,
                                      mjtNum value) {
   const int start = rowadr[row];

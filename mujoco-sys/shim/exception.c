@@ -1,6 +1,8 @@
-// Engines from PyPI contain LLVM's C++ library and its unwinder, whose symbols are hidden. A handler in code that GNU's compiler made cannot
-// catch their exceptions: its personality routine reads the context of another unwinder, and crashes. The routine of this file does not
-// read the context. It reports a handler, so that the unwinder runs the destructors of the engine's frames, and then jumps.
+// Engines from PyPI contain LLVM's C++ library and its unwinder, whose symbols are hidden. A
+// handler in code that GNU's compiler made cannot catch their exceptions: its personality routine
+// reads the context of another unwinder, and crashes. The routine of this file does not read the
+// context. It reports a handler, so that the unwinder runs the destructors of the engine's frames,
+// and then jumps.
 #include "exception.h"
 
 #include <stddef.h>
@@ -24,7 +26,8 @@ struct mujoco_sys_catcher** mujoco_sys_innermost_call(void) { return &innermost;
 enum { SEARCH_PHASE = 1, HANDLER_FRAME = 4, HANDLER_FOUND = 6, CONTINUE_UNWIND = 8 };
 // "CLNGC++" and a byte that tells whether another exception is the primary one.
 #define LLVM_CLASS UINT64_C(0x434c4e47432b2b)
-// Words before the unwinder's header of an exception: from its type to the header. The name is the second word of a type.
+// Words before the unwinder's header of an exception: from its type to the header. The name is the
+// second word of a type.
 #define TYPE_OFFSET 10
 
 __attribute__((visibility("hidden"), used)) int mujoco_sys_personality(int version, int actions, uint64_t class,

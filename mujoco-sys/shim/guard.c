@@ -29,7 +29,8 @@ int mujoco_sys_is_guarded(void) { return innermost != NULL; }
 
 static void on_error(const char* text) {
   if (!innermost) {
-    // The engine was called without a guard. If this handler returned, the engine would continue with a broken invariant.
+    // The engine was called without a guard. If this handler returned, the engine would continue
+    // with a broken invariant.
     fprintf(stderr, "MuJoCo error outside of any guard: %s\n", text);
     abort();
   }
@@ -93,8 +94,9 @@ void mujoco_sys_install(void (*warn)(const char*)) {
   mujoco_sys_check_collisions();
 }
 
-// The top of the engine's stack inside mjData. A failing call leaves its frames on that stack. The frames below belong to outer
-// callers, so an error restores the top at entry instead of clearing the stack.
+// The top of the engine's stack inside mjData. A failing call leaves its frames on that stack. The
+// frames below belong to outer callers, so an error restores the top at entry instead of clearing
+// the stack.
 struct stack_mark {
   size_t top;
   size_t base;
@@ -126,7 +128,8 @@ static void restore_stack(mjData* d, struct stack_mark at) {
 #define MJ_M(size) 0
 #define MJ_D(count) (d->count = 0)
 
-// Sets the pointers to all arrays in the arena to NULL, and the counts in their shapes to zero, except the contacts.
+// Sets the pointers to all arrays in the arena to NULL, and the counts in their shapes to zero,
+// except the contacts.
 static void clear_constraints(mjData* d) {
   mjContact* const contact = d->contact;
   const int ncon = d->ncon;
@@ -150,8 +153,9 @@ static void clear_constraints(mjData* d) {
 #define MJ_D(count) count
 #endif
 
-// Removes the contacts and constraints of a failed call: the error may have occurred after the engine had changed their counts, and before it
-// had allocated their arrays. The engine writes new contacts to the start of the arena without setting this pointer.
+// Removes the contacts and constraints of a failed call: the error may have occurred after the
+// engine had changed their counts, and before it had allocated their arrays. The engine writes new
+// contacts to the start of the arena without setting this pointer.
 static void clear_arena(mjData* d) {
 #if mjVERSION_HEADER >= 230
   clear_constraints(d);
@@ -221,8 +225,8 @@ __attribute__((noinline)) void mujoco_sys_after_error(void) {
   innermost = guard.outer;                                  \
   return MUJOCO_SYS_OK;
 
-// Writes the states of the constraints, which newer engines leave in the order of the islands: in `efc_state` are those of the solver's
-// initial guess, or none.
+// Writes the states of the constraints, which newer engines leave in the order of the islands: in
+// `efc_state` are those of the solver's initial guess, or none.
 static void write_states(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER >= 3005000
   if (d->nisland > 0 && d->iefc_state && m->opt.solver != mjSOL_PGS && m->opt.noslip_iterations == 0) {
@@ -234,13 +238,15 @@ static void write_states(const mjModel* m, mjData* d) {
 #endif
 }
 
-// Defines the guarded version of an engine function without a result, and with a result, which is written to `*result`.
+// Defines the guarded version of an engine function without a result, and with a result, which is
+// written to `*result`.
 #define GUARDED(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, function arguments) }
 #define GUARDED_RESULT(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, *result = function arguments) }
 
-// The same for functions that use only the stack of the data. An error leaves the contacts and constraints as they are.
+// The same for functions that use only the stack of the data. An error leaves the contacts and
+// constraints as they are.
 #define GUARDED_STACK(function, parameters, arguments)                                          \
   static int without_data_##function parameters { GUARDED_RUN(NO_DATA, function arguments) }     \
   int mujoco_sys_##function parameters {                                                        \
@@ -306,8 +312,9 @@ static void make_inertia(const mjModel* m, mjData* d) {
 #endif
 }
 
-// Creates the rows of the constraints, and since 3.0 their islands, as the engine's position stage does. The engine allocates the arrays of
-// the rows at the place of those of an earlier call, but keeps the pointers to the islands, which it would read with the new rows.
+// Creates the rows of the constraints, and since 3.0 their islands, as the engine's position stage
+// does. The engine allocates the arrays of the rows at the place of those of an earlier call, but
+// keeps the pointers to the islands, which it would read with the new rows.
 static void make_constraint(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER >= 230
   clear_constraints(d);
@@ -318,7 +325,8 @@ static void make_constraint(const mjModel* m, mjData* d) {
 #endif
 }
 
-// Computes the matrices of the dual problem in place of those of an earlier call. The engine would append them, until the arena is full.
+// Computes the matrices of the dual problem in place of those of an earlier call. The engine would
+// append them, until the arena is full.
 static void project_constraint(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER >= 230
 #define X(type, name, rows, columns)                                \
@@ -367,7 +375,8 @@ GUARDED(mj_energyVel, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_Euler, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED_SOLVER(mj_RungeKutta, (const mjModel* m, mjData* d, int N), (m, d, N))
 
-// Functions of a computed state that use the engine's stack or report invalid arguments by mju_error.
+// Functions of a computed state that use the engine's stack or report invalid arguments by
+// mju_error.
 GUARDED(mj_jacSubtreeCom, d, (const mjModel* m, mjData* d, mjtNum* jacp, int body), (m, d, jacp, body))
 GUARDED(mj_jacPointAxis, d,
         (const mjModel* m, mjData* d, mjtNum* jacp, mjtNum* jacr, const mjtNum* point, const mjtNum* axis, int body),
@@ -403,16 +412,18 @@ ADAPTED_RESULT(mj, ray, NO_DATA,
 
 static int print_data(const mjModel* m, mjData* d, const char* filename) { GUARDED_RUN(d, mj_printData(m, d, filename)) }
 
-// Since 3.0 some arrays that the engine prints can be NULL. They are replaced while it prints. The replacements are not on the stack,
-// because the engine does not print while the stack is in use.
+// Since 3.0 some arrays that the engine prints can be NULL. They are replaced while it prints. The
+// replacements are not on the stack, because the engine does not print while the stack is in use.
 int mujoco_sys_mj_printData(const mjModel* m, mjData* d, const char* filename) {
 #if mjVERSION_HEADER < 300
   return print_data(m, d, filename);
 #else
-  // The matrix of the dual solver, which inverse dynamics does not compute. Here it has no nonzeros.
+  // The matrix of the dual solver, which inverse dynamics does not compute. Here it has no
+  // nonzeros.
   const int no_dual = d->nefc && mj_isDual(m) && !d->efc_AR_rownnz;
   const size_t dual_rows = no_dual ? (size_t)d->nefc : 0;
-  // The first row of the constraints of each tendon, -1 for none. It is NULL if constraints are disabled, or do not fit into the arena.
+  // The first row of the constraints of each tendon, -1 for none. It is NULL if constraints are
+  // disabled, or do not fit into the arena.
   size_t tendons = 0;
 #if mjVERSION_HEADER < 3017000
   if (!d->tendon_efcadr) tendons = (size_t)m->ntendon;
@@ -501,8 +512,9 @@ GUARDED(mjv_movePerturb, NO_DATA,
 GUARDED_STACK(mjv_initPerturb, (const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert), (m, d, scn, pert))
 GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert, int flg_paused),
         (m, d, pert, flg_paused))
-// Newer engines pull the selected point with its inertia, which mjv_initPerturb computes. A perturbation that a program has set without it pulls
-// the point by the displacement of the centre of mass.
+// Newer engines pull the selected point with its inertia, which mjv_initPerturb computes. A
+// perturbation that a program has set without it pulls the point by the displacement of the centre
+// of mass.
 static void apply_perturb_force(const mjModel* m, mjData* d, const mjvPerturb* pert) {
 #if mjVERSION_HEADER >= 233
   mjvPerturb full = *pert;

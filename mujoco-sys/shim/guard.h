@@ -1,7 +1,8 @@
 // Guards for engine calls that can raise an engine error.
 //
-// The engine reports a fatal error by calling `mju_user_error` and relies on that call not returning. This handler jumps to the entry of the
-// innermost guard of the same thread. The guards of a thread form a chain, because an engine callback may call the engine again.
+// The engine reports a fatal error by calling `mju_user_error` and relies on that call not
+// returning. This handler jumps to the entry of the innermost guard of the same thread. The guards
+// of a thread form a chain, because an engine callback may call the engine again.
 #ifndef MUJOCO_SYS_GUARD_H_
 #define MUJOCO_SYS_GUARD_H_
 
@@ -13,9 +14,10 @@
 extern "C" {
 #endif
 
-// Jump buffer of a guard. The compiler's built-in setjmp stores three words and makes the function save its registers; it takes a third of
-// the time of the C library's. `_setjmp` is the library's variant that does not save the signal mask, which would cost a system
-// call. Local variables that do not change after the setjmp keep their values across the jump (C11 7.13.2.1).
+// Jump buffer of a guard. The compiler's built-in setjmp stores three words and makes the function
+// save its registers; it takes a third of the time of the C library's. `_setjmp` is the library's
+// variant that does not save the signal mask, which would cost a system call. Local variables that
+// do not change after the setjmp keep their values across the jump (C11 7.13.2.1).
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
 typedef void* mujoco_sys_mark[5];
 #define MUJOCO_SYS_SET_MARK(mark) __builtin_setjmp(mark)
@@ -40,8 +42,8 @@ enum {
   MUJOCO_SYS_EXCEPTION = 3,      // another C++ exception; its text is in mujoco_sys_message()
 };
 
-// Installs the error and warning handlers and the checked collision functions, for the whole process. Warnings go to `warn`, or to
-// standard error if it is NULL.
+// Installs the error and warning handlers and the checked collision functions, for the whole
+// process. Warnings go to `warn`, or to standard error if it is NULL.
 void mujoco_sys_install(void (*warn)(const char*));
 
 // Data whose full constraint buffer is handled, whether that is an error, the number of such

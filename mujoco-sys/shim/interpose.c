@@ -1,9 +1,12 @@
-// Since 3.3 `mj_geomDistance`, and with it the sensors of distances, selects its method by the addresses of `mjc_Convex` and `mjc_BoxBox` in
-// `mjCOLLISIONFUNC`, so another function in their entries changes the result. The checked functions here have the names of the engine's. The
-// dynamic linker for ELF resolves a name to its first definition, that of the program, also for the engine's table and comparisons.
+// Since 3.3 `mj_geomDistance`, and with it the sensors of distances, selects its method by the
+// addresses of `mjc_Convex` and `mjc_BoxBox` in `mjCOLLISIONFUNC`, so another function in their
+// entries changes the result. The checked functions here have the names of the engine's. The
+// dynamic linker for ELF resolves a name to its first definition, that of the program, also for the
+// engine's table and comparisons.
 //
-// Elsewhere the engine keeps its own functions: in programs where these symbols are not visible (a shared library that exports others), with an
-// engine that binds its names itself or is linked statically (the definitions are weak), and with other formats of programs.
+// Elsewhere the engine keeps its own functions: in programs where these symbols are not visible (a
+// shared library that exports others), with an engine that binds its names itself or is linked
+// statically (the definitions are weak), and with other formats of programs.
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE  // RTLD_NEXT
 #endif

@@ -10,10 +10,12 @@
 #define MUJOCO_SYS_INTERPOSES 0
 #endif
 
-// Returns the engine's function that a collision function has taken the place of, or NULL for all other functions.
+// Returns the engine's function that a collision function has taken the place of, or NULL for all
+// other functions.
 mjfCollision mujoco_sys_replaced(mjfCollision function);
 
-// Lets these functions check their arguments, which they do not before. No other thread may use the engine meanwhile.
+// Lets these functions check their arguments, which they do not before. No other thread may use the
+// engine meanwhile.
 void mujoco_sys_check_interposed(void);
 
 #endif

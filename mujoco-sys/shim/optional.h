@@ -1,6 +1,7 @@
-// Engine functions that not all versions have and that the shim calls, as weak references: a program that runs with an engine of
-// another version than its header then starts, and reports the difference between the versions. Otherwise the dynamic loader would
-// end the process at the first missing function. No such function is called before the versions are compared.
+// Engine functions that not all versions have and that the shim calls, as weak references: a
+// program that runs with an engine of another version than its header then starts, and reports the
+// difference between the versions. Otherwise the dynamic loader would end the process at the first
+// missing function. No such function is called before the versions are compared.
 #ifndef MUJOCO_SYS_OPTIONAL_H_
 #define MUJOCO_SYS_OPTIONAL_H_
 

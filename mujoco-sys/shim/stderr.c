@@ -1,8 +1,10 @@
-// Two libraries print to the C library's `stderr`: the convex hull library of the engine's XML compiler, and the Wayland client of
-// Mesa. During a capture the variable `stderr` refers to a stream that stores the output of capturing threads and forwards the output of
-// other threads. File descriptor 2 does not change.
+// Two libraries print to the C library's `stderr`: the convex hull library of the engine's XML
+// compiler, and the Wayland client of Mesa. During a capture the variable `stderr` refers to a
+// stream that stores the output of capturing threads and forwards the output of other threads. File
+// descriptor 2 does not change.
 //
-// Only glibc supports assigning `stderr` and streams with custom write functions. Other C libraries print the text.
+// Only glibc supports assigning `stderr` and streams with custom write functions. Other C libraries
+// print the text.
 #define _GNU_SOURCE
 #include "stderr.h"
 
@@ -12,8 +14,9 @@
 static _Thread_local char text[4096];
 static _Thread_local size_t length;
 static _Thread_local unsigned depth;
-// True for a thread that has printed a message of the convex hull library during a capture of another thread. Newer compilers process meshes in
-// several threads, which end with the compilation.
+// True for a thread that has printed a message of the convex hull library during a capture of
+// another thread. Newer compilers process meshes in several threads, which end with the
+// compilation.
 static _Thread_local int is_hull_thread;
 
 #if defined(__GLIBC__)

@@ -4,15 +4,16 @@
 
 #include <mujoco/mujoco.h>
 
-// True if this header reproduces the engine's step for this version and integrator. Other integrators are not exported.
+// True if this header reproduces the engine's step for this version and integrator. Other
+// integrators are not exported.
 static inline int step_is_known(const mjModel* m) {
   return mjVERSION_HEADER == 222 && (m->opt.integrator == mjINT_EULER || m->opt.integrator == mjINT_RK4);
 }
 
 static inline mjtNum now(void) { return mjcb_time ? mjcb_time() : 0; }
 
-// Resets the data if an acceleration is invalid. The engine's check calls two functions per number; here it runs only to report an
-// invalid one.
+// Resets the data if an acceleration is invalid. The engine's check calls two functions per number;
+// here it runs only to report an invalid one.
 static inline void check_accelerations(const mjModel* m, mjData* d) {
   int good = 1;
   for (int i = 0; i < m->nv; i++) {

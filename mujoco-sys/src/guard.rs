@@ -1,16 +1,19 @@
-//! Guarded engine functions. The C shim's `mujoco_sys_mj_step` is `mj_step`, except that an engine error (`mju_error`) becomes a return
-//! code instead of ending the process.
+//! Guarded engine functions. The C shim's `mujoco_sys_mj_step` is `mj_step`, except that an engine
+//! error (`mju_error`) becomes a return code instead of ending the process.
 //!
-//! A guarded function returns [`OK`] or an error code. After an error, [`message`] returns this thread's error text. An error
-//! restores the stack top inside the given `mjData`, and since 2.3 removes the contacts and constraints, whose arrays may not exist yet; other
-//! changes made by the failed call remain. Guards nest, and each thread has its own chain.
+//! A guarded function returns [`OK`] or an error code. After an error, [`message`] returns this
+//! thread's error text. An error restores the stack top inside the given `mjData`, and since 2.3
+//! removes the contacts and constraints, whose arrays may not exist yet; other changes made by the
+//! failed call remain. Guards nest, and each thread has its own chain.
 //!
-//! The functions have the parameters of 2.2.2 with every version of the engine; `shim/compat.h` adapts them.
+//! The functions have the parameters of 2.2.2 with every version of the engine; `shim/compat.h`
+//! adapts them.
 //!
 //! # Safety of all functions in this module
 //!
-//! [`install`] was called before in this process, and the arguments satisfy the requirements of the C function of the same name. An
-//! engine error must not jump over a Rust frame: callbacks must not raise an engine error from Rust code.
+//! [`install`] was called before in this process, and the arguments satisfy the requirements of the
+//! C function of the same name. An engine error must not jump over a Rust frame: callbacks must not
+//! raise an engine error from Rust code.
 
 use std::os::raw::{c_char, c_int, c_void};
 
@@ -60,12 +63,14 @@ pub struct Full {
 pub type Part = unsafe extern "C" fn(m: *const mjModel, d: *mut mjData);
 
 unsafe extern "C" {
-    /// Calls parts of the pipeline in sequence behind one guard, which is cheaper than one guard for each.
+    /// Calls parts of the pipeline in sequence behind one guard, which is cheaper than one guard
+    /// for each.
     #[link_name = "mujoco_sys_parts"]
     pub fn parts(m: *const mjModel, d: *mut mjData, parts: *const Part, count: c_int) -> c_int;
 
-    /// `mj_step` without the engine's check of `qpos` and `qvel`, which calls a function for each number. The caller has checked that every
-    /// number is within `mjMAXVAL`. The results are those of `mj_step`, bit for bit.
+    /// `mj_step` without the engine's check of `qpos` and `qvel`, which calls a function for each
+    /// number. The caller has checked that every number is within `mjMAXVAL`. The results are those
+    /// of `mj_step`, bit for bit.
     #[link_name = "mujoco_sys_step_prechecked"]
     pub fn step_prechecked(m: *const mjModel, d: *mut mjData) -> c_int;
 
@@ -77,10 +82,11 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_stack_restore"]
     pub fn stack_restore(d: *mut mjData, at: *const StackMark);
 
-    /// Installs the guards' handlers as `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to `warn`, or to
-    /// standard error without it. Also replaces the engine's collision functions by checked ones, which raise an engine error for
-    /// inputs on which the engine would access memory out of bounds or not return, and which skip contacts between two geoms of one body where
-    /// a row of the sparse Jacobian would overflow.
+    /// Installs the guards' handlers as `mju_user_error` and `mju_user_warning`, for the whole
+    /// process. Warnings go to `warn`, or to standard error without it. Also replaces the engine's
+    /// collision functions by checked ones, which raise an engine error for inputs on which the
+    /// engine would access memory out of bounds or not return, and which skip contacts between two
+    /// geoms of one body where a row of the sparse Jacobian would overflow.
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
@@ -88,8 +94,8 @@ unsafe extern "C" {
     /// constraints, but since 2.3 not their numbers, with which its later stages would read them;
     /// this clears the numbers.
     ///
-    /// `is_fatal` makes it an error. Required while a model with an adhesion actuator (`mjTRN_BODY`)
-    /// is simulated: the engine would write out of bounds.
+    /// `is_fatal` makes it an error. Required while a model with an adhesion actuator
+    /// (`mjTRN_BODY`) is simulated: the engine would write out of bounds.
     ///
     /// The engine warns only while `warning[mjWARN_CNSTRFULL].number` is zero. Writes the previous
     /// setting, for [`end_full`].
@@ -101,8 +107,8 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_end_full"]
     pub fn end_full(outer: *const Full, count: *mut c_int) -> c_int;
 
-    /// Returns the number of significant digits that `mj_save_last_xml` prints: 17, enough for every double to be read back exactly, or
-    /// 6 with an engine whose precision cannot be set.
+    /// Returns the number of significant digits that `mj_save_last_xml` prints: 17, enough for
+    /// every double to be read back exactly, or 6 with an engine whose precision cannot be set.
     #[link_name = "mujoco_sys_xml_digits"]
     pub fn xml_digits() -> c_int;
 
@@ -127,14 +133,16 @@ guarded! {
     mujoco_sys_mj_printSchema = mj_print_schema(
         filename: *const c_char, buffer: *mut c_char, buffer_size: c_int, html: c_int, pad: c_int, result: *mut c_int,
     );
-    /// Decodes a texture that the model has by reference, since 3.17: `size` receives the width and the height. `mju_free` frees the pixels.
+    /// Decodes a texture that the model has by reference, since 3.17: `size` receives the width and
+    /// the height. `mju_free` frees the pixels.
     mujoco_sys_mj_loadTexture = mj_load_texture(
         m: *const mjModel, texture: c_int, data: *mut *mut u8, size: *mut c_int, colorspace: *mut c_int, error: *mut c_char,
         error_size: c_int, result: *mut c_int,
     );
     mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
-    /// Adds a copy of a buffer to a virtual file system (before 3.1.3 with `mj_makeEmptyFileVFS`). Writes 0 to `*result`, or 1 if the file system is
-    /// full, 2 if it has a file of this name, and 3 for any other failure.
+    /// Adds a copy of a buffer to a virtual file system (before 3.1.3 with `mj_makeEmptyFileVFS`).
+    /// Writes 0 to `*result`, or 1 if the file system is full, 2 if it has a file of this name, and
+    /// 3 for any other failure.
     mujoco_sys_mj_addBufferVFS = mj_add_buffer_vfs(
         vfs: *mut mjVFS, name: *const c_char, buffer: *const c_void, size: c_int, result: *mut c_int,
     );
@@ -225,7 +233,8 @@ guarded! {
         with_static: u8, bodyexclude: c_int, geom: *mut c_int, result: *mut mjtNum,
     );
     mujoco_sys_mj_printData = mj_print_data(m: *const mjModel, d: *mut mjData, filename: *const c_char);
-    /// Calls `mjCOLLISIONFUNC[type1][type2]` for two geoms. Writes the number of contacts to `*result`, or -1 if the table has no function.
+    /// Calls `mjCOLLISIONFUNC[type1][type2]` for two geoms. Writes the number of contacts to
+    /// `*result`, or -1 if the table has no function.
     mujoco_sys_collide = collide(
         m: *const mjModel, d: *mut mjData, contacts: *mut mjContact, type1: c_int, type2: c_int, geom1: c_int,
         geom2: c_int, margin: mjtNum, result: *mut c_int,
@@ -287,7 +296,8 @@ guarded! {
     mujoco_sys_mjv_applyPerturbForce = mjv_apply_perturb_force(
         m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb,
     );
-    /// Does nothing in engines before 2.3, which have no plugins. The initialiser of the library must be sound.
+    /// Does nothing in engines before 2.3, which have no plugins. The initialiser of the library
+    /// must be sound.
     mujoco_sys_mj_loadPluginLibrary = mj_load_plugin_library(path: *const c_char);
     mujoco_sys_mjv_select = mjv_select(
         m: *const mjModel, d: *const mjData, vopt: *const mjvOption, aspectratio: mjtNum, relx: mjtNum, rely: mjtNum,

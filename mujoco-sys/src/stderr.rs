@@ -12,8 +12,8 @@ struct Capture(usize);
 
 impl Capture {
     fn end(&self) -> String {
-        // SAFETY: the capture began in this thread and ends once. The text is this thread's buffer, is terminated by NUL, and is
-        // copied before the next capture ends.
+        // SAFETY: the capture began in this thread and ends once. The text is this thread's buffer,
+        // is terminated by NUL, and is copied before the next capture ends.
         unsafe { CStr::from_ptr(mujoco_sys_capture_end(self.0)) }.to_string_lossy().into_owned()
     }
 }
@@ -24,9 +24,10 @@ impl Drop for Capture {
     }
 }
 
-/// Runs `call` and returns its result and the first 4095 bytes that this thread printed to the C library's `stderr` during the call. The
-/// captured text is not printed. Output of other threads, and of Rust's `eprintln!`, which does not use the C library, is not captured. Meanwhile
-/// messages of the convex hull library in threads of the engine's compiler are discarded.
+/// Runs `call` and returns its result and the first 4095 bytes that this thread printed to the C
+/// library's `stderr` during the call. The captured text is not printed. Output of other threads,
+/// and of Rust's `eprintln!`, which does not use the C library, is not captured. Meanwhile messages
+/// of the convex hull library in threads of the engine's compiler are discarded.
 ///
 /// Requires glibc. With other C libraries the text is printed and the returned text is empty.
 ///

@@ -1,4 +1,5 @@
-//! Tests of the guard: an engine error becomes a return code with the error's text, and the engine remains usable.
+//! Tests of the guard: an engine error becomes a return code with the error's text, and the engine
+//! remains usable.
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString};
@@ -14,8 +15,8 @@ use std::thread;
 use mujoco_sys::guard::{self, ERROR, OK};
 use mujoco_sys::{mjData, mjModel, stderr};
 
-/// A ball on the floor, which gives the solver a contact, and a hinge with a motor. The engine's stack has fewer bytes than
-/// one test raises errors.
+/// A ball on the floor, which gives the solver a contact, and a hinge with a motor. The engine's
+/// stack has fewer bytes than one test raises errors.
 const MODEL: &str = r#"
 <mujoco>
   <size nstack="5000"/>
@@ -52,7 +53,8 @@ impl Simulation {
     }
 
     fn step(&self) -> Result<(), String> {
-        // SAFETY: both live as long as `self`, the data belongs to this model, and no other thread uses them.
+        // SAFETY: both live as long as `self`, the data belongs to this model, and no other thread
+        // uses them.
         result(unsafe { guard::mj_step(self.model, self.data) })
     }
 
@@ -92,7 +94,8 @@ impl Drop for Simulation {
 fn install() {
     static INSTALLED: OnceLock<()> = OnceLock::new();
     INSTALLED.get_or_init(|| {
-        // SAFETY: every test calls this function before its first engine call, so no thread reads the two global pointers now.
+        // SAFETY: every test calls this function before its first engine call, so no thread reads
+        // the two global pointers now.
         unsafe {
             guard::install(None);
             mujoco_sys::mjcb_control = Some(control);
@@ -110,8 +113,8 @@ fn load(xml: &str) -> Result<*mut mjModel, String> {
     let name = CString::new(file.to_str().expect("a path of UTF-8")).expect("a path without NUL");
     let mut error = [0 as c_char; 300];
     let mut model = ptr::null_mut();
-    // SAFETY: the name and the buffer of the given length outlive the call. A null virtual file system makes the engine read the
-    // file.
+    // SAFETY: the name and the buffer of the given length outlive the call. A null virtual file
+    // system makes the engine read the file.
     let code = unsafe {
         guard::mj_load_xml(name.as_ptr(), ptr::null(), error.as_mut_ptr(), error.len() as c_int, &raw mut model)
     };
@@ -139,7 +142,8 @@ fn message() -> String {
     unsafe { CStr::from_ptr(guard::message()) }.to_string_lossy().into_owned()
 }
 
-/// Asserts that a call failed with an error that contains `text`. Newer engines name the function first, and use small letters.
+/// Asserts that a call failed with an error that contains `text`. Newer engines name the function
+/// first, and use small letters.
 #[track_caller]
 fn assert_error(outcome: &Result<(), String>, text: &str) {
     assert!(outcome.as_ref().is_err_and(|error| error.to_lowercase().contains(text)), "{text}: {outcome:?}");
@@ -232,11 +236,13 @@ fn an_engine_error_inside_the_loader_leaves_the_thread_able_to_load_and_to_step(
 fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_to_step() {
     const LIMITED: &str = "MUJOCO_SYS_TEST_LIMITED";
     if !env!("MUJOCO_SYS_INCLUDE").starts_with("/usr/include") {
-        // The C++ runtime inside the official libraries ends the process instead of throwing std::bad_alloc.
+        // The C++ runtime inside the official libraries ends the process instead of throwing
+        // std::bad_alloc.
         return;
     }
     if std::env::var_os(LIMITED).is_none() {
-        // Runs this test again in a child process with a memory limit; without one, the test would exhaust the machine's memory.
+        // Runs this test again in a child process with a memory limit; without one, the test would
+        // exhaust the machine's memory.
         let output = Command::new("sh")
             .args(["-c", r#"ulimit -v 4000000 && exec "$0" --exact "$1""#])
             .arg(std::env::current_exe().expect("a test is a program"))
@@ -284,7 +290,8 @@ fn a_capture_stores_the_output_of_its_thread_and_forwards_that_of_others() {
     thread::scope(|scope| {
         scope.spawn(|| {
             for _ in 0..LINES {
-                // SAFETY: the string is terminated by NUL, and the stream is the current value of the C library's variable.
+                // SAFETY: the string is terminated by NUL, and the stream is the current value of
+                // the C library's variable.
                 unsafe { fputs(c"printed\n".as_ptr(), ptr::read_volatile(&raw const STDERR)) };
                 lines.fetch_add(1, Ordering::Relaxed);
             }
@@ -332,7 +339,8 @@ fn after_an_error_no_count_exceeds_its_array() {
     assert!(data.ncon > 0 && data.nefc > 0 && !data.contact.is_null() && !data.efc_J.is_null());
 }
 
-/// Each of these errors is raised while the engine's stack is in use. Without the restoration the stack would overflow.
+/// Each of these errors is raised while the engine's stack is in use. Without the restoration the
+/// stack would overflow.
 #[test]
 fn ten_thousand_errors_do_not_fill_the_engines_stack() {
     let simulation = Simulation::new();

@@ -1,8 +1,9 @@
 //! Compares the bindings with the headers of the installed engine, using only a C compiler.
 //!
-//! The test translates all declarations of the bindings into C that compiles only if the headers declare the same: sizes,
-//! alignments, offsets and types of fields, values of constants, types of functions and of global variables. Further tests compare the
-//! list of functions and the field table in both directions.
+//! The test translates all declarations of the bindings into C that compiles only if the headers
+//! declare the same: sizes, alignments, offsets and types of fields, values of constants, types of
+//! functions and of global variables. Further tests compare the list of functions and the field
+//! table in both directions.
 
 #[path = "header/c.rs"]
 mod c;
@@ -17,13 +18,15 @@ use std::path::Path;
 
 use rust::{Item, Type};
 
-/// The bindings of this build: the committed ones, or with the feature `bindgen` the generated ones.
+/// The bindings of this build: the committed ones, or with the feature `bindgen` the generated
+/// ones.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 /// Name of the committed files of this engine; empty if it has none.
 const COMMITTED: &str = env!("MUJOCO_SYS_COMMITTED");
 const INCLUDE: &str = env!("MUJOCO_SYS_INCLUDE");
 
-/// The build script's C compiler. A build script gets target, host and optimisation level from the environment; a test must set them.
+/// The build script's C compiler. A build script gets target, host and optimisation level from the
+/// environment; a test must set them.
 fn compiler() -> cc::Build {
     let mut build = cc::Build::new();
     build.target(env!("MUJOCO_SYS_TARGET")).host(env!("MUJOCO_SYS_TARGET")).opt_level(0).cargo_metadata(false);
@@ -48,7 +51,8 @@ fn compile(name: &str, text: &str) -> Result<(), String> {
 #[test]
 fn every_declaration_of_the_bindings_matches_the_headers() {
     let (text, checked) = c::checks(&rust::items(BINDINGS));
-    // Counts the declarations of each kind independently, so that the translation cannot lose a check.
+    // Counts the declarations of each kind independently, so that the translation cannot lose a
+    // check.
     let lines = |start: &str| BINDINGS.lines().filter(|line| line.trim_start().starts_with(start)).count();
     let expected = c::Checked {
         constants: lines("pub const "),
@@ -66,7 +70,8 @@ fn every_declaration_of_the_bindings_matches_the_headers() {
     }
 }
 
-/// Changes the text of the bindings in each possible way and expects an error that names the difference.
+/// Changes the text of the bindings in each possible way and expects an error that names the
+/// difference.
 #[test]
 fn a_difference_of_any_kind_between_bindings_and_headers_is_detected() {
     let joint = if BINDINGS.contains("mjtJoint_") { "mjtJoint_" } else { "mjtJoint" };
@@ -94,7 +99,8 @@ fn a_difference_of_any_kind_between_bindings_and_headers_is_detected() {
         let (text, _) = c::checks(&rust::items(&changed));
         let outcome = compile(name, &text);
         if name == "function" {
-            // C accepts a declaration that the headers lack; the comparison of the lists detects it.
+            // C accepts a declaration that the headers lack; the comparison of the lists detects
+            // it.
             assert_eq!(outcome, Ok(()));
             assert_ne!(bound_functions(&changed), declared_functions());
             continue;
@@ -138,7 +144,8 @@ fn headers() -> Vec<String> {
     texts
 }
 
-/// Returns the names of all functions that the headers export: the names between `MJAPI` and a parenthesis.
+/// Returns the names of all functions that the headers export: the names between `MJAPI` and a
+/// parenthesis.
 fn declared_functions() -> BTreeSet<String> {
     let mut functions = BTreeSet::new();
     for text in headers() {
@@ -183,7 +190,8 @@ const NOT_IN_THE_TABLE: [(&str, &str, &str); 6] = [
     ("Data", "buffer", "the memory of all arrays of the data"),
 ];
 
-/// Members of newer engines without a macro in `mjxmacro.h`: flags and checks for the engine's own use.
+/// Members of newer engines without a macro in `mjxmacro.h`: flags and checks for the engine's own
+/// use.
 const INTERNAL: [&str; 5] = ["signature", "threadlock", "flg_gravcomp", "flg_surfacevel", "flg_adhesion"];
 
 /// The engine's scratch memory. Since 2.3 it also contains the arrays of contacts and constraints.

@@ -1,4 +1,5 @@
-//! Arguments of the closures: the simulation during a step, with the fields that a closure may change.
+//! Arguments of the closures: the simulation during a step, with the fields that a closure may
+//! change.
 
 use std::ops::Deref;
 
@@ -7,7 +8,8 @@ use crate::ffi;
 use crate::id::Key;
 use crate::kind;
 
-/// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable arrays.
+/// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable
+/// arrays.
 macro_rules! context {
     (
         $(#[$doc:meta])*
@@ -16,7 +18,8 @@ macro_rules! context {
         $(#[$doc])*
         #[derive(Debug)]
         pub struct $name<'d> {
-            // Private, and borrowed from `self` by all methods, so that no array is read while it is written.
+            // Private, and borrowed from `self` by all methods, so that no array is read while it
+            // is written.
             data: &'d Data,
         }
 
@@ -29,8 +32,9 @@ macro_rules! context {
                 $(#[$array_doc])*
                 pub fn $array_mut(&mut self) -> &mut $type {
                     let $data = self.data;
-                    // SAFETY: the engine allocated the array with this shape. The engine waits for the closure, the closure has
-                    // no other access to the simulation, and `self` is borrowed exclusively.
+                    // SAFETY: the engine allocated the array with this shape. The engine waits for
+                    // the closure, the closure has no other access to the simulation, and `self` is
+                    // borrowed exclusively.
                     unsafe { $values }
                 }
             )*
@@ -47,7 +51,8 @@ macro_rules! context {
 }
 
 context! {
-    /// Simulation before actuator forces are computed. Quantities that depend on positions and velocities are valid.
+    /// Simulation before actuator forces are computed. Quantities that depend on positions and
+    /// velocities are valid.
     ControlContext {
         /// Returns [`ctrl`](Data::ctrl) for writing.
         ctrl_mut -> [f64] = |data| ffi::array_mut(data.raw().ctrl, data.model().nu());
@@ -63,7 +68,8 @@ context! {
 context! {
     /// Simulation after passive forces were computed.
     PassiveContext {
-        /// Returns [`qfrc_passive`](Data::qfrc_passive), which contains the engine's passive forces, for adding other forces.
+        /// Returns [`qfrc_passive`](Data::qfrc_passive), which contains the engine's passive
+        /// forces, for adding other forces.
         qfrc_passive_mut -> [f64] = |data| ffi::array_mut(data.raw().qfrc_passive, data.model().nv());
         /// Returns [`userdata`](Data::userdata) for writing.
         userdata_mut -> [f64] = |data| ffi::array_mut(data.raw().userdata, data.model().nuserdata());
@@ -81,7 +87,8 @@ context! {
 }
 
 impl ControlContext<'_> {
-    /// Sets the control of an actuator, the first one if it has several. An id returns nothing; a name or an index returns a [`Result`](crate::Result).
+    /// Sets the control of an actuator, the first one if it has several. An id returns nothing; a
+    /// name or an index returns a [`Result`](crate::Result).
     ///
     /// # Panics
     ///
@@ -112,8 +119,8 @@ impl SensorContext<'_> {
         self.data.stage()
     }
 
-    /// Returns the reading of a sensor for writing. An id yields the slice itself; a name or an index yields a
-    /// [`Result`](crate::Result).
+    /// Returns the reading of a sensor for writing. An id yields the slice itself; a name or an
+    /// index yields a [`Result`](crate::Result).
     ///
     /// # Panics
     ///

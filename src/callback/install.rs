@@ -5,9 +5,11 @@ use crate::data::Data;
 
 /// # Callbacks
 impl Data {
-    /// Runs `run` with these closures active. Within `run`, every call that computes results of this simulation, in any thread,
-    /// calls the closures at the points that [`callback`](crate::callback) lists. Clones of the simulation do not call them. A
-    /// nested scope uses only its own closures. The closures of [`set_callbacks`](Self::set_callbacks) are not called within `run`.
+    /// Runs `run` with these closures active. Within `run`, every call that computes results of
+    /// this simulation, in any thread, calls the closures at the points that
+    /// [`callback`](crate::callback) lists. Clones of the simulation do not call them. A nested
+    /// scope uses only its own closures. The closures of [`set_callbacks`](Self::set_callbacks) are
+    /// not called within `run`.
     ///
     /// ```
     /// use mujoco_safe::callback::Callbacks;
@@ -44,17 +46,20 @@ impl Data {
         self.scope_callbacks(Box::new(callbacks), run)
     }
 
-    /// Sets the closures that every later call on this simulation runs, in any thread, until they are replaced. They replace those
-    /// of an earlier call; an empty set, `Callbacks::new()`, removes them. Within [`with_callbacks`](Self::with_callbacks), they
-    /// take effect after the scope.
+    /// Sets the closures that every later call on this simulation runs, in any thread, until they
+    /// are replaced. They replace those of an earlier call; an empty set, `Callbacks::new()`,
+    /// removes them. Within [`with_callbacks`](Self::with_callbacks), they take effect after the
+    /// scope.
     ///
-    /// The closures stay with the simulation when it is moved, reset, or given an edited model. After an error of a closure, a
-    /// [`reset`](Self::reset) makes the simulation usable, with the same closures.
+    /// The closures stay with the simulation when it is moved, reset, or given an edited model.
+    /// After an error of a closure, a [`reset`](Self::reset) makes the simulation usable, with the
+    /// same closures.
     ///
-    /// Copies of the simulation do not have the closures, so rollouts and iLQR, which simulate copies, do not call them. The
-    /// `start` closure of [`Batch::reset_where`](crate::Batch::reset_where) can set callbacks for each simulation of a batch. A
-    /// [`Lineariser`](crate::Lineariser) linearises a simulation with callbacks by the method
-    /// [`Engine`](crate::derivative::TransitionMethod::Engine).
+    /// Copies of the simulation do not have the closures, so rollouts and iLQR, which simulate
+    /// copies, do not call them. The `start` closure of
+    /// [`Batch::reset_where`](crate::Batch::reset_where) can set callbacks for each simulation of a
+    /// batch. A [`Lineariser`](crate::Lineariser) linearises a simulation with callbacks by the
+    /// method [`Engine`](crate::derivative::TransitionMethod::Engine).
     ///
     /// ```
     /// use std::sync::{Arc, Mutex};
@@ -90,8 +95,9 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     ///
-    /// The simulation drops the closures when they are replaced or when it is dropped. A closure that owns its own simulation, for
-    /// example through an `Arc<Mutex<Data>>`, is therefore never dropped, and it deadlocks if it locks that mutex during a step.
+    /// The simulation drops the closures when they are replaced or when it is dropped. A closure
+    /// that owns its own simulation, for example through an `Arc<Mutex<Data>>`, is therefore never
+    /// dropped, and it deadlocks if it locks that mutex during a step.
     ///
     /// The closures cannot borrow local variables:
     ///

@@ -1,4 +1,5 @@
-//! Closures that the engine calls during a step: controls, forces, sensor readings and collision filters.
+//! Closures that the engine calls during a step: controls, forces, sensor readings and collision
+//! filters.
 //!
 //! ```
 //! use mujoco_safe::callback::Callbacks;
@@ -26,15 +27,18 @@
 //!
 //! # Safety and cost
 //!
-//! In the engine, each callback is one function pointer for the process. In this crate, a callback is a closure for one
-//! simulation, either within a scope ([`Data::with_callbacks`]) or until it is replaced ([`Data::set_callbacks`]). It is not
-//! called for other simulations, clones, or the compilation of models, in this thread or another. A closure reads the simulation
-//! during the step, so access to results that are not computed yet returns [`Error::NotComputed`](crate::Error::NotComputed). It
-//! can change only fields that the engine reads afterwards. If a closure panics, the call that ran it returns
+//! In the engine, each callback is one function pointer for the process. In this crate, a callback
+//! is a closure for one simulation, either within a scope ([`Data::with_callbacks`]) or until it is
+//! replaced ([`Data::set_callbacks`]). It is not called for other simulations, clones, or the
+//! compilation of models, in this thread or another. A closure reads the simulation during the
+//! step, so access to results that are not computed yet returns
+//! [`Error::NotComputed`](crate::Error::NotComputed). It can change only fields that the engine
+//! reads afterwards. If a closure panics, the call that ran it returns
 //! [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
 //!
-//! The function pointer of a kind of callback is installed at its first use in the process. Before that, a step has no additional
-//! cost. Afterwards, each step of a simulation without callbacks spends a few nanoseconds in a function that returns at once.
+//! The function pointer of a kind of callback is installed at its first use in the process. Before
+//! that, a step has no additional cost. Afterwards, each step of a simulation without callbacks
+//! spends a few nanoseconds in a function that returns at once.
 
 mod context;
 mod install;
@@ -56,8 +60,8 @@ type Sensor<'c> = Box<dyn FnMut(&mut SensorContext<'_>) + Send + 'c>;
 type ContactFilter<'c> = Box<dyn FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c>;
 type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 
-/// Closures for [`Data::with_callbacks`] and [`Data::set_callbacks`]. Closures for `with_callbacks` may borrow values that outlive
-/// that call.
+/// Closures for [`Data::with_callbacks`] and [`Data::set_callbacks`]. Closures for `with_callbacks`
+/// may borrow values that outlive that call.
 ///
 /// ```compile_fail,E0597
 /// # use mujoco_safe::callback::Callbacks;
@@ -95,11 +99,12 @@ impl<'c> Callbacks<'c> {
         Self::default()
     }
 
-    /// Sets controls and applied forces during a step, from the results of the position and velocity stages, including their
-    /// sensor readings. The Runge–Kutta integrator calls the closure in each of its four substeps, with the sensor readings of
-    /// the first substep; [`Data::transition_fd`] calls it at each perturbed state, so that a feedback law is part of the
-    /// linearisation. If a control is NaN or beyond ±10¹⁰, the call returns [`Error::Unstable`](crate::Error::Unstable) and the
-    /// data is poisoned.
+    /// Sets controls and applied forces during a step, from the results of the position and
+    /// velocity stages, including their sensor readings. The Runge–Kutta integrator calls the
+    /// closure in each of its four substeps, with the sensor readings of the first substep;
+    /// [`Data::transition_fd`] calls it at each perturbed state, so that a feedback law is part of
+    /// the linearisation. If a control is NaN or beyond ±10¹⁰, the call returns
+    /// [`Error::Unstable`](crate::Error::Unstable) and the data is poisoned.
     #[doc(alias = "mjcb_control")]
     pub fn control(mut self, control: impl FnMut(&mut ControlContext<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
@@ -142,9 +147,10 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Selects the pairs of geoms that may collide. The last argument of the closure is the result of the engine's rule (masks,
-    /// and no collisions within a body or between parent and child). The return value replaces it. The closure is not called for
-    /// pairs that the model lists explicitly, nor for pairs that the broad phase excludes.
+    /// Selects the pairs of geoms that may collide. The last argument of the closure is the result
+    /// of the engine's rule (masks, and no collisions within a body or between parent and child).
+    /// The return value replaces it. The closure is not called for pairs that the model lists
+    /// explicitly, nor for pairs that the broad phase excludes.
     ///
     /// ```
     /// use mujoco_safe::callback::Callbacks;
@@ -164,23 +170,25 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Computes the time derivative of the activation of an actuator whose `dyntype` is `user`. The default is 0. For an actuator
-    /// with several activations (`actdim`, with newer engines), a step returns [`Error::Unsupported`](crate::Error::Unsupported).
+    /// Computes the time derivative of the activation of an actuator whose `dyntype` is `user`. The
+    /// default is 0. For an actuator with several activations (`actdim`, with newer engines), a
+    /// step returns [`Error::Unsupported`](crate::Error::Unsupported).
     #[doc(alias = "mjcb_act_dyn")]
     pub fn actuator_dynamics(mut self, derivative: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_dynamics = Some(Box::new(derivative));
         self
     }
 
-    /// Computes the gain of an actuator whose `gaintype` is `user`: the force per unit of control or activation. The default is
-    /// 1.
+    /// Computes the gain of an actuator whose `gaintype` is `user`: the force per unit of control
+    /// or activation. The default is 1.
     #[doc(alias = "mjcb_act_gain")]
     pub fn actuator_gain(mut self, gain: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_gain = Some(Box::new(gain));
         self
     }
 
-    /// Computes the bias of an actuator whose `biastype` is `user`: an additional force. The default is 0.
+    /// Computes the bias of an actuator whose `biastype` is `user`: an additional force. The
+    /// default is 0.
     #[doc(alias = "mjcb_act_bias")]
     pub fn actuator_bias(mut self, bias: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_bias = Some(Box::new(bias));

@@ -1,4 +1,5 @@
-//! The function that the engine calls. It finds the closure through a thread-local that refers to the simulation in progress.
+//! The function that the engine calls. It finds the closure through a thread-local that refers to
+//! the simulation in progress.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_int;
@@ -44,7 +45,8 @@ impl EngineCallbacks for Callbacks<'_> {
         results: PipelineFlags,
         call: &mut dyn FnMut() -> c_int,
     ) -> (c_int, Option<Error>) {
-        // The pointer is used only until this returns, so the lifetime of the borrows does not matter.
+        // The pointer is used only until this returns, so the lifetime of the borrows does not
+        // matter.
         let callbacks = ptr::from_mut(self).cast::<Callbacks<'static>>();
         let active = ActiveCall { data, raw, results, callbacks, failure: RefCell::new(None) };
         let status = {
@@ -58,13 +60,14 @@ impl EngineCallbacks for Callbacks<'_> {
 /// Installs the engine callbacks that these closures need.
 pub(super) fn install(callbacks: &Callbacks<'_>) {
     for kind in callbacks.present() {
-        // SAFETY: the handler accesses only the simulation of its own thread, catches every panic, and raises no engine error.
+        // SAFETY: the handler accesses only the simulation of its own thread, catches every panic,
+        // and raises no engine error.
         unsafe { callback::install_callback(kind, handler) };
     }
 }
 
-/// Calls the closure of the simulation that this thread is computing. For other simulations `value` is unchanged, which is the
-/// engine's behaviour without a callback.
+/// Calls the closure of the simulation that this thread is computing. For other simulations `value`
+/// is unchanged, which is the engine's behaviour without a callback.
 unsafe extern "C" fn handler(
     kind: c_int,
     _: *const mjModel,
@@ -75,16 +78,17 @@ unsafe extern "C" fn handler(
 ) -> c_int {
     // The thread-local is destroyed in a thread that is ending, but then no call is active.
     let active = ACTIVE.try_with(Cell::get).unwrap_or(ptr::null());
-    // SAFETY: not NULL only while `EngineCallbacks::run` is on the stack of this thread, and `run` owns the value.
+    // SAFETY: not NULL only while `EngineCallbacks::run` is on the stack of this thread, and `run`
+    // owns the value.
     let Some(active) = (unsafe { active.as_ref() }) else { return 0 };
     if !ptr::eq(active.raw, raw) {
         return 0;
     }
-    // SAFETY: `run` borrows the callbacks exclusively under the lock of their slot, and a closure cannot step its own simulation,
-    // so no other reference exists.
+    // SAFETY: `run` borrows the callbacks exclusively under the lock of their slot, and a closure
+    // cannot step its own simulation, so no other reference exists.
     let callbacks = unsafe { &mut *active.callbacks };
-    // SAFETY: the caller of `run` borrows the simulation exclusively, derived the pointer from that borrow, and does not use it
-    // before the engine returns.
+    // SAFETY: the caller of `run` borrows the simulation exclusively, derived the pointer from that
+    // borrow, and does not use it before the engine returns.
     let data = unsafe { &mut *active.data };
     // SAFETY: the shim passes a valid pointer to a local variable.
     let value = unsafe { &mut *value };

@@ -5,7 +5,8 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Buffer for the deviation `dx = [qpos ⊖ qpos0; qvel − qvel0; act − act0]`, so that control loops do not allocate.
+/// Buffer for the deviation `dx = [qpos ⊖ qpos0; qvel − qvel0; act − act0]`, so that control loops
+/// do not allocate.
 #[derive(Clone, Debug)]
 pub(super) struct Feedback {
     deviation: Vec<f64>,
@@ -22,7 +23,8 @@ impl Feedback {
         self.deviation.resize(nx, 0.0);
     }
 
-    /// Computes the deviation of a simulation from a set-point. Without `qvel0` the set-point is at rest.
+    /// Computes the deviation of a simulation from a set-point. Without `qvel0` the set-point is at
+    /// rest.
     #[inline]
     pub(super) fn measure(&mut self, data: &Data, qpos0: &[f64], qvel0: Option<&[f64]>, act0: &[f64]) -> Result<()> {
         let model = data.model();
@@ -73,8 +75,8 @@ pub(super) fn clamp(data: &mut Data) {
     for index in 0..data.model().nu() {
         let [low, high] = control_range(data.model(), index);
         let ctrl = &mut data.ctrl_mut()[index];
-        // Not `f64::clamp`, which panics if the ends of an edited range are in the wrong order. NaN stays NaN, which the engine
-        // reports.
+        // Not `f64::clamp`, which panics if the ends of an edited range are in the wrong order. NaN
+        // stays NaN, which the engine reports.
         if *ctrl < low {
             *ctrl = low;
         } else if *ctrl > high {
@@ -83,8 +85,9 @@ pub(super) fn clamp(data: &mut Data) {
     }
 }
 
-/// Returns the scalar products of two vectors with a third. Each product has four partial sums, which the compiler keeps in
-/// vector registers. Both products are computed in one loop, so the third vector is loaded once.
+/// Returns the scalar products of two vectors with a third. Each product has four partial sums,
+/// which the compiler keeps in vector registers. Both products are computed in one loop, so the
+/// third vector is loaded once.
 #[inline]
 fn dots([a, b]: [&[f64]; 2], x: &[f64]) -> [f64; 2] {
     let ((a, a_rest), (b, b_rest), (x, x_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>(), x.as_chunks::<4>());

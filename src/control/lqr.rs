@@ -29,11 +29,13 @@ impl LqrWeights {
     }
 }
 
-/// Linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx` with `dx = [qpos ⊖ qpos0; qvel; act − act0]`.
+/// Linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx` with
+/// `dx = [qpos ⊖ qpos0; qvel; act − act0]`.
 ///
-/// The difference of positions is that of [`differentiate_pos_into`](crate::Model::differentiate_pos_into), which treats quaternions as
-/// rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore, *Optimal Control: Linear
-/// Quadratic Methods*, 1990, chapter 2).
+/// The difference of positions is that of
+/// [`differentiate_pos_into`](crate::Model::differentiate_pos_into), which treats quaternions as
+/// rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore,
+/// *Optimal Control: Linear Quadratic Methods*, 1990, chapter 2).
 ///
 /// [`control`](Controller::control) allocates nothing.
 ///
@@ -63,18 +65,21 @@ pub struct Lqr {
 }
 
 impl Lqr {
-    /// Recommended step of central differences if [`Data::transition_fd`] computes the system of a regulator.
+    /// Recommended step of central differences if [`Data::transition_fd`] computes the system of a
+    /// regulator.
     pub const EPS: f64 = 1e-6;
 
-    /// Linearises about the present state and controls, which become the set-point, and solves for the gain.
+    /// Linearises about the present state and controls, which become the set-point, and solves for
+    /// the gain.
     ///
-    /// The method of linearisation is the default of [`TransitionOptions`]. The state of `data` does not change. To use another
-    /// method, or to avoid allocating a [`Lineariser`], combine [`solve`](Self::solve) and [`with_gain`](Self::with_gain).
+    /// The method of linearisation is the default of [`TransitionOptions`]. The state of `data`
+    /// does not change. To use another method, or to avoid allocating a [`Lineariser`], combine
+    /// [`solve`](Self::solve) and [`with_gain`](Self::with_gain).
     ///
     /// # Errors
     ///
-    /// The errors of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a [`RiccatiError`] if there is no stabilising
-    /// gain.
+    /// The errors of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a
+    /// [`RiccatiError`] if there is no stabilising gain.
     pub fn at_present_state(data: &mut Data, weights: &LqrWeights) -> Result<Self> {
         let mut system = StateSpace::zeros(data.model());
         // The regulator does not use the sensors.
@@ -84,7 +89,8 @@ impl Lqr {
         Self::with_gain(data, Matrix::from(&solution.k))
     }
 
-    /// Solves the Riccati equation for a linear system and weights. The solution contains the gain and measures of its quality.
+    /// Solves the Riccati equation for a linear system and weights. The solution contains the gain
+    /// and measures of its quality.
     ///
     /// # Errors
     ///
@@ -98,7 +104,8 @@ impl Lqr {
         }
     }
 
-    /// Creates a regulator with a given gain `(nu, 2 nv + na)` about the present position, activations and controls.
+    /// Creates a regulator with a given gain `(nu, 2 nv + na)` about the present position,
+    /// activations and controls.
     ///
     /// # Errors
     ///

@@ -1,9 +1,10 @@
 //! Optimal control: linear-quadratic regulators, the Riccati equation and trajectory optimisation.
 //!
-//! [`Lqr`] holds a simulation at a set-point, [`TimeVaryingLqr`] holds it on a trajectory, and [`ilqr`] finds trajectories of
-//! minimal cost. [`residual`] composes costs from weighted norms of poses, velocities, momenta, sensors and controls. [`predictive`]
-//! repeats the optimisation from the present state of a running simulation. [`riccati`] solves the equation behind the regulators.
-//! Simple controllers are in [`controller`](crate::controller).
+//! [`Lqr`] holds a simulation at a set-point, [`TimeVaryingLqr`] holds it on a trajectory, and
+//! [`ilqr`] finds trajectories of minimal cost. [`residual`] composes costs from weighted norms of
+//! poses, velocities, momenta, sensors and controls. [`predictive`] repeats the optimisation from
+//! the present state of a running simulation. [`riccati`] solves the equation behind the
+//! regulators. Simple controllers are in [`controller`](crate::controller).
 
 mod feedback;
 pub mod ilqr;

@@ -16,10 +16,11 @@ use crate::memory;
 
 /// Regulator that follows a trajectory with a table of gains, one for each step.
 ///
-/// In step `k` the controls are `ctrl = controls[k] − K[k] dx`, clamped to their ranges, where `dx` is the deviation from
-/// `states[k]`, as in [`Lqr`](super::Lqr). The time of the simulation determines the step: the table starts at
-/// [`start`](Self::start), and each row lasts for a time step of the model. Before the start, the first row applies. After the
-/// end, the last state is the set-point, with the gain and the controls of the last step. If the trajectory ends at rest, this
+/// In step `k` the controls are `ctrl = controls[k] − K[k] dx`, clamped to their ranges, where `dx`
+/// is the deviation from `states[k]`, as in [`Lqr`](super::Lqr). The time of the simulation
+/// determines the step: the table starts at [`start`](Self::start), and each row lasts for a time
+/// step of the model. Before the start, the first row applies. After the end, the last state is the
+/// set-point, with the gain and the controls of the last step. If the trajectory ends at rest, this
 /// holds the simulation there for a while; use an [`Lqr`](super::Lqr) to hold it for longer.
 ///
 /// [`control`](Controller::control) allocates nothing, and clones share the table.
@@ -69,17 +70,18 @@ struct Table {
 }
 
 impl TimeVaryingLqr {
-    /// Creates the regulator along a trajectory of `N` steps: `states` `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`, and
-    /// `controls` `(N, nu)`.
+    /// Creates the regulator along a trajectory of `N` steps: `states` `(N + 1, nq + nv + na)`,
+    /// each `[qpos; qvel; act]`, and `controls` `(N, nu)`.
     ///
-    /// The lineariser linearises each step. The gains minimise the cost of deviations: `weights` in each step, and `terminal`,
-    /// `(nx, nx)` with `nx = 2 nv + na`, at the end. The table starts at the present time of `data`. The applied forces, mocap
-    /// poses and user data of `data` apply along the trajectory; see [`Lineariser::along`].
+    /// The lineariser linearises each step. The gains minimise the cost of deviations: `weights` in
+    /// each step, and `terminal`, `(nx, nx)` with `nx = 2 nv + na`, at the end. The table starts at
+    /// the present time of `data`. The applied forces, mocap poses and user data of `data` apply
+    /// along the trajectory; see [`Lineariser::along`].
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of a wrong shape or a cost
-    /// without a minimum, and the errors of [`Lineariser::along`].
+    /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of
+    /// a wrong shape or a cost without a minimum, and the errors of [`Lineariser::along`].
     pub fn along(
         lineariser: &mut Lineariser,
         data: &Data,
@@ -121,8 +123,8 @@ impl TimeVaryingLqr {
         Ok(gains)
     }
 
-    /// Creates the regulator along a trajectory, as [`along`](Self::along) does, with `N` given gains, each `(nu, 2 nv + na)`.
-    /// The table starts at the present time of `data`.
+    /// Creates the regulator along a trajectory, as [`along`](Self::along) does, with `N` given
+    /// gains, each `(nu, 2 nv + na)`. The table starts at the present time of `data`.
     ///
     /// # Errors
     ///
@@ -135,8 +137,9 @@ impl TimeVaryingLqr {
         Ok(Self { table, start: data.time(), feedback: Feedback::new(nx) })
     }
 
-    /// Creates a regulator that holds the present controls of a simulation for `steps` steps, with gains of zero. Its states are all
-    /// the present state. It is the policy of a [`Planner`](super::predictive::Planner) before the first plan.
+    /// Creates a regulator that holds the present controls of a simulation for `steps` steps, with
+    /// gains of zero. Its states are all the present state. It is the policy of a
+    /// [`Planner`](super::predictive::Planner) before the first plan.
     ///
     /// # Errors
     ///
@@ -151,8 +154,9 @@ impl TimeVaryingLqr {
         Self::with_gains(data, states, controls, vec![Matrix::zeros(nu, nx); steps])
     }
 
-    /// Replaces the trajectory and the gains, whose shapes are those of [`with_gains`](Self::with_gains). The table starts at the
-    /// present time of `data`. Allocates only if a clone shares the table, or if the shapes change.
+    /// Replaces the trajectory and the gains, whose shapes are those of
+    /// [`with_gains`](Self::with_gains). The table starts at the present time of `data`. Allocates
+    /// only if a clone shares the table, or if the shapes change.
     ///
     /// # Errors
     ///
@@ -205,7 +209,8 @@ impl TimeVaryingLqr {
         self.start = time;
     }
 
-    /// Returns the row of [`states`](Self::states) for the present time of a simulation, from 0 to `N`.
+    /// Returns the row of [`states`](Self::states) for the present time of a simulation, from 0 to
+    /// `N`.
     pub fn row(&self, data: &Data) -> usize {
         // The cast maps negative values and NaN to 0.
         let row = ((data.time() - self.start) / data.model().timestep()).round() as usize;

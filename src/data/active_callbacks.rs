@@ -10,15 +10,17 @@ use mujoco_sys::mjData;
 use super::{Data, PipelineFlags};
 use crate::error::Error;
 
-/// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::callback::Callbacks).
+/// Closures that the engine calls during a call on a simulation. Implemented by
+/// [`Callbacks`](crate::callback::Callbacks).
 pub(crate) trait EngineCallbacks: Send {
-    /// Makes an engine call with these closures registered for the current thread. `results` are the results that the call
-    /// computes. Returns the status of the call, and the error if a closure failed.
+    /// Makes an engine call with these closures registered for the current thread. `results` are
+    /// the results that the call computes. Returns the status of the call, and the error if a
+    /// closure failed.
     ///
     /// # Safety
     ///
-    /// `data` is derived from an exclusive borrow that the caller does not use until this returns, and `raw` is its pointer to
-    /// the engine's data.
+    /// `data` is derived from an exclusive borrow that the caller does not use until this returns,
+    /// and `raw` is its pointer to the engine's data.
     unsafe fn run(
         &mut self,
         data: *mut Data,
@@ -28,7 +30,8 @@ pub(crate) trait EngineCallbacks: Send {
     ) -> (c_int, Option<Error>);
 }
 
-/// Callbacks of a simulation. If it is within a scope, only those of the innermost scope are called.
+/// Callbacks of a simulation. If it is within a scope, only those of the innermost scope are
+/// called.
 #[derive(Default)]
 pub(super) struct ActiveCallbacks {
     /// Callbacks of the innermost [`Data::with_callbacks`].
@@ -36,7 +39,8 @@ pub(super) struct ActiveCallbacks {
     own: OwnCallbacks,
 }
 
-/// Callbacks of [`Data::set_callbacks`]. A panic in a closure poisons the simulation, so unwinding exposes no broken state.
+/// Callbacks of [`Data::set_callbacks`]. A panic in a closure poisons the simulation, so unwinding
+/// exposes no broken state.
 #[derive(Default)]
 pub(crate) struct OwnCallbacks(Option<AssertUnwindSafe<Box<dyn EngineCallbacks>>>);
 
@@ -66,8 +70,8 @@ impl Data {
         std::mem::swap(&mut self.callbacks.own, callbacks);
     }
 
-    /// Makes an engine call with the callbacks of the innermost scope, else with those that this simulation owns. The call
-    /// computes these `results`.
+    /// Makes an engine call with the callbacks of the innermost scope, else with those that this
+    /// simulation owns. The call computes these `results`.
     pub(super) fn call_with_callbacks(
         &mut self,
         results: PipelineFlags,
@@ -107,8 +111,9 @@ impl Data {
             }
         }
 
-        // SAFETY: only the lifetime changes. `clear` removes the callbacks from the slot before this function returns or unwinds,
-        // so before their borrows end, and they are called only through the slot, under its lock.
+        // SAFETY: only the lifetime changes. `clear` removes the callbacks from the slot before
+        // this function returns or unwinds, so before their borrows end, and they are called only
+        // through the slot, under its lock.
         let callbacks = unsafe {
             std::mem::transmute::<Box<dyn EngineCallbacks + '_>, Box<dyn EngineCallbacks + 'static>>(callbacks)
         };
@@ -128,8 +133,9 @@ impl Data {
 
 /// Callbacks of one scope. Empty after the scope has ended.
 ///
-/// A simulation holds a slot instead of the callbacks, because safe code may swap two simulations. A simulation that leaves the
-/// scope in this way finds the slot empty, and continues with the callbacks of the enclosing scope.
+/// A simulation holds a slot instead of the callbacks, because safe code may swap two simulations.
+/// A simulation that leaves the scope in this way finds the slot empty, and continues with the
+/// callbacks of the enclosing scope.
 struct CallbackSlot {
     callbacks: Mutex<Option<Box<dyn EngineCallbacks>>>,
     outer: Option<Arc<Self>>,
@@ -148,7 +154,8 @@ impl CallbackSlot {
         slot
     }
 
-    /// Runs `run` with the callbacks of the innermost scope that has not ended. Returns `None` if all have ended.
+    /// Runs `run` with the callbacks of the innermost scope that has not ended. Returns `None` if
+    /// all have ended.
     fn with_active<R>(&self, run: impl FnOnce(&mut dyn EngineCallbacks) -> R) -> Option<R> {
         let mut slot = self;
         loop {

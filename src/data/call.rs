@@ -1,7 +1,7 @@
 //! Calls of the engine on a simulation, and the effect of an engine error.
 //!
-//! Every call that can raise an engine error on a [`Data`] goes through one of four methods, which differ in the pointer that
-//! they pass:
+//! Every call that can raise an engine error on a [`Data`] goes through one of four methods, which
+//! differ in the pointer that they pass:
 //!
 //! | method | passes | for | after an engine error |
 //! |---|---|---|---|
@@ -10,8 +10,8 @@
 //! | [`Data::call_on_stack`] | `*mut mjData` | functions that use its stack only | unchanged |
 //! | [`Data::call`] | `*const mjData` | functions that only read | unchanged |
 //!
-//! Calls without a simulation go through [`ffi::check_without_data`]. The lint `disallowed_methods` (`clippy.toml`) forbids
-//! [`ffi::check`], which all of these use, in the other files.
+//! Calls without a simulation go through [`ffi::check_without_data`]. The lint `disallowed_methods`
+//! (`clippy.toml`) forbids [`ffi::check`], which all of these use, in the other files.
 
 #![allow(clippy::disallowed_methods, reason = "the methods that the lint recommends")]
 
@@ -25,7 +25,8 @@ use crate::error::{Error, Result};
 use crate::{ffi, messages};
 
 impl Data {
-    /// Makes a guarded call that only reads the data. An engine error leaves the data usable, because the call cannot change it.
+    /// Makes a guarded call that only reads the data. An engine error leaves the data usable,
+    /// because the call cannot change it.
     #[inline]
     pub(crate) fn call(
         &self,
@@ -35,8 +36,8 @@ impl Data {
         ffi::check(function, call(self.model().as_ptr(), self.as_ptr()))
     }
 
-    /// Makes a guarded call that writes to the data or to its stack, but neither warns nor computes results that
-    /// [`PipelineFlags`] records. An engine error poisons the data.
+    /// Makes a guarded call that writes to the data or to its stack, but neither warns nor computes
+    /// results that [`PipelineFlags`] records. An engine error poisons the data.
     #[inline]
     pub(crate) fn call_mut(
         &mut self,
@@ -47,8 +48,8 @@ impl Data {
         ffi::check(function, status).map_err(|error| self.poison(error))
     }
 
-    /// Makes a guarded call that uses only the stack of the data. An engine error leaves the data usable, because the shim releases
-    /// the stack.
+    /// Makes a guarded call that uses only the stack of the data. An engine error leaves the data
+    /// usable, because the shim releases the stack.
     #[inline]
     pub(crate) fn call_on_stack(
         &mut self,
@@ -58,8 +59,9 @@ impl Data {
         ffi::check(function, call(self.model().as_ptr(), self.as_mut_ptr()))
     }
 
-    /// Makes a guarded call of a part of the pipeline, which may warn, reset the data and call closures, and records `computes` as
-    /// the valid results. An engine error, a failed closure and a reset by the engine poison the data.
+    /// Makes a guarded call of a part of the pipeline, which may warn, reset the data and call
+    /// closures, and records `computes` as the valid results. An engine error, a failed closure and
+    /// a reset by the engine poison the data.
     #[inline]
     pub(crate) fn run(
         &mut self,
@@ -86,8 +88,9 @@ impl Data {
         self.finish(function, computes, time, &counters, status, change, None)
     }
 
-    /// Clears the flags by which newer engines skip energies, velocities of subtrees and forces on bodies that sensors need. The engine
-    /// clears them in whole stages only, so a sensor stage after single parts would read values of an earlier state.
+    /// Clears the flags by which newer engines skip energies, velocities of subtrees and forces on
+    /// bodies that sensors need. The engine clears them in whole stages only, so a sensor stage
+    /// after single parts would read values of an earlier state.
     #[cfg(engine_since = "3.5.0")]
     fn clear_lazy_results(&mut self) {
         let raw = self.raw_mut();
@@ -111,7 +114,8 @@ impl Data {
             let call = call.take().expect("Bug: an engine call is made twice");
             if is_handled { warning::with_full_constraints(is_fatal, model, data, call) } else { call(model, data) }
         };
-        // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
+        // Calls that leave no valid results, such as finite differences, still run the whole
+        // pipeline.
         let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
         let (status, failure) = self.call_with_callbacks(results, &mut call);
         self.clear_absent_constraints();
@@ -124,8 +128,8 @@ impl Data {
         self.finish(function, computes, time, counters, status, change, failure)
     }
 
-    /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep them
-    /// when they remove the constraints, and the visualiser would read the rows.
+    /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep
+    /// them when they remove the constraints, and the visualiser would read the rows.
     #[inline]
     #[cfg_attr(not(engine_since = "2.3.0"), allow(clippy::unused_self, reason = "2.2.2 keeps no numbers"))]
     pub(crate) fn clear_absent_constraints(&mut self) {

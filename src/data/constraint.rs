@@ -24,7 +24,8 @@ impl Model {
         unsafe { sys::mj_isSparse(self.as_ptr()) != 0 }
     }
 
-    /// Returns `true` if a solver uses the dual problem: PGS, or the no-slip solver after any other solver.
+    /// Returns `true` if a solver uses the dual problem: PGS, or the no-slip solver after any other
+    /// solver.
     #[doc(alias = "mj_isDual")]
     pub fn is_dual(&self) -> bool {
         // SAFETY: as above.
@@ -43,11 +44,13 @@ pub enum ConeHessian {
 
 /// # Constraints
 impl Data {
-    /// Computes `result = J vector` with the Jacobian J of the constraints: `result` of length nefc, `vector` of length nv.
+    /// Computes `result = J vector` with the Jacobian J of the constraints: `result` of length
+    /// nefc, `vector` of length nv.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a
+    /// wrong length.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -65,19 +68,22 @@ impl Data {
         self.check_constraint("mul_jac_vec")?;
         Error::check_length("the result of mul_jac_vec_into", result.len(), self.nefc())?;
         Error::check_length("the vector of mul_jac_vec_into", vector.len(), self.model().nv())?;
-        // SAFETY: nefc and nv elements, and the rows were computed for this model. The function only reads the data.
+        // SAFETY: nefc and nv elements, and the rows were computed for this model. The function
+        // only reads the data.
         unsafe {
             sys::mj_mulJacVec(self.model().as_ptr(), self.as_ptr().cast_mut(), result.as_mut_ptr(), vector.as_ptr());
         };
         Ok(())
     }
 
-    /// Computes `result = Jᵀ vector` with the Jacobian J of the constraints: `result` of length nv, `vector` of length nefc.
-    /// Without constraints the result is zero. (The engine does not write the result in that case.)
+    /// Computes `result = Jᵀ vector` with the Jacobian J of the constraints: `result` of length nv,
+    /// `vector` of length nefc. Without constraints the result is zero. (The engine does not write
+    /// the result in that case.)
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a
+    /// wrong length.
     #[doc(alias = "mj_mulJacTVec")]
     pub fn mul_jac_t_vec_into(&self, vector: &[f64], result: &mut [f64]) -> Result<()> {
         self.check_constraint("mul_jac_t_vec")?;
@@ -87,22 +93,26 @@ impl Data {
             result.fill(0.0);
             return Ok(());
         }
-        // SAFETY: nv and nefc elements, and the rows were computed for this model. The function only reads the data.
+        // SAFETY: nv and nefc elements, and the rows were computed for this model. The function
+        // only reads the data.
         unsafe {
             sys::mj_mulJacTVec(self.model().as_ptr(), self.as_ptr().cast_mut(), result.as_mut_ptr(), vector.as_ptr());
         };
         Ok(())
     }
 
-    /// Computes the constraint forces `efc_force`, the constraint states `efc_state` and `qfrc_constraint` from
-    /// `jar = J qacc − aref` of length nefc. Returns the cost of the constraints, which the primal solvers minimise (Todorov, Convex
-    /// and analytically-invertible dynamics with contacts and constraints, ICRA 2014).
+    /// Computes the constraint forces `efc_force`, the constraint states `efc_state` and
+    /// `qfrc_constraint` from `jar = J qacc − aref` of length nefc. Returns the cost of the
+    /// constraints, which the primal solvers minimise (Todorov, Convex and analytically-invertible
+    /// dynamics with contacts and constraints, ICRA 2014).
     ///
-    /// With [`ConeHessian::Compute`] the engine also stores the Hessians of elliptic cones in its contacts.
+    /// With [`ConeHessian::Compute`] the engine also stores the Hessians of elliptic cones in its
+    /// contacts.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a
+    /// wrong length.
     ///
     /// ```
     /// use mujoco_safe::data::ConeHessian;
@@ -124,7 +134,8 @@ impl Data {
         let flag = (cone_hessian == ConeHessian::Compute).into();
         let mut cost = 0.0;
         self.run("mj_constraintUpdate", self.after(PipelineFlags::SOLVED), |m, d| {
-            // SAFETY: nefc elements, a valid pointer for the cost, and rows that were computed for this model.
+            // SAFETY: nefc elements, a valid pointer for the cost, and rows that were computed for
+            // this model.
             unsafe { guard::mj_constraint_update(m, d, jar.as_ptr(), ptr::from_mut(&mut cost), flag) }
         })?;
         Ok(cost)

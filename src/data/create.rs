@@ -13,12 +13,14 @@ use crate::model::{CheckedEdit, IntoModel, Model, ModelMut};
 
 /// # Creation, copies and the model
 impl Data {
-    /// Creates a simulation of a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, in the reference position and at rest.
+    /// Creates a simulation of a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, in the reference
+    /// position and at rest.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it. [`Error::Invalid`] for a model that was edited so that
-    /// the engine would access memory outside of the model's arrays; see [`ModelMut`].
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    /// [`Error::Invalid`] for a model that was edited so that the engine would access memory
+    /// outside of the model's arrays; see [`ModelMut`].
     #[doc(alias = "mj_makeData")]
     #[doc(alias = "init_data")]
     pub fn new(model: impl IntoModel) -> Result<Self> {
@@ -37,19 +39,22 @@ impl Data {
         &self.model
     }
 
-    /// Changes the model of this simulation. A shared model is copied first, so that other simulations keep theirs unchanged.
+    /// Changes the model of this simulation. A shared model is copied first, so that other
+    /// simulations keep theirs unchanged.
     ///
-    /// All results were computed for the old model, so they count as not computed afterwards. Sleeping bodies wake.
+    /// All results were computed for the old model, so they count as not computed afterwards.
+    /// Sleeping bodies wake.
     ///
-    /// The closure returns nothing or a [`Result`], as for [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the
-    /// value in its `Ok`.
+    /// The closure returns nothing or a [`Result`], as for
+    /// [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the value in its `Ok`.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
-    /// the data is not poisoned. The error of the closure, if it returns one. Its changes before the error remain.
-    /// [`Error::Invalid`] for values with which the engine would access memory outside of the model's arrays; see [`ModelMut`]. All changes of
-    /// the arrays with such values are then undone.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated.
+    /// The model is unchanged then, and the data is not poisoned. The error of the closure, if it
+    /// returns one. Its changes before the error remain. [`Error::Invalid`] for values with which
+    /// the engine would access memory outside of the model's arrays; see [`ModelMut`]. All changes
+    /// of the arrays with such values are then undone.
     ///
     /// ```
     /// use mujoco_safe::enums::Cone;
@@ -123,11 +128,13 @@ impl Data {
         Ok(Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared"))
     }
 
-    /// Switches the equality constraints that an edit has switched in the model, where newer engines have only their initial activity.
+    /// Switches the equality constraints that an edit has switched in the model, where newer
+    /// engines have only their initial activity.
     #[cfg(engine_since = "3.0.0")]
     fn switch_equalities(&mut self, before: &[u8]) {
         let model = self.model.clone();
-        // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and `self` is borrowed
+        // exclusively.
         let present = unsafe { ffi::array_mut(self.raw_mut().eq_active, before.len()) };
         for ((present, &active), before) in present.iter_mut().zip(model.equality_active()).zip(before) {
             if active != *before {
@@ -136,7 +143,8 @@ impl Data {
         }
     }
 
-    /// Exchanges the model for another one of the same structure. All results count as not computed afterwards.
+    /// Exchanges the model for another one of the same structure. All results count as not computed
+    /// afterwards.
     pub(crate) fn swap_model(&mut self, model: &mut Arc<Model>) {
         assert!(self.model.is_same_structure(model), "Bug: a simulation gets a model of another structure");
         std::mem::swap(&mut self.model, model);
@@ -153,13 +161,14 @@ impl Data {
         {
             let model = self.model.clone();
             let active = model.equality_active();
-            // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
+            // SAFETY: the engine allocated the array with this length, and `self` is borrowed
+            // exclusively.
             unsafe { ffi::array_mut(self.raw_mut().eq_active, active.len()) }.copy_from_slice(active);
         }
     }
 
-    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
-    /// The copy has no [callbacks](Self::set_callbacks).
+    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of
+    /// poisoned data is poisoned. The copy has no [callbacks](Self::set_callbacks).
     ///
     /// # Errors
     ///
@@ -168,7 +177,8 @@ impl Data {
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
         self.call("mj_copyData", |m, _| {
-            // SAFETY: for a NULL destination the engine allocates a new data; the source is valid and was made for the model.
+            // SAFETY: for a NULL destination the engine allocates a new data; the source is valid
+            // and was made for the model.
             self.with_empty_stack(|source| unsafe { guard::mj_copy_data(ptr::null_mut(), m, source, &raw mut copy) })
         })?;
         // SAFETY: the engine made it for this model, and nothing else refers to it.
@@ -179,15 +189,18 @@ impl Data {
         Ok(copy)
     }
 
-    /// Copies all fields from another simulation without allocation. The models must have the same structure; this
-    /// simulation keeps its own model and its [callbacks](Self::set_callbacks). Afterwards it is poisoned if and only if the other one is.
+    /// Copies all fields from another simulation without allocation. The models must have the same
+    /// structure; this simulation keeps its own model and its [callbacks](Self::set_callbacks).
+    /// Afterwards it is poisoned if and only if the other one is.
     ///
-    /// If the simulations do not share their model, all results count as not computed, and sleeping bodies wake.
+    /// If the simulations do not share their model, all results count as not computed, and sleeping
+    /// bodies wake.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine fails,
-    /// which does not occur for two models of the same structure.
+    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately.
+    /// [`Error::Engine`] if the engine fails, which does not occur for two models of the same
+    /// structure.
     #[doc(alias = "mj_copyData")]
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.copy_fields(other)?;
@@ -208,7 +221,8 @@ impl Data {
         }
         let mut copied = ptr::null_mut();
         self.call_mut("mj_copyData", |m, d| {
-            // SAFETY: the models of both data have the same structure, so the data have the same sizes.
+            // SAFETY: the models of both data have the same structure, so the data have the same
+            // sizes.
             other.with_empty_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
         })?;
         self.computed = PipelineFlags::empty();
@@ -217,8 +231,9 @@ impl Data {
         Ok(())
     }
 
-    /// Calls `copy` with this data, or during a step with a shallow copy whose stack is empty. The engine does not copy a data
-    /// whose stack is in use, and leaks the destination that it has allocated. A copy does not need the contents of the stack.
+    /// Calls `copy` with this data, or during a step with a shallow copy whose stack is empty. The
+    /// engine does not copy a data whose stack is in use, and leaks the destination that it has
+    /// allocated. A copy does not need the contents of the stack.
     fn with_empty_stack<R>(&self, copy: impl FnOnce(*const mjData) -> R) -> R {
         if self.raw().pstack == 0 {
             return copy(self.as_ptr());
@@ -235,7 +250,8 @@ impl Data {
 
     /// # Safety
     ///
-    /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model` and that has no other owner.
+    /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model`
+    /// and that has no other owner.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
         Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: ActiveCallbacks::default() })
@@ -250,8 +266,8 @@ impl Clone for Data {
         self.try_clone().unwrap_or_else(|error| panic!("cannot clone the data: {error}"))
     }
 
-    /// Reuses the memory if the models have the same structure. As after an assignment of a clone, this simulation has no
-    /// [callbacks](Self::set_callbacks).
+    /// Reuses the memory if the models have the same structure. As after an assignment of a clone,
+    /// this simulation has no [callbacks](Self::set_callbacks).
     fn clone_from(&mut self, source: &Self) {
         if self.copy_fields(source).is_ok() {
             self.model = source.model.clone();

@@ -29,7 +29,8 @@ engine_enum! {
         Acceleration = mjTIMER_ACCELERATION,
         /// The constraint solver.
         Constraint = mjTIMER_CONSTRAINT,
-        /// Part of [`Position`](Self::Position): kinematics, centres of mass, tendons, transmissions.
+        /// Part of [`Position`](Self::Position): kinematics, centres of mass, tendons,
+        /// transmissions.
         PositionKinematics = mjTIMER_POS_KINEMATICS,
         /// Part of [`Position`](Self::Position): the inertia matrix.
         PositionInertia = mjTIMER_POS_INERTIA,
@@ -65,15 +66,15 @@ impl Timer {
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[non_exhaustive]
 pub struct TimerCount {
-    /// Total duration in the unit of the clock, which is seconds for [`enable_timers`](crate::data::enable_timers). Zero without a clock
-    /// (`mjcb_time`).
+    /// Total duration in the unit of the clock, which is seconds for
+    /// [`enable_timers`](crate::data::enable_timers). Zero without a clock (`mjcb_time`).
     pub duration: f64,
     /// Number of computations. Counted without a clock too.
     pub number: usize,
 }
 
-/// Statistics of one iteration of the constraint solver. The engine scales costs by the mean inertia and the number of degrees of
-/// freedom, so that they can be compared with the tolerance.
+/// Statistics of one iteration of the constraint solver. The engine scales costs by the mean
+/// inertia and the number of degrees of freedom, so that they can be compared with the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[doc(alias = "mjSolverStat")]
@@ -111,10 +112,11 @@ impl From<&mjSolverStat> for SolverIteration {
 
 /// # Timers and solver statistics
 impl Data {
-    /// Returns the number and the total duration of the computations of a part since the last reset.
+    /// Returns the number and the total duration of the computations of a part since the last
+    /// reset.
     ///
-    /// The duration is zero unless the process has installed a clock ([`enable_timers`](crate::data::enable_timers)), because the engine
-    /// does not include one.
+    /// The duration is zero unless the process has installed a clock
+    /// ([`enable_timers`](crate::data::enable_timers)), because the engine does not include one.
     ///
     /// ```
     /// use mujoco_safe::data::Timer;
@@ -137,9 +139,11 @@ impl Data {
         TimerCount { duration: raw.duration, number: usize::try_from(raw.number).unwrap_or(0) }
     }
 
-    /// Returns the statistics of each solver iteration of the last forward dynamics. The iterations of the no-slip solver follow those
-    /// of the main solver. Their number is at most 1000, which is the limit of 2.2.2. Engines from 3.0 can solve each island of
-    /// constraints by itself ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)); these are the iterations of the first one.
+    /// Returns the statistics of each solver iteration of the last forward dynamics. The iterations
+    /// of the no-slip solver follow those of the main solver. Their number is at most 1000, which
+    /// is the limit of 2.2.2. Engines from 3.0 can solve each island of constraints by itself
+    /// ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)); these are the iterations of
+    /// the first one.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -158,10 +162,12 @@ impl Data {
         self.solver_statistics(0).iter().map(SolverIteration::from)
     }
 
-    /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of the constraint forces, and the
-    /// norm of the difference between all applied forces and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes
-    /// both, and so do `step` and `step2` while [`EnableFlags::FWDINV`](crate::model::EnableFlags::FWDINV) is set. They are zero without
-    /// constraints. If the flag is cleared, the values are stale until the next reset.
+    /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of
+    /// the constraint forces, and the norm of the difference between all applied forces and
+    /// `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes both, and so do `step`
+    /// and `step2` while [`EnableFlags::FWDINV`](crate::model::EnableFlags::FWDINV) is set. They
+    /// are zero without constraints. If the flag is cleared, the values are stale until the next
+    /// reset.
     ///
     /// ```
     /// use mujoco_safe::model::EnableFlags;
@@ -183,9 +189,9 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::File`] if the file cannot be written, [`Error::Invalid`]
-    /// for a path with a NUL byte, [`Error::Engine`], which poisons the data, if the engine's stack is too small for the full
-    /// inertia matrix.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::File`] if the file cannot be
+    /// written, [`Error::Invalid`] for a path with a NUL byte, [`Error::Engine`], which poisons the
+    /// data, if the engine's stack is too small for the full inertia matrix.
     ///
     /// ```no_run
     /// use mujoco_safe::{Data, sample};
@@ -203,7 +209,8 @@ impl Data {
         // The engine only raises a warning if it cannot open the file.
         File::create(path).map_err(Error::file(path))?;
         self.call_mut("mj_printData", |m, d| {
-            // SAFETY: a NUL-terminated path, and rows of tendons and constraints that were computed for this model.
+            // SAFETY: a NUL-terminated path, and rows of tendons and constraints that were computed
+            // for this model.
             unsafe { guard::mj_print_data(m, d, name.as_ptr()) }
         })
     }

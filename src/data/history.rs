@@ -1,8 +1,10 @@
 //! Buffers of the delays of actuators and sensors, since 3.5.
 //!
-//! A buffer with `n` samples of `dim` numbers has the layout `[user, cursor, times (n), values (n × dim)]`. The engine converts the cursor
-//! to the index of the newest sample without a check. Safe code therefore changes the buffers only through [`Data::set_state`], which
-//! checks the cursors. Any other value is safe: the engine searches the times within the buffer, also if they are not in order.
+//! A buffer with `n` samples of `dim` numbers has the layout
+//! `[user, cursor, times (n), values (n × dim)]`. The engine converts the cursor to the index of
+//! the newest sample without a check. Safe code therefore changes the buffers only through
+//! [`Data::set_state`], which checks the cursors. Any other value is safe: the engine searches the
+//! times within the buffer, also if they are not in order.
 
 use mujoco_sys::adapted;
 
@@ -11,7 +13,8 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::model::Model;
 
-/// Kind of elements that have buffers, and for each element the number of samples and the interpolation, and the address.
+/// Kind of elements that have buffers, and for each element the number of samples and the
+/// interpolation, and the address.
 type Buffers<'a> = (&'static str, &'a [[i32; 2]], &'a [i32]);
 
 impl Data {
@@ -21,7 +24,8 @@ impl Data {
         unsafe { ffi::array(adapted::history(self.as_ptr()), self.model().history_len()) }
     }
 
-    /// Returns the buffers of all delays for writing. The caller checks them with [`Model::check_history`].
+    /// Returns the buffers of all delays for writing. The caller checks them with
+    /// [`Model::check_history`].
     pub(super) fn history_values_mut(&mut self) -> &mut [f64] {
         let length = self.model().history_len();
         // SAFETY: as above, and the data is borrowed exclusively.
@@ -49,7 +53,8 @@ impl Model {
         }
     }
 
-    /// Returns [`Error::Unsupported`] for a model with delays, whose states of earlier steps a linear system of one step does not contain.
+    /// Returns [`Error::Unsupported`] for a model with delays, whose states of earlier steps a
+    /// linear system of one step does not contain.
     pub(super) fn check_without_delays(&self, call: &str) -> Result<()> {
         if self.history_len() == 0 {
             return Ok(());
@@ -74,7 +79,8 @@ impl Model {
         []
     }
 
-    /// Checks the cursors of the buffers in `history`, which has the length [`history_len`](Self::history_len).
+    /// Checks the cursors of the buffers in `history`, which has the length
+    /// [`history_len`](Self::history_len).
     pub(super) fn check_history(&self, history: &[f64]) -> Result<()> {
         for (kind, buffers, addresses) in self.history_buffers() {
             for (element, (&[samples, _], &address)) in buffers.iter().zip(addresses).enumerate() {

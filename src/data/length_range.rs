@@ -1,8 +1,9 @@
 //! Length ranges of actuators, computed by simulation.
 //!
-//! The engine's function drives an actuator to both ends of its range, and steps until a given time. An unstable step resets the
-//! time to zero, which 2.2.2 does not detect, so the function may never return. This module implements the same algorithm and
-//! does not call that function. If the compilation of a text may call the engine's function, the text is first compiled with that
+//! The engine's function drives an actuator to both ends of its range, and steps until a given
+//! time. An unstable step resets the time to zero, which 2.2.2 does not detect, so the function may
+//! never return. This module implements the same algorithm and does not call that function. If the
+//! compilation of a text may call the engine's function, the text is first compiled with that
 //! function disabled. Then [`MuscleSimulation`] runs the algorithm on the resulting model.
 
 use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
@@ -87,8 +88,8 @@ with_methods!(LengthRangeOptions {
 
 /// Limit on the number of steps of one call, which take minutes for a small model.
 const MOST_STEPS: f64 = 1e7;
-/// Limit on the total number of steps for all actuators of a text. It is lower, because the program has not requested these
-/// simulations explicitly.
+/// Limit on the total number of steps for all actuators of a text. It is lower, because the program
+/// has not requested these simulations explicitly.
 const MOST_STEPS_OF_A_TEXT: f64 = 1e6;
 
 impl LengthRangeOptions {
@@ -142,9 +143,10 @@ impl Model {
         }
     }
 
-    /// Returns `true` if the engine's function takes the limits of an actuator from another joint or tendon than it acts on.
-    /// Before 4.0 it reads the id in entry `index` of `actuator_trnid`, which has two entries for each actuator. The id is right
-    /// for the first actuator only; for the second it is usually -1, which is before the start of `jnt_limited`.
+    /// Returns `true` if the engine's function takes the limits of an actuator from another joint
+    /// or tendon than it acts on. Before 4.0 it reads the id in entry `index` of `actuator_trnid`,
+    /// which has two entries for each actuator. The id is right for the first actuator only; for
+    /// the second it is usually -1, which is before the start of `jnt_limited`.
     fn uses_wrong_limit(&self, index: usize) -> bool {
         let has_limit =
             [mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON].contains(&(self.actuator_trntype()[index] as u32));
@@ -155,19 +157,21 @@ impl Model {
 
 /// # Length ranges of actuators
 impl ModelMut<'_> {
-    /// Computes the length range of an actuator by driving it to both ends in simulation, writes it to `actuator_lengthrange`, and
-    /// returns it. If the options exclude the actuator, returns the existing range.
+    /// Computes the length range of an actuator by driving it to both ends in simulation, writes it
+    /// to `actuator_lengthrange`, and returns it. If the options exclude the actuator, returns the
+    /// existing range.
     ///
-    /// The algorithm is that of the engine. The engine's own function is not called, because in 2.2.2 it does not return for some
-    /// models whose simulation is unstable, and before 4.0 it uses the limits of the wrong joint for all actuators except the
-    /// first. When the compiler computes length ranges, it disables contacts, friction loss, passive forces, gravity and
+    /// The algorithm is that of the engine. The engine's own function is not called, because in
+    /// 2.2.2 it does not return for some models whose simulation is unstable, and before 4.0 it
+    /// uses the limits of the wrong joint for all actuators except the first. When the compiler
+    /// computes length ranges, it disables contacts, friction loss, passive forces, gravity and
     /// actuation; this function uses the options of the model.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is unstable, [`Error::Unsupported`] if
-    /// the range is empty or the length does not settle, and the errors of [`Data::step1`]. In these cases the range is
-    /// unchanged.
+    /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is
+    /// unstable, [`Error::Unsupported`] if the range is empty or the length does not settle, and
+    /// the errors of [`Data::step1`]. In these cases the range is unchanged.
     ///
     /// # Panics
     ///
@@ -237,8 +241,8 @@ impl ModelMut<'_> {
     }
 }
 
-/// Simulates an actuator that pulls (`sign` -1) or pushes (1), and returns the smallest and the largest length in the evaluation
-/// interval.
+/// Simulates an actuator that pulls (`sign` -1) or pushes (1), and returns the smallest and the
+/// largest length in the evaluation interval.
 fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
     data.reset()?;
     let (nv, output) = (data.model().nv(), data.model().first_output(index));
@@ -289,7 +293,8 @@ impl Default for MuscleSimulation {
 }
 
 impl MuscleSimulation {
-    /// Runs the simulations on a model that was compiled without them. Returns a message if one of them fails or is too long.
+    /// Runs the simulations on a model that was compiled without them. Returns a message if one of
+    /// them fails or is too long.
     pub(crate) fn check(&self, model: &mut Model) -> Result<(), String> {
         let Self { options, timestep } = self;
         let is_computed = |&index: &usize| {
@@ -310,9 +315,11 @@ impl MuscleSimulation {
         if actuators.is_empty() {
             return Ok(());
         }
-        // Recompute the statistics: at this point the compiler has not yet replaced them by those of the user.
+        // Recompute the statistics: at this point the compiler has not yet replaced them by those
+        // of the user.
         model.edit().update_constants().map_err(|error| error.to_string())?;
-        // Bypass the check of `ModelMut::edit_options`, because the other options of the text are irrelevant here.
+        // Bypass the check of `ModelMut::edit_options`, because the other options of the text are
+        // irrelevant here.
         let option = &mut model.raw_mut().opt;
         option.disableflags = (sys::mjDSBL_FRICTIONLOSS
             | sys::mjDSBL_CONTACT

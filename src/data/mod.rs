@@ -1,7 +1,8 @@
 //! Simulations: the state, the inputs, and all quantities that are computed from them.
 //!
-//! [`Data`] is a simulation. The other types are arguments and results of its methods. The page [`pipeline`] lists the calls for single parts
-//! of a step; the [guide](crate::guide::concepts) explains which quantities are valid after which call.
+//! [`Data`] is a simulation. The other types are arguments and results of its methods. The page
+//! [`pipeline`] lists the calls for single parts of a step; the [guide](crate::guide::concepts)
+//! explains which quantities are valid after which call.
 
 // The page of `Data` in the documentation has the methods in the order of the modules.
 mod create;
@@ -69,8 +70,9 @@ with_aliases! {
     };
 }
 
-/// Simulation: its state, its inputs, and the quantities that are computed from them. It holds its model in an [`Arc`], so the
-/// model lives as long as the simulation, and any number of simulations share one model.
+/// Simulation: its state, its inputs, and the quantities that are computed from them. It holds its
+/// model in an [`Arc`], so the model lives as long as the simulation, and any number of simulations
+/// share one model.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -88,15 +90,17 @@ with_aliases! {
 ///
 /// # Errors of the engine
 ///
-/// If the engine raises an error during a call, the call returns [`Error::Engine`]. (In C, the engine prints a message, waits for
-/// a key and ends the process.) The effect on the data depends on the receiver of the call:
+/// If the engine raises an error during a call, the call returns [`Error::Engine`]. (In C, the
+/// engine prints a message, waits for a key and ends the process.) The effect on the data depends
+/// on the receiver of the call:
 ///
 /// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne_into`](Self::rne_into) or
-///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every call that computes
-///   from it returns [`Error::Poisoned`] until a [`reset`](Self::reset). The arrays can still be read. The `# Errors` sections
-///   mention this error only for calls that can cause it.
-/// - A call with `&Data`, such as [`ray`](Self::ray) or [`Scene::select`](crate::Scene::select), only reads. The data is
-///   unchanged and usable.
+///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every
+///   call that computes from it returns [`Error::Poisoned`] until a [`reset`](Self::reset). The
+///   arrays can still be read. The `# Errors` sections mention this error only for calls that can
+///   cause it.
+/// - A call with `&Data`, such as [`ray`](Self::ray) or [`Scene::select`](crate::Scene::select),
+///   only reads. The data is unchanged and usable.
 ///
 /// # Uses that the compiler rejects
 ///
@@ -131,7 +135,8 @@ with_aliases! {
 /// println!("{:?}", contacts[0].force());
 /// ```
 ///
-/// The model of a simulation is shared, and can only be changed through [`edit_model`](Self::edit_model):
+/// The model of a simulation is shared, and can only be changed through
+/// [`edit_model`](Self::edit_model):
 ///
 /// ```compile_fail,E0596
 /// # use mujoco_safe::{Data, sample};
@@ -140,7 +145,8 @@ with_aliases! {
 /// model.edit(); // cannot borrow data in an `Arc` as mutable
 /// ```
 ///
-/// Any number of threads may read a simulation, or one thread may step it, but not both at the same time:
+/// Any number of threads may read a simulation, or one thread may step it, but not both at the same
+/// time:
 ///
 /// ```compile_fail,E0502
 /// # use mujoco_safe::{Data, sample};
@@ -176,10 +182,12 @@ pub struct Data {
 
 // SAFETY: the engine's data has no thread affinity, and this is its only owner.
 unsafe impl Send for Data {}
-// SAFETY: all methods with `&Data` read fields, or call an engine function that takes `const mjData*`: mj_jac, mj_jacBody,
-// mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM, mj_contactForce, mj_objectVelocity, mj_objectAcceleration, mj_ray,
-// mj_rayMesh, mj_rayHfield, mj_copyData (its source), or a function whose `mjData*` is not const but which only reads it:
-// mj_mulJacVec, mj_mulJacTVec, mj_local2Global. These functions write only to their output arguments.
+// SAFETY: all methods with `&Data` read fields, or call an engine function that takes
+// `const mjData*`: mj_jac, mj_jacBody, mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM,
+// mj_contactForce, mj_objectVelocity, mj_objectAcceleration, mj_ray, mj_rayMesh, mj_rayHfield,
+// mj_copyData (its source), or a function whose `mjData*` is not const but which only reads it:
+// mj_mulJacVec, mj_mulJacTVec, mj_local2Global. These functions write only to their output
+// arguments.
 unsafe impl Sync for Data {}
 
 /// # Raw access
@@ -190,8 +198,9 @@ impl Data {
         self.raw.as_ptr()
     }
 
-    /// Returns a mutable pointer to the engine's struct, for direct calls of the engine. These must leave the struct in a state in
-    /// which an engine call could leave it, because this crate trusts its sizes, addresses and pointers.
+    /// Returns a mutable pointer to the engine's struct, for direct calls of the engine. These must
+    /// leave the struct in a state in which an engine call could leave it, because this crate
+    /// trusts its sizes, addresses and pointers.
     #[inline]
     pub fn as_mut_ptr(&mut self) -> *mut mjData {
         self.raw.as_ptr()
@@ -237,7 +246,8 @@ impl Data {
 
 impl Drop for Data {
     fn drop(&mut self) {
-        // SAFETY: `self` is the only owner. The function only frees memory and cannot raise an error.
+        // SAFETY: `self` is the only owner. The function only frees memory and cannot raise an
+        // error.
         unsafe { sys::mj_deleteData(self.raw.as_ptr()) }
     }
 }

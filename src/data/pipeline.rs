@@ -1,14 +1,16 @@
 //! Separate calls of the parts of the pipeline.
 //!
-//! [`Data::forward`] calls all parts in a valid order. A part that is called separately returns [`Error::NotComputed`] unless its
-//! inputs have been computed for the present model. All results that depend on the new results count as not computed afterwards.
+//! [`Data::forward`] calls all parts in a valid order. A part that is called separately returns
+//! [`Error::NotComputed`] unless its inputs have been computed for the present model. All results
+//! that depend on the new results count as not computed afterwards.
 //!
-//! The crate tracks the order of the calls. It does not track writes to the arrays, such as `qpos`: start again with
-//! [`kinematics`](Data::kinematics) after a change of positions.
+//! The crate tracks the order of the calls. It does not track writes to the arrays, such as `qpos`:
+//! start again with [`kinematics`](Data::kinematics) after a change of positions.
 //!
-//! In a model with the option `sleep`, [`kinematics`](Data::kinematics), [`inv_position`](Data::inv_position), `inverse` and
-//! [`make_constraint`](Data::make_constraint) wake all bodies, because the engine does not wake those that the call needs. If one slept,
-//! all earlier results count as not computed.
+//! In a model with the option `sleep`, [`kinematics`](Data::kinematics),
+//! [`inv_position`](Data::inv_position), `inverse` and [`make_constraint`](Data::make_constraint)
+//! wake all bodies, because the engine does not wake those that the call needs. If one slept, all
+//! earlier results count as not computed.
 //!
 //! Features of newer engines add inputs to some parts. Where the engine exports no function for a
 //! computation between two parts, the parts that it would be missing from return
@@ -51,7 +53,8 @@
 //! | integrator `discrete` | | `collision`, `make_constraint`, `project_constraint`, `passive`, `reference_constraint`, `compute_qfrc_bias`, `fwd_acceleration`, `fwd_constraint`, `inv_constraint` |
 //! | sensors `e_kinetic` | their readings count as not computed after `com_vel`: call `sensor_pos` again | |
 //!
-//! Jacobians such as [`jac_site`](Data::jac_site) need `com_pos`, the inertia matrix [`full_m`](Data::full_m) the whole position stage.
+//! Jacobians such as [`jac_site`](Data::jac_site) need `com_pos`, the inertia matrix
+//! [`full_m`](Data::full_m) the whole position stage.
 //!
 //! Not part of `forward`:
 //!
@@ -60,7 +63,8 @@
 //! | [`subtree_vel`](Data::subtree_vel) | `mj_subtreeVel` | `subtree_linvel`, `subtree_angmom` | `com_vel` |
 //! | [`rne_post_constraint`](Data::rne_post_constraint) | `mj_rnePostConstraint` | `cacc`, `cfrc_int`, `cfrc_ext` | `com_vel`, `fwd_constraint` |
 //!
-//! [`fwd_position`](Data::fwd_position) and [`fwd_velocity`](Data::fwd_velocity) compute all parts of their stages in one call.
+//! [`fwd_position`](Data::fwd_position) and [`fwd_velocity`](Data::fwd_velocity) compute all parts
+//! of their stages in one call.
 
 use std::ffi::c_int;
 
@@ -94,8 +98,9 @@ macro_rules! parts {
                 self.check_inputs_of(stringify!($method), READS, RESULTS)?;
                 self.clear_stale_inputs(RESULTS);
                 self.run($alias, self.after(RESULTS), |m, d| {
-                    // SAFETY: `run` passes a model and a data of this model. The inputs of the function have been computed for
-                    // this model, so their counts and addresses match the arrays.
+                    // SAFETY: `run` passes a model and a data of this model. The inputs of the
+                    // function have been computed for this model, so their counts and addresses
+                    // match the arrays.
                     unsafe { guard::$function(m, d) }
                 })
             }
@@ -104,8 +109,8 @@ macro_rules! parts {
 }
 
 parts! {
-    /// Computes poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap bodies. Normalises the quaternions in
-    /// `qpos`.
+    /// Computes poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap
+    /// bodies. Normalises the quaternions in `qpos`.
     kinematics = mj_kinematics("mj_kinematics")
         reads C::empty(), computes C::KINEMATICS.union(C::CURRENT);
     /// Computes centres of mass of subtrees, inertias `cinert` about them, and motion axes `cdof`.
@@ -125,7 +130,8 @@ parts! {
     /// Computes the factorisation `LᵀDL` of the inertia matrix (Featherstone, chapter 8.5).
     factor_m = mj_factor_m("mj_factorM")
         reads C::CRB, computes C::FACTOR_M;
-    /// Detects collisions and creates the contacts. The constraint rows of earlier contacts count as not computed.
+    /// Detects collisions and creates the contacts. The constraint rows of earlier contacts count
+    /// as not computed.
     collision = mj_collision("mj_collision")
         reads C::KINEMATICS, computes C::COLLISION;
     /// Creates the rows of all active constraints: equalities, friction, limits, contacts.
@@ -134,7 +140,8 @@ parts! {
     /// Computes lengths and moments of actuators.
     transmission = mj_transmission("mj_transmission")
         reads C::TENDON, computes C::TRANSMISSION;
-    /// Computes the matrix `efc_AR` of the dual problem, for PGS and the no-slip solver. Does nothing for the other solvers.
+    /// Computes the matrix `efc_AR` of the dual problem, for PGS and the no-slip solver. Does
+    /// nothing for the other solvers.
     project_constraint = mj_project_constraint("mj_projectConstraint")
         reads C::FACTOR_M.union(C::CONSTRAINT), computes C::PROJECTION;
     /// Computes velocities `cvel` of bodies, and time derivatives `cdof_dot` of the motion axes.
@@ -146,7 +153,8 @@ parts! {
     /// Computes velocities `efc_vel` and reference accelerations `efc_aref` of the constraints.
     reference_constraint = mj_reference_constraint("mj_referenceConstraint")
         reads C::REFERENCE_INPUTS.union(C::CURRENT), computes C::REFERENCE;
-    /// Computes linear velocities and angular momenta of subtrees, `subtree_linvel` and `subtree_angmom`.
+    /// Computes linear velocities and angular momenta of subtrees, `subtree_linvel` and
+    /// `subtree_angmom`.
     subtree_vel = mj_subtree_vel("mj_subtreeVel")
         reads C::COM_VEL, computes C::SUBTREE_VEL;
 
@@ -159,15 +167,16 @@ parts! {
     /// Computes actuator forces, and the time derivatives of activations, from `ctrl` and `act`.
     fwd_actuation = mj_fwd_actuation("mj_fwdActuation")
         reads C::ACTUATOR_VELOCITY.union(C::CURRENT), computes C::ACTUATION;
-    /// Sums all forces except those of constraints in `qfrc_smooth`, and solves for the accelerations `qacc_smooth` with the
-    /// factorised inertia matrix.
+    /// Sums all forces except those of constraints in `qfrc_smooth`, and solves for the
+    /// accelerations `qacc_smooth` with the factorised inertia matrix.
     fwd_acceleration = mj_fwd_acceleration("mj_fwdAcceleration")
         reads C::FACTOR_M.union(C::PASSIVE).union(C::BIAS).union(C::ACTUATION), computes C::ACCELERATION;
     /// Solves for the constraint forces: `efc_force`, `qfrc_constraint`, `qacc`.
     fwd_constraint = mj_fwd_constraint("mj_fwdConstraint")
         reads C::PROJECTION.union(C::REFERENCE).union(C::ACCELERATION), computes C::SOLVER_COST.union(C::SOLVED);
 
-    /// Computes the position-dependent inputs of inverse dynamics: [`fwd_position`](Self::fwd_position) without the projection.
+    /// Computes the position-dependent inputs of inverse dynamics:
+    /// [`fwd_position`](Self::fwd_position) without the projection.
     inv_position = mj_inv_position("mj_invPosition")
         reads C::empty(), computes C::POSITION.union(C::CURRENT);
     /// Computes the velocity-dependent inputs of inverse dynamics.
@@ -176,8 +185,8 @@ parts! {
     /// Computes the constraint forces for the accelerations in `qacc`.
     inv_constraint = mj_inv_constraint("mj_invConstraint")
         reads C::REFERENCE, computes C::SOLVED;
-    /// Compares forward with inverse dynamics. Writes the norms of the differences of constraint forces and of applied forces to
-    /// `solver_fwdinv`.
+    /// Compares forward with inverse dynamics. Writes the norms of the differences of constraint
+    /// forces and of applied forces to `solver_fwdinv`.
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
         reads C::FORCES.union(C::ACTUATION), computes C::empty();
 
@@ -190,13 +199,16 @@ parts! {
     /// Evaluates the sensors of the acceleration stage.
     sensor_acc = mj_sensor_acc("mj_sensorAcc")
         reads C::FORCES, computes C::SENSOR_ACC;
-    /// Computes the potential energy. Sets it to zero unless [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
+    /// Computes the potential energy. Sets it to zero unless
+    /// [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_pos = mj_energy_pos("mj_energyPos")
         reads C::TENDON.union(C::CURRENT), computes C::empty();
-    /// Computes the kinetic energy. Leaves it unchanged unless [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
+    /// Computes the kinetic energy. Leaves it unchanged unless
+    /// [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_vel = mj_energy_vel("mj_energyVel")
         reads C::CRB.union(C::CURRENT), computes C::empty();
-    /// Computes accelerations `cacc` of bodies and the forces on them, `cfrc_int` and `cfrc_ext`, constraints included.
+    /// Computes accelerations `cacc` of bodies and the forces on them, `cfrc_int` and `cfrc_ext`,
+    /// constraints included.
     rne_post_constraint = mj_rne_post_constraint("mj_rnePostConstraint")
         reads C::COM_VEL.union(C::FORCE), computes C::POST_CONSTRAINT;
 }
@@ -241,8 +253,8 @@ impl Data {
         Ok(())
     }
 
-    /// Computes Coriolis, centrifugal and gravitational forces, `qfrc_bias`, by the recursive Newton–Euler algorithm without
-    /// accelerations.
+    /// Computes Coriolis, centrifugal and gravitational forces, `qfrc_bias`, by the recursive
+    /// Newton–Euler algorithm without accelerations.
     ///
     /// # Errors
     ///
@@ -257,12 +269,14 @@ impl Data {
         })
     }
 
-    /// Computes forward dynamics like [`forward`](Self::forward), but reuses the results of earlier calls for the stages up to
-    /// `skip`. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
+    /// Computes forward dynamics like [`forward`](Self::forward), but reuses the results of earlier
+    /// calls for the stages up to `skip`. [`Stage::Acceleration`] has the effect of
+    /// [`Stage::Velocity`].
     ///
     /// # Errors
     ///
-    /// As for [`forward`](Self::forward), and [`Error::NotComputed`] if the skipped stages have not been computed.
+    /// As for [`forward`](Self::forward), and [`Error::NotComputed`] if the skipped stages have not
+    /// been computed.
     #[doc(alias = "mj_forwardSkip")]
     pub fn forward_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs) = match skip {
@@ -279,12 +293,14 @@ impl Data {
         })
     }
 
-    /// Computes inverse dynamics like [`inverse`](Self::inverse), but reuses the results of earlier calls for the stages up to
-    /// `skip`. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
+    /// Computes inverse dynamics like [`inverse`](Self::inverse), but reuses the results of earlier
+    /// calls for the stages up to `skip`. [`Stage::Acceleration`] has the effect of
+    /// [`Stage::Velocity`].
     ///
     /// # Errors
     ///
-    /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if the skipped stages have not been computed.
+    /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if the skipped stages have not
+    /// been computed.
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs, results) = match skip {
@@ -304,16 +320,18 @@ impl Data {
         })
     }
 
-    /// Advances state and time by an Euler step, semi-implicit in velocity, with the computed accelerations.
+    /// Advances state and time by an Euler step, semi-implicit in velocity, with the computed
+    /// accelerations.
     ///
     /// # Errors
     ///
-    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since the
-    /// accelerations were computed.
+    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have
+    /// been advanced since the accelerations were computed.
     #[doc(alias = "mj_Euler")]
     pub fn euler(&mut self) -> Result<()> {
         let needs = C::CRB | C::ACTUATION | C::ACCELERATION | C::FORCE | C::CURRENT;
-        // The step evaluates delayed sensors of any stage, and all quantities that depend on velocities if bodies fall asleep.
+        // The step evaluates delayed sensors of any stage, and all quantities that depend on
+        // velocities if bodies fall asleep.
         let needs = if self.model().history_len() > 0 || self.model().has_sleep() { needs | C::FORWARD } else { needs };
         self.check_parts("euler", needs)?;
         self.check_inputs()?;
@@ -323,12 +341,13 @@ impl Data {
         })
     }
 
-    /// Advances state and time by a Runge–Kutta step of fourth order, whose first evaluation is a preceding
-    /// [`forward`](Self::forward). (The engine has no other order.)
+    /// Advances state and time by a Runge–Kutta step of fourth order, whose first evaluation is a
+    /// preceding [`forward`](Self::forward). (The engine has no other order.)
     ///
     /// # Errors
     ///
-    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since `forward`.
+    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have
+    /// been advanced since `forward`.
     #[doc(alias = "mj_RungeKutta")]
     pub fn runge_kutta(&mut self) -> Result<()> {
         self.check_parts("runge_kutta", C::FORWARD)?;
@@ -369,7 +388,8 @@ impl Data {
         }
     }
 
-    /// Returns the readings of all sensors, which belong to the state before the last step, if there was one since.
+    /// Returns the readings of all sensors, which belong to the state before the last step, if
+    /// there was one since.
     pub(crate) fn readings(&self, call: &'static str) -> Result<&[f64]> {
         self.check_parts(call, PipelineFlags::SENSORS)?;
         self.check_sensors_enabled()?;

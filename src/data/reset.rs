@@ -13,11 +13,13 @@ use crate::kind;
 
 /// # Reset and keyframes
 impl Data {
-    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes poisoned data usable again.
+    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes
+    /// poisoned data usable again.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`](crate::Error::Engine) if the engine fails, which does not occur for a loaded model.
+    /// [`Error::Engine`](crate::Error::Engine) if the engine fails, which does not occur for a
+    /// loaded model.
     #[doc(alias = "mj_resetData")]
     pub fn reset(&mut self) -> Result<()> {
         self.reset_with("mj_resetData", |m, d| {
@@ -26,13 +28,15 @@ impl Data {
         })
     }
 
-    /// Resets, and then sets time, positions, velocities, activations, mocap poses and controls from a keyframe, which is
-    /// selected by name, index or id.
+    /// Resets, and then sets time, positions, velocities, activations, mocap poses and controls
+    /// from a keyframe, which is selected by name, index or id.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) if the keyframe does
-    /// not exist; the data is unchanged then. (The engine would do a plain reset.) [`Error::Engine`](crate::Error::Engine) as for [`reset`](Self::reset).
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) if the keyframe does not exist; the data
+    /// is unchanged then. (The engine would do a plain reset.)
+    /// [`Error::Engine`](crate::Error::Engine) as for [`reset`](Self::reset).
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, sample};
@@ -64,14 +68,17 @@ impl Data {
         self.call_mut(function, reset)
     }
 
-    /// Writes the present time, positions, velocities, activations, mocap poses and controls, and since 4.0 plastic deformations, to a
-    /// keyframe of this simulation's model, which is selected by name, index or id. [`reset_to_key`](Self::reset_to_key) restores them. A shared model is copied
-    /// first, so that other simulations keep theirs unchanged.
+    /// Writes the present time, positions, velocities, activations, mocap poses and controls, and
+    /// since 4.0 plastic deformations, to a keyframe of this simulation's model, which is selected
+    /// by name, index or id. [`reset_to_key`](Self::reset_to_key) restores them. A shared model is
+    /// copied first, so that other simulations keep theirs unchanged.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) if the keyframe does
-    /// not exist, [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the copy cannot be allocated.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) if the keyframe does not exist,
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
+    /// if the copy cannot be allocated.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -96,8 +103,8 @@ impl Data {
     fn write_keyframe(&mut self, key: usize) -> Result<()> {
         let data = self.as_ptr();
         let model: *mut mjModel = self.own_model()?.raw_mut();
-        // SAFETY: a model that nothing shares, a data of a model of this structure, and a keyframe of it. The function only copies the
-        // state.
+        // SAFETY: a model that nothing shares, a data of a model of this structure, and a keyframe
+        // of it. The function only copies the state.
         unsafe { mujoco_sys::adapted::set_keyframe(model, data, key as c_int) };
         Ok(())
     }

@@ -30,21 +30,24 @@ impl Data {
         self.computed.stage()
     }
 
-    /// Returns an error unless these results have been computed for the present model: those of a [`Stage`], or of a constant of
-    /// [`MissingResults`].
+    /// Returns an error unless these results have been computed for the present model: those of a
+    /// [`Stage`], or of a constant of [`MissingResults`].
     ///
-    /// The getters of plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) return slices of the
-    /// engine's memory without a check. Before the first [`forward`](Self::forward) these arrays are zero, and after a change of
-    /// the model they hold stale values. Call this method before a loop that reads them, or inside: it costs a comparison of two
-    /// integers.
+    /// The getters of plain arrays such as [`xpos`](Self::xpos) and
+    /// [`sensordata`](Self::sensordata) return slices of the engine's memory without a check.
+    /// Before the first [`forward`](Self::forward) these arrays are zero, and after a change of the
+    /// model they hold stale values. Call this method before a loop that reads them, or inside: it
+    /// costs a comparison of two integers.
     ///
-    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend
-    /// on. After [`step`](Self::step) they belong to the state before the step. Writes to the arrays, for example through
-    /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
+    /// Results count as computed until a reset, a change of the model, or a new computation of the
+    /// quantities that they depend on. After [`step`](Self::step) they belong to the state before
+    /// the step. Writes to the arrays, for example through [`qpos_mut`](Self::qpos_mut), are not
+    /// tracked: call `forward` after them.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
+    /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an
+    /// engine error.
     ///
     /// ```
     /// use mujoco_safe::data::MissingResults;
@@ -75,18 +78,21 @@ impl Data {
 // Since 2.3 the engine allocates the arrays of the constraints again in each computation.
 #[cfg(engine_since = "2.3.0")]
 impl Data {
-    /// Returns the number of rows of an array that the engine has written if these results are valid, else zero.
+    /// Returns the number of rows of an array that the engine has written if these results are
+    /// valid, else zero.
     #[inline]
     pub(crate) fn rows_after(&self, results: PipelineFlags, rows: usize) -> usize {
         if self.computed.contains(results) { rows } else { 0 }
     }
 
-    /// Returns the same for an array that the engine writes only if the constraint Jacobian is sparse.
+    /// Returns the same for an array that the engine writes only if the constraint Jacobian is
+    /// sparse.
     pub(crate) fn rows_of_sparse(&self, results: PipelineFlags, rows: usize) -> usize {
         if self.model.is_sparse() { self.rows_after(results, rows) } else { 0 }
     }
 
-    /// Returns the number of stored elements of the constraint Jacobian. Allocated dense rows without elements are not used.
+    /// Returns the number of stored elements of the constraint Jacobian. Allocated dense rows
+    /// without elements are not used.
     pub(crate) fn jacobian_len(&self) -> usize {
         if !self.model.is_sparse() {
             return self.nefc() * self.model.nv();

@@ -1,13 +1,18 @@
 //! Sleeping bodies, since 3.4.
 //!
-//! With the option `sleep`, the engine leaves out kinematic trees at rest. It wakes a tree before it reads a result that the tree's sleep has left
-//! stale, with three exceptions, for which this module wakes all trees:
+//! With the option `sleep`, the engine leaves out kinematic trees at rest. It wakes a tree before
+//! it reads a result that the tree's sleep has left stale, with three exceptions, for which this
+//! module wakes all trees:
 //!
-//! - A state vector does not contain which trees sleep. All are awake after [`Data::set_state`], so the state determines the next step.
-//! - After a change of the model, the results of sleeping trees and of static bodies belong to the old model.
-//! - Inverse dynamics and single parts of the pipeline do not wake a tree for a contact, which is an error of the engine.
+//! - A state vector does not contain which trees sleep. All are awake after [`Data::set_state`], so
+//!   the state determines the next step.
+//! - After a change of the model, the results of sleeping trees and of static bodies belong to the
+//!   old model.
+//! - Inverse dynamics and single parts of the pipeline do not wake a tree for a contact, which is
+//!   an error of the engine.
 //!
-//! No safe code changes the option or the policy of a tree, so a model without the option has no sleeping trees.
+//! No safe code changes the option or the policy of a tree, so a model without the option has no
+//! sleeping trees.
 
 use mujoco_sys::{adapted, mjENBL_SLEEP};
 
@@ -33,10 +38,12 @@ impl Data {
         }
     }
 
-    /// Wakes all bodies before a call that computes `results`, if the engine does not wake the bodies that the call needs.
+    /// Wakes all bodies before a call that computes `results`, if the engine does not wake the
+    /// bodies that the call needs.
     #[inline]
     pub(super) fn wake_before(&mut self, results: PipelineFlags) {
-        // The position stage of forward dynamics wakes them; that of inverse dynamics and its single parts do not.
+        // The position stage of forward dynamics wakes them; that of inverse dynamics and its
+        // single parts do not.
         let starts_single_parts = results.contains(C::KINEMATICS) && !results.contains(C::PROJECTION);
         if starts_single_parts || results == C::CONSTRAINT {
             self.wake();
@@ -65,14 +72,15 @@ impl Model {
         self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0
     }
 
-    /// Returns [`Error::Unsupported`] for a model with delays or with the option `sleep`: a linear system of one step does not contain the
-    /// states of earlier steps, nor which bodies sleep.
+    /// Returns [`Error::Unsupported`] for a model with delays or with the option `sleep`: a linear
+    /// system of one step does not contain the states of earlier steps, nor which bodies sleep.
     pub(crate) fn check_linearisable(&self, call: &str) -> Result<()> {
         self.check_without_delays(call)?;
         self.check_without_sleep(call)
     }
 
-    /// Returns [`Error::Unsupported`] for a model with the option `sleep`, whose sleeping bodies no state vector contains.
+    /// Returns [`Error::Unsupported`] for a model with the option `sleep`, whose sleeping bodies no
+    /// state vector contains.
     pub(crate) fn check_without_sleep(&self, call: &str) -> Result<()> {
         if self.has_sleep() {
             return Err(Error::Unsupported(format!("{call} of a model with the option sleep")));
@@ -86,7 +94,8 @@ impl Model {
         if !self.has_sleep() {
             return None;
         }
-        // Newer engines print the trees that they wake to a buffer of 1024 characters, on which this variable decides.
+        // Newer engines print the trees that they wake to a buffer of 1024 characters, on which
+        // this variable decides.
         #[cfg(engine_since = "3.5.0")]
         if self.raw().ntree > 200 && std::env::var_os("MUJOCO_LOG_TOPICS").is_some() {
             return Some(format!(

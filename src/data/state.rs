@@ -10,9 +10,11 @@ use crate::ffi;
 use crate::model::Model;
 
 bitflags! {
-    /// Parts of a simulation that a state vector contains, concatenated in the order of the flags. Meaning, order and values are
-    /// those of `mjtState` in MuJoCo 3.0, except for the active equality constraints, which 2.2.2 keeps in the model and which only a reset
-    /// changes here, and for [`PLASTIC`](Self::PLASTIC) and [`HISTORY`](Self::HISTORY). Newer versions of MuJoCo number them differently.
+    /// Parts of a simulation that a state vector contains, concatenated in the order of the flags.
+    /// Meaning, order and values are those of `mjtState` in MuJoCo 3.0, except for the active
+    /// equality constraints, which 2.2.2 keeps in the model and which only a reset changes here,
+    /// and for [`PLASTIC`](Self::PLASTIC) and [`HISTORY`](Self::HISTORY). Newer versions of MuJoCo
+    /// number them differently.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub struct StateSpec: u32 {
         /// `time` (1)
@@ -52,14 +54,15 @@ bitflags! {
         /// Inputs of the user: controls, applied forces, mocap poses and user data.
         const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
-        /// All inputs of the next step: a simulation that is set to this state continues bit for bit. (A state does not contain which
-        /// bodies sleep: all are awake in a simulation that is set to it.)
+        /// All inputs of the next step: a simulation that is set to this state continues bit for
+        /// bit. (A state does not contain which bodies sleep: all are awake in a simulation that is
+        /// set to it.)
         const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
     }
 }
 
-/// Repeats a block for each component that is set in `$spec`, with `$part` as a constant, so that each copy of the block is compiled for
-/// one component.
+/// Repeats a block for each component that is set in `$spec`, with `$part` as a constant, so that
+/// each copy of the block is compiled for one component.
 macro_rules! for_each_component {
     ($spec:expr, $part:ident => $body:block) => {
         for_each_component!($spec, $part => $body; TIME QPOS QVEL ACT WARMSTART CTRL QFRC_APPLIED XFRC_APPLIED
@@ -158,8 +161,9 @@ impl Data {
         self.state_into(StateSpec::PHYSICS, state)
     }
 
-    /// Sets positions, velocities and activations from `[qpos; qvel; act]`. Call [`forward`](Self::forward) to update the
-    /// quantities that depend on them; [`step`](Self::step) needs no such call.
+    /// Sets positions, velocities and activations from `[qpos; qvel; act]`. Call
+    /// [`forward`](Self::forward) to update the quantities that depend on them;
+    /// [`step`](Self::step) needs no such call.
     ///
     /// # Errors
     ///
@@ -203,13 +207,14 @@ impl Data {
 
     /// Sets the parts of the state that are set in `spec`.
     ///
-    /// In a model with the option `sleep`, positions or velocities in `spec` wake all bodies, and results that were computed while one slept count
-    /// as not computed.
+    /// In a model with the option `sleep`, positions or velocities in `spec` wake all bodies, and
+    /// results that were computed while one slept count as not computed.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length, and [`Error::Invalid`] for a [`HISTORY`](StateSpec::HISTORY) with the index of a sample that does
-    /// not exist; the state is unchanged then. If another value is out of range, the next step returns an error.
+    /// [`Error::Shape`] for a wrong length, and [`Error::Invalid`] for a
+    /// [`HISTORY`](StateSpec::HISTORY) with the index of a sample that does not exist; the state is
+    /// unchanged then. If another value is out of range, the next step returns an error.
     #[doc(alias = "mj_setState")]
     pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;
@@ -224,7 +229,8 @@ impl Data {
         Ok(())
     }
 
-    /// Sets the parts of the state to the values that they had before a call of [`forward`](Self::forward). Bodies that sleep continue to do so.
+    /// Sets the parts of the state to the values that they had before a call of
+    /// [`forward`](Self::forward). Bodies that sleep continue to do so.
     pub(crate) fn restore_after_forward(&mut self, spec: StateSpec, state: &[f64]) {
         assert!(state.len() == self.model().state_size(spec), "Bug: a restored state has another length");
         self.write_state(spec, state);
@@ -241,14 +247,16 @@ impl Data {
         debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
     }
 
-    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to `qpos`. The velocity of the
-    /// simulation is unchanged. Call [`forward`](Self::forward) to update the quantities that depend on the position.
+    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to
+    /// `qpos`. The velocity of the simulation is unchanged. Call [`forward`](Self::forward) to
+    /// update the quantities that depend on the position.
     ///
     /// [`Model::integrate_pos`] integrates any other position.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length, [`Error::Invalid`] if `dt` is not finite. The position is then unchanged.
+    /// [`Error::Shape`] for a wrong length, [`Error::Invalid`] if `dt` is not finite. The position
+    /// is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -260,7 +268,8 @@ impl Data {
     /// ```
     #[doc(alias = "mj_integratePos")]
     pub fn integrate_pos(&mut self, qvel: &[f64], dt: f64) -> Result<()> {
-        // SAFETY: the engine allocated `qpos` with this length, and the data is borrowed exclusively.
+        // SAFETY: the engine allocated `qpos` with this length, and the data is borrowed
+        // exclusively.
         let qpos = unsafe { ffi::array_mut(self.raw_mut().qpos, self.model.nq()) };
         self.model.integrate_pos(qpos, qvel, dt)
     }

@@ -9,7 +9,8 @@ use crate::kind::Kind;
 
 /// # Steps and dynamics
 impl Data {
-    /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
+    /// Advances the simulation by one time step: computes all quantities from the present state and
+    /// inputs, then integrates.
     ///
     /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities
     /// belong to the old state. Call [`forward`](Self::forward) to update them. (With the
@@ -19,9 +20,10 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Unstable`] if a position, velocity, control or acceleration is NaN or beyond ±10¹⁰; [`Error::Callback`] if a
-    /// closure panics; [`Error::Engine`] if the engine fails; [`Error::Poisoned`] after one of these, until a reset. A position,
-    /// velocity or control that is out of range is detected before the engine is called and does not poison the data.
+    /// [`Error::Unstable`] if a position, velocity, control or acceleration is NaN or beyond ±10¹⁰;
+    /// [`Error::Callback`] if a closure panics; [`Error::Engine`] if the engine fails;
+    /// [`Error::Poisoned`] after one of these, until a reset. A position, velocity or control that
+    /// is out of range is detected before the engine is called and does not poison the data.
     #[doc(alias = "mj_step")]
     #[doc(alias = "mj_checkAcc")]
     #[inline]
@@ -29,12 +31,14 @@ impl Data {
         self.check_usable()?;
         self.check_inputs()?;
         self.run("mj_step", PipelineFlags::AFTER_STEP, |m, d| {
-            // SAFETY: `run` passes a model and a data of this model, and the state was checked above.
+            // SAFETY: `run` passes a model and a data of this model, and the state was checked
+            // above.
             unsafe { guard::step_prechecked(m, d) }
         })
     }
 
-    /// Advances the simulation by `n` steps with the same inputs, as [`step`](Self::step) does. Stops at the first error.
+    /// Advances the simulation by `n` steps with the same inputs, as [`step`](Self::step) does.
+    /// Stops at the first error.
     ///
     /// # Errors
     ///
@@ -44,8 +48,8 @@ impl Data {
         (0..n).try_for_each(|_| self.step())
     }
 
-    /// Computes the first half of a step: all quantities that depend on positions and velocities. Set controls and forces based
-    /// on them, then call [`step2`](Self::step2).
+    /// Computes the first half of a step: all quantities that depend on positions and velocities.
+    /// Set controls and forces based on them, then call [`step2`](Self::step2).
     ///
     /// # Errors
     ///
@@ -62,14 +66,16 @@ impl Data {
     }
 
     /// Computes the second half of a step: actuation, accelerations, integration. The integrator
-    /// [`Rk4`](crate::enums::Integrator::Rk4) cannot be split; this method takes an Euler step instead.
+    /// [`Rk4`](crate::enums::Integrator::Rk4) cannot be split; this method takes an Euler step
+    /// instead.
     ///
     /// # Errors
     ///
-    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a preceding [`step1`](Self::step1) or
-    /// [`forward`](Self::forward), or if the state was advanced or the model changed in between. (The engine would
-    /// continue with stale results: after a step those of the previous state, and after [`inverse`](Self::inverse) without the
-    /// matrices that the dual solvers need.)
+    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a preceding
+    /// [`step1`](Self::step1) or [`forward`](Self::forward), or if the state was advanced or the
+    /// model changed in between. (The engine would continue with stale results: after a step those
+    /// of the previous state, and after [`inverse`](Self::inverse) without the matrices that the
+    /// dual solvers need.)
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
@@ -121,8 +127,8 @@ impl Data {
         })
     }
 
-    /// Computes forward dynamics: all quantities from the present state and inputs, accelerations included, without advancing the
-    /// time.
+    /// Computes forward dynamics: all quantities from the present state and inputs, accelerations
+    /// included, without advancing the time.
     ///
     /// # Errors
     ///
@@ -138,8 +144,8 @@ impl Data {
         })
     }
 
-    /// Computes inverse dynamics: from positions, velocities and the accelerations in `qacc`, the forces that cause them, in
-    /// `qfrc_inverse`.
+    /// Computes inverse dynamics: from positions, velocities and the accelerations in `qacc`, the
+    /// forces that cause them, in `qfrc_inverse`.
     ///
     /// # Errors
     ///
@@ -170,9 +176,9 @@ impl Data {
         })
     }
 
-    /// Clears contacts and constraints that the engine would read out of bounds. The engine's inverse dynamics computes the
-    /// transmission of an adhesion actuator from the contacts and constraints of the previous call. These may belong to another
-    /// model or not match each other.
+    /// Clears contacts and constraints that the engine would read out of bounds. The engine's
+    /// inverse dynamics computes the transmission of an adhesion actuator from the contacts and
+    /// constraints of the previous call. These may belong to another model or not match each other.
     #[inline]
     pub(super) fn clear_stale_contacts(&mut self) {
         if self.model().has_adhesion() && !self.computed.contains(PipelineFlags::CONSTRAINT) {
@@ -181,8 +187,9 @@ impl Data {
         }
     }
 
-    /// Clears the constraint rows of all contacts. The engine assigns rows only while the constraint buffer has space, and does not
-    /// modify the other contacts, which would keep the rows of an earlier call.
+    /// Clears the constraint rows of all contacts. The engine assigns rows only while the
+    /// constraint buffer has space, and does not modify the other contacts, which would keep the
+    /// rows of an earlier call.
     pub(super) fn clear_contact_rows(&mut self) {
         /// Value of `exclude` for a contact without degrees of freedom. The engine sets it again.
         const EXCLUDED_WITHOUT_DOFS: i32 = 4;
@@ -207,7 +214,8 @@ impl Data {
         self.check_inputs()
     }
 
-    /// Checks positions, velocities and controls before the engine is called. The engine would reset them.
+    /// Checks positions, velocities and controls before the engine is called. The engine would
+    /// reset them.
     #[inline]
     pub(crate) fn check_inputs(&self) -> Result<()> {
         let (raw, model) = (self.raw(), self.model());
@@ -257,7 +265,8 @@ impl Data {
 /// Returns `true` if the engine accepts this value: one within ±10¹⁰.
 #[inline]
 fn is_in_range(value: f64) -> bool {
-    // Without their signs, floating-point numbers have the order of their bit patterns, and NaNs follow all other values.
+    // Without their signs, floating-point numbers have the order of their bit patterns, and NaNs
+    // follow all other values.
     value.to_bits() << 1 <= mjMAXVAL.to_bits() << 1
 }
 

@@ -1,9 +1,11 @@
 //! Counters of the engine's warnings, and their log messages.
 //!
-//! `mj_warning` prints the first warning of each type through a text buffer that all threads of the process share, which is a
-//! data race in 2.2.2 when two simulations warn at the same time. It prints only while the counter of the type is zero. During a
-//! call the counters therefore start at [`BASE`] instead: the engine counts without printing, and the new warnings are read from the
-//! counters and logged afterwards. A counter below `BASE` after the call shows that the engine has reset the data.
+//! `mj_warning` prints the first warning of each type through a text buffer that all threads of the
+//! process share, which is a data race in 2.2.2 when two simulations warn at the same time. It
+//! prints only while the counter of the type is zero. During a call the counters therefore start at
+//! [`BASE`] instead: the engine counts without printing, and the new warnings are read from the
+//! counters and logged afterwards. A counter below `BASE` after the call shows that the engine has
+//! reset the data.
 
 use std::cmp::Ordering;
 use std::ffi::c_int;
@@ -25,9 +27,11 @@ const COUNT: usize = sys::mjNWARNING as usize;
 pub enum Warning {
     /// The inertia matrix is singular, or nearly so, at a degree of freedom.
     Inertia,
-    /// The number of contacts exceeds `nconmax`, or since 2.3 the memory of the simulation; the engine ignores the rest.
+    /// The number of contacts exceeds `nconmax`, or since 2.3 the memory of the simulation; the
+    /// engine ignores the rest.
     ContactFull,
-    /// The number of constraints exceeds `njmax`, or since 2.3 the memory of the simulation; the engine ignores the rest.
+    /// The number of constraints exceeds `njmax`, or since 2.3 the memory of the simulation; the
+    /// engine ignores the rest.
     ConstraintFull,
     /// The number of geoms exceeds the capacity of the scene.
     VisualGeomFull,
@@ -54,7 +58,8 @@ impl Warning {
         Self::BadCtrl,
     ];
 
-    /// Returns the index of the warning's counter, or `None` for a warning that the engine does not have.
+    /// Returns the index of the warning's counter, or `None` for a warning that the engine does not
+    /// have.
     const fn index(self) -> Option<usize> {
         let index = match self {
             Self::Inertia => sys::mjWARN_INERTIA,
@@ -129,7 +134,8 @@ pub struct WarningCount {
 /// Counters of all types of warnings, as the engine stores them.
 pub(crate) type WarningCounters = [mjWarningStat; COUNT];
 
-/// Start value of the counters during a call. It is so large that counters do not reach zero or overflow within a call.
+/// Start value of the counters during a call. It is so large that counters do not reach zero or
+/// overflow within a call.
 const BASE: i32 = 1 << 30;
 
 /// Counters of a data while the engine uses counters that start at [`BASE`].
@@ -159,8 +165,8 @@ impl SavedCounters {
     /// Restores the counters, increased by the warnings of the call.
     #[inline]
     pub(super) fn restore(&self, data: &mut mjData) -> CounterChange {
-        // A warning sets a bit below BASE, and a reset clears all counters at once. So no counter has changed if the union of all
-        // bits is BASE.
+        // A warning sets a bit below BASE, and a reset clears all counters at once. So no counter
+        // has changed if the union of all bits is BASE.
         if data.warning.iter().fold(0, |bits, stat| bits | stat.number) == BASE {
             data.warning = self.before;
             CounterChange::None
@@ -193,7 +199,8 @@ pub(super) fn restore_copied(data: &mut mjData) {
     }
 }
 
-/// Prevents the engine from printing warnings about a data. Its counters are meaningless afterwards.
+/// Prevents the engine from printing warnings about a data. Its counters are meaningless
+/// afterwards.
 pub(crate) fn silence(data: &mut mjData) {
     for stat in &mut data.warning {
         stat.number = 1;
@@ -209,8 +216,8 @@ pub(super) fn with_full_constraints(
     call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
 ) -> c_int {
     const COUNTER: usize = sys::mjWARN_CNSTRFULL as usize;
-    // SAFETY: `run` passes its own data, and nothing else refers to the counter. The engine calls the warning handler only while the
-    // counter is zero.
+    // SAFETY: `run` passes its own data, and nothing else refers to the counter. The engine calls
+    // the warning handler only while the counter is zero.
     let before = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
     let mut outer = MaybeUninit::uninit();
     // SAFETY: replaces the setting of this thread, which is restored below.
@@ -228,8 +235,9 @@ pub(super) fn with_full_constraints(
 
 /// # Warnings
 impl Data {
-    /// Returns the number of warnings of a type since the last reset. The first warning of each type is logged under the target
-    /// `mujoco`. Within a callback only the warnings of the present call are counted.
+    /// Returns the number of warnings of a type since the last reset. The first warning of each
+    /// type is logged under the target `mujoco`. Within a callback only the warnings of the present
+    /// call are counted.
     ///
     /// ```
     /// use mujoco_safe::data::Warning;
@@ -271,7 +279,8 @@ impl Data {
         }
     }
 
-    /// Makes a call like [`call_mut`](Self::call_mut) that may raise `warning`. Returns `true` if it did.
+    /// Makes a call like [`call_mut`](Self::call_mut) that may raise `warning`. Returns `true` if
+    /// it did.
     pub(crate) fn call_mut_with_warning(
         &mut self,
         warning: Warning,

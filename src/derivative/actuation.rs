@@ -25,7 +25,8 @@ pub(super) struct Actuation {
     next_activations: Vec<f64>,
 }
 
-/// Quantities of each actuator, or their derivatives with respect to its own control or its own activation.
+/// Quantities of each actuator, or their derivatives with respect to its own control or its own
+/// activation.
 #[derive(Clone, Debug)]
 struct ActuatorValues {
     /// `(nu)`: force.
@@ -72,7 +73,8 @@ impl Actuation {
     /// activations. Returns these kinks, and [`Kinks::DIFFERENCES`] if both sides disagree, such as
     /// for a force at the end of its range.
     ///
-    /// An actuator depends only on its own control and activation, so one difference perturbs all actuators at once.
+    /// An actuator depends only on its own control and activation, so one difference perturbs all
+    /// actuators at once.
     pub(super) fn differentiate(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         let Settings { model, wanted, step, .. } = settings;
         let central = Step { differences: Differences::Central, ..step };
@@ -101,7 +103,8 @@ impl Actuation {
                         }
                     }
                 } else {
-                    // The side depends on the difference of an activation from its control, and on nothing else that is perturbed here.
+                    // The side depends on the difference of an activation from its control, and on
+                    // nothing else that is perturbed here.
                     for activation in 0..model.na() {
                         if is_perturbed(&point.data, Input::Activation(activation)) {
                             point.data.act_mut()[activation] += eps;
@@ -151,8 +154,8 @@ impl Actuation {
         Ok(kinks)
     }
 
-    /// Writes the derivative of the residual, and of the activations and force sensors in a row of the linear system, with
-    /// respect to the control or the activation of an actuator.
+    /// Writes the derivative of the residual, and of the activations and force sensors in a row of
+    /// the linear system, with respect to the control or the activation of an actuator.
     pub(super) fn column(
         &self,
         data: &Data,
@@ -199,12 +202,14 @@ fn next_activation(model: &Model, data: &Data, actuator: usize, activation: usiz
     if is_clamped { next.max(low).min(high) } else { next }
 }
 
-/// Returns `true` if a step leaves the activations unchanged, because actuation is disabled. Before 3.0 they continue at their last rates.
+/// Returns `true` if a step leaves the activations unchanged, because actuation is disabled. Before
+/// 3.0 they continue at their last rates.
 fn freezes_activations(model: &Model) -> bool {
     cfg!(engine_since = "3.0.0") && model.options().disable.contains(DisableFlags::ACTUATION)
 }
 
-/// Returns `true` if the group of an actuator is disabled. A step then leaves its activation unchanged, except that it clamps it.
+/// Returns `true` if the group of an actuator is disabled. A step then leaves its activation
+/// unchanged, except that it clamps it.
 fn is_in_disabled_group(model: &Model, actuator: usize) -> bool {
     let disabled = model.options().disableactuator;
     disabled != 0

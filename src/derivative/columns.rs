@@ -1,4 +1,5 @@
-//! The engine's finite differences of a step, column by column, so that several threads can share them.
+//! The engine's finite differences of a step, column by column, so that several threads can share
+//! them.
 //!
 //! Each column starts from the same saved state and warm start, so the result does not depend on
 //! the thread that computes it. A column skips the stages that its input does not influence. The
@@ -52,7 +53,8 @@ impl StepDifferences {
         }
     }
 
-    /// Samples the step from the base point, which all columns need. Returns the kinks in controls and activations.
+    /// Samples the step from the base point, which all columns need. Returns the kinks in controls
+    /// and activations.
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         let mut kinks = Kinks::empty();
         advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
@@ -70,8 +72,8 @@ impl StepDifferences {
         Ok(kinks | kinks::of_inputs(&point.data, Some(&self.next_activations)))
     }
 
-    /// Computes a column of the linear system, and returns its kinks. Columns must be computed in the order of
-    /// [`inputs`](super::perturbation::inputs).
+    /// Computes a column of the linear system, and returns its kinks. Columns must be computed in
+    /// the order of [`inputs`](super::perturbation::inputs).
     pub(super) fn column(
         &mut self,
         point: &mut PerturbedData,
@@ -86,7 +88,8 @@ impl StepDifferences {
         kinks
     }
 
-    /// Computes a column with one step. Returns the disagreement of the differences to the right and to the left.
+    /// Computes a column with one step. Returns the disagreement of the differences to the right
+    /// and to the left.
     fn difference(
         &mut self,
         point: &mut PerturbedData,

@@ -1,14 +1,16 @@
 //! Linear system of a step by implicit differentiation of the equations of motion.
 //!
-//! The accelerations a of a state solve g(q, v, a) = 0, where g is the residual of inverse dynamics: the force that the
-//! accelerations need, minus all forces that act. By the implicit function theorem
+//! The accelerations a of a state solve g(q, v, a) = 0, where g is the residual of inverse
+//! dynamics: the force that the accelerations need, minus all forces that act. By the implicit
+//! function theorem
 //!
 //! ```text
 //! ∂a/∂x = −H⁻¹ ∂g/∂x,      H = ∂g/∂a,
 //! ```
 //!
-//! so only inverse dynamics at constant a is differenced. This needs no constraint solver, whose rounding error and tolerance
-//! would be divided by ε. H is known (see `newton.rs`). A step of the Euler integrator with implicit damping D is
+//! so only inverse dynamics at constant a is differenced. This needs no constraint solver, whose
+//! rounding error and tolerance would be divided by ε. H is known (see `newton.rs`). A step of the
+//! Euler integrator with implicit damping D is
 //!
 //! ```text
 //! W s = M a,      W = M + h D,      v' = v + h s,      q' = q ⊕ h v',
@@ -20,13 +22,15 @@
 //! ds = W⁻¹ (dM (a − s) + M da),      dv' = dv + h ds,      dq' = ∂⊕/∂q dq + h ∂⊕/∂v dv'.
 //! ```
 //!
-//! With W = M + h D the products simplify to `W⁻¹ M H⁻¹ = H⁻¹ − h W⁻¹ D H⁻¹ =: P` and `a − s = h W⁻¹ D a`. Actuator forces are
-//! linear in controls and activations within their limits, so one difference perturbs all actuators. Acceleration sensors take
-//! one more difference for each degree of freedom, and the chain rule.
+//! With W = M + h D the products simplify to `W⁻¹ M H⁻¹ = H⁻¹ − h W⁻¹ D H⁻¹ =: P` and
+//! `a − s = h W⁻¹ D a`. Actuator forces are linear in controls and activations within their limits,
+//! so one difference perturbs all actuators. Acceleration sensors take one more difference for each
+//! degree of freedom, and the chain rule.
 //!
-//! (The differences at constant acceleration are those of `mjd_inverseFD` in newer versions of the engine. The theorem is
-//! applied to simulations with contacts in J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics
-//! algorithms", RSS 2018, and in S. Le Lidec et al., "Differentiable simulation for physical system identification", RA-L 2021.)
+//! (The differences at constant acceleration are those of `mjd_inverseFD` in newer versions of the
+//! engine. The theorem is applied to simulations with contacts in J. Carpentier and N. Mansard,
+//! "Analytical derivatives of rigid body dynamics algorithms", RSS 2018, and in S. Le Lidec et al.,
+//! "Differentiable simulation for physical system identification", RA-L 2021.)
 
 use mujoco_sys::mjSTAGE_ACC;
 
@@ -90,14 +94,15 @@ pub(super) struct Linearisation {
     pub(super) kinks: Kinks,
 }
 
-/// Returns `true` if a step of the Euler integrator contains the implicit damping of the joints. In 2.2.2 the flag for passive forces does not
-/// disable it.
+/// Returns `true` if a step of the Euler integrator contains the implicit damping of the joints. In
+/// 2.2.2 the flag for passive forces does not disable it.
 pub(super) fn has_implicit_damping(model: &Model) -> bool {
     let is_enabled = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
     is_enabled && model.dof_damping().iter().any(|&damping| damping > 0.0)
 }
 
-/// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates with those of positions.
+/// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates with
+/// those of positions.
 pub(super) fn has_kinetic_energy(model: &Model) -> bool {
     let disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
     !disabled && model.sensor_type().contains(&SensorType::KineticEnergy.raw())
@@ -134,7 +139,8 @@ impl Linearisation {
         }
     }
 
-    /// Computes the quantities at the base point that all columns need. Returns `false` if the solver has not converged.
+    /// Computes the quantities at the base point that all columns need. Returns `false` if the
+    /// solver has not converged.
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<bool> {
         let Settings { model, wanted, .. } = settings;
         let data = &mut point.data;
@@ -195,7 +201,8 @@ impl Linearisation {
         }
     }
 
-    /// Returns `true` if the model has acceleration sensors. Their derivatives must then be passed to each column.
+    /// Returns `true` if the model has acceleration sensors. Their derivatives must then be passed
+    /// to each column.
     pub(super) fn has_acceleration_sensors(&self) -> bool {
         self.has_acceleration_sensors
     }
@@ -229,9 +236,9 @@ impl Linearisation {
         kinks
     }
 
-    /// Computes a column of the linear system, and returns its kinks. `acceleration_sensors` holds the rows of
-    /// [`acceleration_row`](Self::acceleration_row). Columns must be computed in the order of
-    /// [`inputs`](super::perturbation::inputs).
+    /// Computes a column of the linear system, and returns its kinks. `acceleration_sensors` holds
+    /// the rows of [`acceleration_row`](Self::acceleration_row). Columns must be computed in the
+    /// order of [`inputs`](super::perturbation::inputs).
     pub(super) fn column(
         &mut self,
         point: &mut PerturbedData,
@@ -265,7 +272,8 @@ impl Linearisation {
         Ok(Kinks::empty())
     }
 
-    /// Returns the disagreement of the last differences to the right and to the left, in a column of the linear system.
+    /// Returns the disagreement of the last differences to the right and to the left, in a column
+    /// of the linear system.
     fn disagreement(&mut self, Settings { model, wanted, step, keep }: Settings<'_>, row: &[f64]) -> f64 {
         if step.differences == Differences::Forward {
             return 0.0;
@@ -292,8 +300,8 @@ impl Linearisation {
         of_velocity.iter().zip(velocity).map(of_entry).fold(worst, f64::max)
     }
 
-    /// Differences the residual and the sensors with respect to a velocity or a position. Returns the side and the width of the
-    /// difference of `M (a − s)`, if that changes.
+    /// Differences the residual and the sensors with respect to a velocity or a position. Returns
+    /// the side and the width of the difference of `M (a − s)`, if that changes.
     fn difference(
         &mut self,
         point: &mut PerturbedData,

@@ -1,8 +1,11 @@
-//! Kinks of a step as a function of controls and activations, and the side on which it is differentiated there.
+//! Kinks of a step as a function of controls and activations, and the side on which it is
+//! differentiated there.
 //!
-//! At a kink the derivatives of the two sides differ. The rule is: an input moves into its range, and where both directions are
-//! possible, a muscle contracts. So the control of a muscle that equals its activation grows, as the next control probably does, and the
-//! activation decreases. The closed forms use the formulas of that side, and differences perturb the input to that side only.
+//! At a kink the derivatives of the two sides differ. The rule is: an input moves into its range,
+//! and where both directions are possible, a muscle contracts. So the control of a muscle that
+//! equals its activation grows, as the next control probably does, and the activation decreases.
+//! The closed forms use the formulas of that side, and differences perturb the input to that side
+//! only.
 
 use std::ops::Range;
 
@@ -15,12 +18,14 @@ use crate::error::Result;
 use crate::id::GeomId;
 use crate::model::{DisableFlags, Model};
 
-/// Distance from a kink within which a value counts as at the kink. Controls, activations and forces at a kink are there up to rounding: a
-/// steady activation stops as many units of rounding from its control as the time constant has steps.
+/// Distance from a kink within which a value counts as at the kink. Controls, activations and
+/// forces at a kink are there up to rounding: a steady activation stops as many units of rounding
+/// from its control as the time constant has steps.
 const TOLERANCE: f64 = 1e-12;
 
-/// Largest disagreement of differences to the right and to the left, relative to an entry, and relative to the largest entry of a column or to 1.
-/// In a smooth step they differ by the step times the curvature.
+/// Largest disagreement of differences to the right and to the left, relative to an entry, and
+/// relative to the largest entry of a column or to 1. In a smooth step they differ by the step
+/// times the curvature.
 const MAX_DISAGREEMENT: [f64; 2] = [0.02, 1e-4];
 
 /// Largest disagreement, as a multiple of that of a smooth step, with which differences are not
@@ -39,7 +44,8 @@ impl Scale {
         Self { largest: values.fold(1.0, |largest, value| largest.max(value.abs())) }
     }
 
-    /// Returns the difference to the right minus that to the left of an entry, as a multiple of the largest one of a smooth step.
+    /// Returns the difference to the right minus that to the left of an entry, as a multiple of the
+    /// largest one of a smooth step.
     pub(super) fn disagreement(self, difference: f64, entry: f64) -> f64 {
         let [by_entry, by_largest] = MAX_DISAGREEMENT;
         let ratio = difference.abs() / (by_entry * entry.abs() + by_largest * self.largest);
@@ -47,8 +53,9 @@ impl Scale {
     }
 }
 
-/// Returns the largest disagreement of the differences of a sample at the base point, to its right and to its left by `eps`, as a multiple
-/// of that of a smooth step, in the entries except those that `keep` marks.
+/// Returns the largest disagreement of the differences of a sample at the base point, to its right
+/// and to its left by `eps`, as a multiple of that of a smooth step, in the entries except those
+/// that `keep` marks.
 pub(super) fn disagreement([base, right, left]: [&[f64]; 3], keep: &[bool], eps: f64) -> f64 {
     let slopes = || {
         base.iter().zip(right.iter().zip(left)).map(|(base, (right, left))| ((right - base) / eps, (base - left) / eps))
@@ -71,7 +78,8 @@ pub(super) fn has_contact_that_jumps(data: &Data) -> bool {
     data.contacts().any(|contact| !contact.geoms().is_some_and(is_smooth))
 }
 
-/// Trials of a column of differences with one step after another, of which the one with the least disagreement is kept.
+/// Trials of a column of differences with one step after another, of which the one with the least
+/// disagreement is kept.
 #[derive(Debug, Default)]
 pub(super) struct Trials {
     best: Vec<f64>,
@@ -172,7 +180,8 @@ pub(super) struct MuscleSides {
     pub(super) of_activation: bool,
 }
 
-/// Returns `true` for an actuator whose activation follows the control with a time constant that has a step where they are equal.
+/// Returns `true` for an actuator whose activation follows the control with a time constant that
+/// has a step where they are equal.
 fn has_muscle_kink(model: &Model, actuator: usize) -> bool {
     // The width of the transition between the time constants. Before 2.3.6 it is always zero.
     let is_smooth = cfg!(engine_since = "2.3.6") && model.actuator_dynprm()[actuator][2] >= mujoco_sys::mjMINVAL;
@@ -187,15 +196,16 @@ fn clamps_controls(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::CLAMPCTRL.bits() == 0
 }
 
-/// Returns the range beyond which a control has no effect. Muscles clamp their controls to the range from 0 to 1.
+/// Returns the range beyond which a control has no effect. Muscles clamp their controls to the
+/// range from 0 to 1.
 fn control_range(model: &Model, control: usize, actuator: usize) -> [f64; 2] {
     let is_limited = clamps_controls(model) && model.actuator_ctrllimited()[control] != 0;
     let [low, high] = if is_limited { model.actuator_ctrlrange()[control] } else { [f64::NEG_INFINITY, f64::INFINITY] };
     if is_muscle(model, actuator) { [low.max(0.0), high.min(1.0)] } else { [low, high] }
 }
 
-/// Returns `true` if a step depends on a control beyond its range: before 3.17 the implicit integrators multiply the derivative of a gain by
-/// the control as it is.
+/// Returns `true` if a step depends on a control beyond its range: before 3.17 the implicit
+/// integrators multiply the derivative of a gain by the control as it is.
 fn is_read_unclamped(model: &Model, actuator: usize) -> bool {
     let is_implicit =
         matches!(Integrator::of_field(model.raw().opt.integrator), Integrator::Implicit | Integrator::ImplicitFast);
@@ -206,7 +216,8 @@ fn is_read_unclamped(model: &Model, actuator: usize) -> bool {
         && model.actuator_gainprm()[actuator][2] != 0.0
 }
 
-/// Returns the end of the range of an activation, if the next activation, before clamping, has reached it: `Right` for the upper end.
+/// Returns the end of the range of an activation, if the next activation, before clamping, has
+/// reached it: `Right` for the upper end.
 fn reached_end(model: &Model, actuator: usize, next: f64) -> Option<Side> {
     let [low, high] = model.actuator_actrange()[actuator];
     if model.actuator_actlimited()[actuator] == 0 {
@@ -220,8 +231,9 @@ fn reached_end(model: &Model, actuator: usize, next: f64) -> Option<Side> {
     }
 }
 
-/// Returns whether an input is perturbed to the right and to the left: with central differences to both, except at kinks and at the ends of
-/// ranges. `next` has the activations after a step from the base point, before clamping.
+/// Returns whether an input is perturbed to the right and to the left: with central differences to
+/// both, except at kinks and at the ends of ranges. `next` has the activations after a step from
+/// the base point, before clamping.
 pub(super) fn sides(data: &Data, input: Input, step: Step, next: &[f64]) -> (bool, bool) {
     let central = step.differences == Differences::Central;
     let (model, eps) = (data.model(), step.eps);
@@ -277,7 +289,8 @@ impl Path {
         is_single.then(|| Self { control: model.first_control(actuator), actuator, activation })
     }
 
-    /// Returns the direction into the range of the activation, if the next activation has reached an end.
+    /// Returns the direction into the range of the activation, if the next activation has reached
+    /// an end.
     fn inwards(self, model: &Model, next: &[f64]) -> Option<Side> {
         match reached_end(model, self.actuator, next[self.activation])? {
             Side::Right => Some(Side::Left),
@@ -297,7 +310,8 @@ impl Path {
         is_near.then(|| self.muscle_sides(data))
     }
 
-    /// Returns the side of an activation near 0 or 1, within which it affects the time constant of a muscle.
+    /// Returns the side of an activation near 0 or 1, within which it affects the time constant of
+    /// a muscle.
     fn near_clamp(self, data: &Data, eps: f64) -> Option<Side> {
         let act = data.act()[self.activation];
         if !is_muscle(data.model(), self.actuator) {
@@ -328,7 +342,8 @@ pub(super) fn muscle_sides(data: &Data, actuator: usize, activation: usize) -> M
     Path { control: data.model().first_control(actuator), actuator, activation }.muscle_sides(data)
 }
 
-/// Returns the kinks in the controls and activations, for the activations `next` after a step, before clamping, if they are known.
+/// Returns the kinks in the controls and activations, for the activations `next` after a step,
+/// before clamping, if they are known.
 pub(super) fn of_inputs(data: &Data, next: Option<&[f64]>) -> Kinks {
     let model = data.model();
     let mut kinks = Kinks::empty();

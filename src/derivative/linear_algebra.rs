@@ -80,7 +80,8 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
 }
 }
 
-/// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without pivoting.
+/// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without
+/// pivoting.
 pub(super) fn factor_lu(matrix: &mut Matrix) {
     let n = matrix.nrows();
     for row in 1..n {

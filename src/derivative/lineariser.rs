@@ -19,11 +19,12 @@ use crate::model::IntoModel;
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
 
-/// Maximum number of threads. A larger number is probably a mistake, and each thread uses the memory of a simulation.
+/// Maximum number of threads. A larger number is probably a mistake, and each thread uses the
+/// memory of a simulation.
 const MAX_THREADS: usize = 1024;
 
-/// Linearises steps of a simulation by a choice of [methods](TransitionMethod), and keeps the required buffers: a simulation
-/// for each thread, and the columns.
+/// Linearises steps of a simulation by a choice of [methods](TransitionMethod), and keeps the
+/// required buffers: a simulation for each thread, and the columns.
 ///
 /// ```
 /// use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
@@ -39,12 +40,14 @@ const MAX_THREADS: usize = 1024;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 ///
-/// The analytic method computes a system in the caller's thread. For the other methods, the threads of the current rayon pool share
-/// the columns; `ThreadPool::install` selects another pool than the global one. The caller's thread takes part. The result does
-/// not depend on the number of threads. With one thread, or for a model of a few degrees of freedom, the caller's thread does all
-/// the work.
+/// The analytic method computes a system in the caller's thread. For the other methods, the threads
+/// of the current rayon pool share the columns; `ThreadPool::install` selects another pool than the
+/// global one. The caller's thread takes part. The result does not depend on the number of threads.
+/// With one thread, or for a model of a few degrees of freedom, the caller's thread does all the
+/// work.
 ///
-/// At a kink of the step, the derivatives are those of one side, and the report names the kink: see [`Kinks`](super::Kinks).
+/// At a kink of the step, the derivatives are those of one side, and the report names the kink: see
+/// [`Kinks`](super::Kinks).
 #[derive(Debug)]
 pub struct Lineariser {
     options: TransitionOptions,
@@ -60,8 +63,9 @@ impl Lineariser {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there are from 1 to 1024 threads, [`Error::Engine`] or
-    /// [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there are from 1 to 1024
+    /// threads, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the
+    /// simulations.
     pub fn new(model: impl IntoModel, options: TransitionOptions) -> Result<Self> {
         let model = model.into_model();
         if let Some(eps) = options.eps {
@@ -81,16 +85,16 @@ impl Lineariser {
         &self.options
     }
 
-    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so
-    /// that their rows of C and D are differenced. These are force and torque sensors of sites of the
-    /// world (of all sites in models with spatial tendons, with engines after 2.2.2), user sensors,
-    /// velocities of limits of ball joints, lengths of actuators of ball and free joints, frames of
-    /// cameras that track or face a body, sensors that 2.2.2 does not have, sensors of subtrees after an
-    /// edit of masses without [`update_constants`](crate::ModelMut::update_constants), and all sensors
-    /// with a cutoff.
+    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no
+    /// formula, so that their rows of C and D are differenced. These are force and torque sensors
+    /// of sites of the world (of all sites in models with spatial tendons, with engines after
+    /// 2.2.2), user sensors, velocities of limits of ball joints, lengths of actuators of ball and
+    /// free joints, frames of cameras that track or face a body, sensors that 2.2.2 does not have,
+    /// sensors of subtrees after an edit of masses without
+    /// [`update_constants`](crate::ModelMut::update_constants), and all sensors with a cutoff.
     ///
-    /// A sensor at a state where its derivative is not finite is also differenced, and so is a rangefinder that meets a mesh, a height
-    /// field or a signed distance field.
+    /// A sensor at a state where its derivative is not finite is also differenced, and so is a
+    /// rangefinder that meets a mesh, a height field or a signed distance field.
     ///
     /// ```
     /// use mujoco_safe::{Lineariser, Model};
@@ -110,7 +114,8 @@ impl Lineariser {
         differenced.map(|sensor| SensorId::new(sensor, model.lineage()))
     }
 
-    /// Linearises a step about the present state, controls and other inputs. Also reports the method that was used.
+    /// Linearises a step about the present state, controls and other inputs. Also reports the
+    /// method that was used.
     ///
     /// # Errors
     ///
@@ -121,12 +126,14 @@ impl Lineariser {
         Ok((system, report))
     }
 
-    /// Linearises a step as [`linear_system`](Self::linear_system) does, into the caller's matrices, any of which may be
-    /// omitted. Allocates nothing, except what rayon occasionally needs to wake its threads.
+    /// Linearises a step as [`linear_system`](Self::linear_system) does, into the caller's
+    /// matrices, any of which may be omitted. Allocates nothing, except what rayon occasionally
+    /// needs to wake its threads.
     ///
-    /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it has
-    /// [callbacks](crate::callback), which can only be called on the simulation itself. In that case its computed quantities
-    /// count as not computed afterwards, and it must be reset after an error.
+    /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it
+    /// has [callbacks](crate::callback), which can only be called on the simulation itself. In that
+    /// case its computed quantities count as not computed afterwards, and it must be reset after an
+    /// error.
     ///
     /// # Errors
     ///
@@ -162,9 +169,9 @@ impl Lineariser {
 
     /// Linearises the steps along a trajectory, for a regulator whose gain varies with time.
     ///
-    /// System `k` is that of row `k` of `states`, `[qpos; qvel; act]`, and row `k` of `controls`. Time, applied forces, mocap
-    /// poses and user data are those of `data`. Each thread linearises a share of the rows; the result does not depend on the
-    /// number of threads.
+    /// System `k` is that of row `k` of `states`, `[qpos; qvel; act]`, and row `k` of `controls`.
+    /// Time, applied forces, mocap poses and user data are those of `data`. Each thread linearises
+    /// a share of the rows; the result does not depend on the number of threads.
     ///
     /// ```
     /// use mujoco_safe::derivative::TransitionOptions;
@@ -181,9 +188,10 @@ impl Lineariser {
     ///
     /// # Errors
     ///
-    /// As for [`linear_system_into`](Self::linear_system_into), [`Error::Shape`] unless `states` is `(N, nq + nv + na)` and
-    /// `controls` is `(N, nu)`, and [`Error::Unsupported`] for a simulation with callbacks and for a model whose state has more
-    /// parts: plugins with a state, and plastic flexes. If several rows fail, returns the error of the first one.
+    /// As for [`linear_system_into`](Self::linear_system_into), [`Error::Shape`] unless `states` is
+    /// `(N, nq + nv + na)` and `controls` is `(N, nu)`, and [`Error::Unsupported`] for a simulation
+    /// with callbacks and for a model whose state has more parts: plugins with a state, and plastic
+    /// flexes. If several rows fail, returns the error of the first one.
     pub fn along(
         &mut self,
         data: &Data,
@@ -196,12 +204,13 @@ impl Lineariser {
         Ok(systems)
     }
 
-    /// Linearises the steps along a trajectory as [`along`](Self::along) does, into the caller's systems. Allocates nothing,
-    /// except what rayon needs.
+    /// Linearises the steps along a trajectory as [`along`](Self::along) does, into the caller's
+    /// systems. Allocates nothing, except what rayon needs.
     ///
     /// # Errors
     ///
-    /// As for [`along`](Self::along), and [`Error::Shape`] unless there is one system of the right shapes for each row.
+    /// As for [`along`](Self::along), and [`Error::Shape`] unless there is one system of the right
+    /// shapes for each row.
     pub fn along_into(
         &mut self,
         data: &Data,
@@ -212,7 +221,8 @@ impl Lineariser {
         self.along_with(data, states, controls, systems, |system| system.into())
     }
 
-    /// Computes A and B of the systems along a trajectory as [`along_into`](Self::along_into) does, and leaves C and D unchanged.
+    /// Computes A and B of the systems along a trajectory as [`along_into`](Self::along_into) does,
+    /// and leaves C and D unchanged.
     pub(crate) fn along_without_sensors_into(
         &mut self,
         data: &Data,

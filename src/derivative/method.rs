@@ -11,7 +11,8 @@ use crate::macros::with_methods;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum TransitionMethod {
-    /// Differences of a step by the engine, [`Data::transition_fd`](crate::Data::transition_fd), in one thread.
+    /// Differences of a step by the engine, [`Data::transition_fd`](crate::Data::transition_fd), in
+    /// one thread.
     Engine,
     /// The same differences, computed column by column and shared among the threads. Without a step
     /// in the options, those that disagree are repeated with others
@@ -23,14 +24,17 @@ pub enum TransitionMethod {
     /// step. If the solver has not converged by then, `Columns` reports
     /// [`Kinks::DIFFERENCES`](super::Kinks::DIFFERENCES).
     Columns,
-    /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
-    /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
-    /// lineariser uses [`Columns`](Self::Columns) and gives the reason in the [`LinearisationReport`].
+    /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint
+    /// solver: several times faster than differences of a step, and at least as accurate. The
+    /// threads share the columns. If the method does not apply, the lineariser uses
+    /// [`Columns`](Self::Columns) and gives the reason in the [`LinearisationReport`].
     Implicit,
-    /// Derivatives of the equations of motion in closed form: the fastest and most accurate method. Differences remain for some
-    /// terms, which the [`LinearisationReport`] names: [`differenced`](LinearisationReport::differenced). If the method does not
-    /// apply to a model or a state, the lineariser uses [`Implicit`](Self::Implicit) or [`Columns`](Self::Columns), and gives the
-    /// reason. One thread computes a system; several threads share those along a trajectory.
+    /// Derivatives of the equations of motion in closed form: the fastest and most accurate method.
+    /// Differences remain for some terms, which the [`LinearisationReport`] names:
+    /// [`differenced`](LinearisationReport::differenced). If the method does not apply to a model
+    /// or a state, the lineariser uses [`Implicit`](Self::Implicit) or [`Columns`](Self::Columns),
+    /// and gives the reason. One thread computes a system; several threads share those along a
+    /// trajectory.
     Analytic,
 }
 
@@ -42,19 +46,20 @@ pub struct TransitionOptions {
     pub method: TransitionMethod,
     /// Scheme of differences; [`Central`](Differences::Central) by default.
     pub differences: Differences,
-    /// Step of the differences. By default `1e-7` for inverse dynamics, and `1e-6` for differences of a step, where it has to be
-    /// large compared with the tolerance of the solver.
+    /// Step of the differences. By default `1e-7` for inverse dynamics, and `1e-6` for differences
+    /// of a step, where it has to be large compared with the tolerance of the solver.
     pub eps: Option<f64>,
-    /// Maximum number of rayon threads that work at the same time, from 1 to 1024. Each has its own simulation. The result does not
-    /// depend on the number, to the last bit. A thread that the operating system schedules on the caller's processor gives no
-    /// speed-up; in virtual machines this lasts for milliseconds. To avoid it, call from a pool whose threads are pinned to
+    /// Maximum number of rayon threads that work at the same time, from 1 to 1024. Each has its own
+    /// simulation. The result does not depend on the number, to the last bit. A thread that the
+    /// operating system schedules on the caller's processor gives no speed-up; in virtual machines
+    /// this lasts for milliseconds. To avoid it, call from a pool whose threads are pinned to
     /// processors.
     pub threads: usize,
 }
 
 impl Default for TransitionOptions {
-    /// Returns options for derivatives in closed form in one thread, where possible, and for central differences with the default
-    /// step otherwise.
+    /// Returns options for derivatives in closed form in one thread, where possible, and for
+    /// central differences with the default step otherwise.
     fn default() -> Self {
         Self { method: TransitionMethod::Analytic, differences: Differences::Central, eps: None, threads: 1 }
     }
@@ -88,7 +93,8 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// Returns the step, and those with which differences are repeated if those to the right and to the left disagree.
+    /// Returns the step, and those with which differences are repeated if those to the right and to
+    /// the left disagree.
     pub(super) fn trials(self) -> impl Iterator<Item = Self> {
         let count = if self.may_change && self.differences == Differences::Central { 4 } else { 1 };
         [1.0, 0.1, 10.0, 100.0].into_iter().take(count).map(move |factor| Self { eps: factor * self.eps, ..self })
@@ -97,65 +103,82 @@ impl Step {
 
 /// Reason why another method than the requested one was used.
 ///
-/// Each variant names the method that is used. With the implicit integrator it is [`Columns`](TransitionMethod::Columns) also for variants
-/// that name [`Implicit`](TransitionMethod::Implicit). For [inverse dynamics](super::Lineariser::inverse_jacobians) it always is
+/// Each variant names the method that is used. With the implicit integrator it is
+/// [`Columns`](TransitionMethod::Columns) also for variants that name
+/// [`Implicit`](TransitionMethod::Implicit). For [inverse
+/// dynamics](super::Lineariser::inverse_jacobians) it always is
 /// [`Engine`](TransitionMethod::Engine).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fallback {
-    /// The simulation has [callbacks](crate::callback), which only calls on that simulation can invoke. The method is
-    /// [`Engine`](TransitionMethod::Engine).
+    /// The simulation has [callbacks](crate::callback), which only calls on that simulation can
+    /// invoke. The method is [`Engine`](TransitionMethod::Engine).
     Callbacks,
-    /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The method is
-    /// [`Columns`](TransitionMethod::Columns), with complete steps.
+    /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The
+    /// method is [`Columns`](TransitionMethod::Columns), with complete steps.
     RungeKutta,
-    /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), or [`ImplicitFast`](crate::enums::Integrator::ImplicitFast) or
-    /// [`Discrete`](crate::enums::Integrator::Discrete) of newer engines, whose step depends on derivatives of forces that the engine
-    /// does not expose. The analytic method has formulas for those of `Implicit`, except for those of a medium, muscles, spatial
-    /// tendons and actuators on sites. The method is [`Columns`](TransitionMethod::Columns).
+    /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), or
+    /// [`ImplicitFast`](crate::enums::Integrator::ImplicitFast) or
+    /// [`Discrete`](crate::enums::Integrator::Discrete) of newer engines, whose step depends on
+    /// derivatives of forces that the engine does not expose. The analytic method has formulas for
+    /// those of `Implicit`, except for those of a medium, muscles, spatial tendons and actuators on
+    /// sites. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
-    /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
-    /// method is [`Columns`](TransitionMethod::Columns).
+    /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics
+    /// does not invert the step. The method is [`Columns`](TransitionMethod::Columns).
     NoSlip,
-    /// The model has a value that the method does not understand: `field` is the field of `mjModel`, such as `jnt_springyield`, or of its options, such
-    /// as `opt.enableflags`, and `element` is the index of the first such element, zero for options and sizes.
+    /// The model has a value that the method does not understand: `field` is the field of
+    /// `mjModel`, such as `jnt_springyield`, or of its options, such as `opt.enableflags`, and
+    /// `element` is the index of the first such element, zero for options and sizes.
     ///
-    /// Each method states which values of which fields it understands. Everything else must have its default, so features that newer engines add are
-    /// not understood until they are examined. The method is [`Implicit`](TransitionMethod::Implicit) if that understands the model, else
+    /// Each method states which values of which fields it understands. Everything else must have
+    /// its default, so features that newer engines add are not understood until they are examined.
+    /// The method is [`Implicit`](TransitionMethod::Implicit) if that understands the model, else
     /// [`Columns`](TransitionMethod::Columns).
     ///
-    /// The analytic method does not understand flexes, plugins, compensation of gravity, stiffness and damping of higher order, plastic deformation,
-    /// damping and armature of actuators, armature of tendons, activations that act within the step, limits of actuator forces at joints or tendons,
-    /// adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, fixed tendons at ball and free joints
-    /// (before 4.0), disabled groups of actuators, springs disabled without dampers or dampers without springs, the flag `EULERDAMP`, and options that
-    /// newer engines can enable. Of these, the implicit method understands compensation of gravity, stiffness of higher order, damping of higher order
-    /// of tendons, activations that act within the step, adhesion, surface velocity, `solreffriction`, constraints between sites, fixed tendons, and
-    /// springs or dampers disabled alone. Neither understands sensors of contacts and of the actuator forces at joints or tendons.
+    /// The analytic method does not understand flexes, plugins, compensation of gravity, stiffness
+    /// and damping of higher order, plastic deformation, damping and armature of actuators,
+    /// armature of tendons, activations that act within the step, limits of actuator forces at
+    /// joints or tendons, adhesion and surface velocity of geoms, `solreffriction` of pairs,
+    /// equality constraints between sites, fixed tendons at ball and free joints (before 4.0),
+    /// disabled groups of actuators, springs disabled without dampers or dampers without springs,
+    /// the flag `EULERDAMP`, and options that newer engines can enable. Of these, the implicit
+    /// method understands compensation of gravity, stiffness of higher order, damping of higher
+    /// order of tendons, activations that act within the step, adhesion, surface velocity,
+    /// `solreffriction`, constraints between sites, fixed tendons, and springs or dampers disabled
+    /// alone. Neither understands sensors of contacts and of the actuator forces at joints or
+    /// tendons.
     NotUnderstood {
         /// Field of `mjModel`, or `opt.` and the field of `mjOption`.
         field: &'static str,
         /// Index of the element.
         element: usize,
     },
-    /// The formulas were not verified with this version of the engine. The method is [`Columns`](TransitionMethod::Columns).
+    /// The formulas were not verified with this version of the engine. The method is
+    /// [`Columns`](TransitionMethod::Columns).
     EngineVersion,
-    /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
-    /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
+    /// The constraint solver stopped too far from the accelerations that satisfy the equations of
+    /// motion, because of its iteration limit or its tolerance. The method is
+    /// [`Columns`](TransitionMethod::Columns).
     NotConverged,
-    /// A medium exerts forces on geoms of the [ellipsoid model](crate::Model::geom_fluid), for which the analytic method has no
-    /// formula. The method is [`Implicit`](TransitionMethod::Implicit).
-    Fluid,
-    /// The analytic method has no formula for a spatial tendon: it winds around a geom, a segment has no length, or an equality
-    /// constraint acts on it. The method is [`Implicit`](TransitionMethod::Implicit).
-    SpatialTendon,
-    /// The analytic method has no formula for an actuator: it covers motors, servos, other affine gains and biases, and muscles
-    /// on hinges, slides, tendons and sites without a reference site, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
-    Actuator,
-    /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
-    /// collision function iterates, or with engines from 3.7 a `connect` or `weld` constraint. The method is [`Implicit`](TransitionMethod::Implicit).
-    Constraint,
-    /// A derivative in closed form is not finite, for example that of the limit of a ball joint at its zero rotation. The method is
+    /// A medium exerts forces on geoms of the [ellipsoid model](crate::Model::geom_fluid), for
+    /// which the analytic method has no formula. The method is
     /// [`Implicit`](TransitionMethod::Implicit).
+    Fluid,
+    /// The analytic method has no formula for a spatial tendon: it winds around a geom, a segment
+    /// has no length, or an equality constraint acts on it. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    SpatialTendon,
+    /// The analytic method has no formula for an actuator: it covers motors, servos, other affine
+    /// gains and biases, and muscles on hinges, slides, tendons and sites without a reference site,
+    /// and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
+    Actuator,
+    /// The analytic method has no formula for a constraint that exerts a force, for example a
+    /// contact of convex meshes, whose collision function iterates, or with engines from 3.7 a
+    /// `connect` or `weld` constraint. The method is [`Implicit`](TransitionMethod::Implicit).
+    Constraint,
+    /// A derivative in closed form is not finite, for example that of the limit of a ball joint at
+    /// its zero rotation. The method is [`Implicit`](TransitionMethod::Implicit).
     Singular,
 }
 
@@ -184,37 +207,44 @@ bitflags! {
     /// Terms that the [analytic](TransitionMethod::Analytic) method computes by differences.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     pub struct DifferencedTerms: u32 {
-        /// Rows of C and D: by differences of inverse dynamics, for sensors without a formula. These are the
-        /// [`differenced_sensors`](super::Lineariser::differenced_sensors) of the lineariser.
+        /// Rows of C and D: by differences of inverse dynamics, for sensors without a formula.
+        /// These are the [`differenced_sensors`](super::Lineariser::differenced_sensors) of the
+        /// lineariser.
         const SENSORS = 1;
-        /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by differences of their collision
-        /// function.
+        /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by
+        /// differences of their collision function.
         const CONTACTS = 1 << 1;
     }
 }
 
 bitflags! {
-    /// Kinks of a step at the state of a linearisation, where derivatives have two sides, and differences that do not converge.
+    /// Kinks of a step at the state of a linearisation, where derivatives have two sides, and
+    /// differences that do not converge.
     ///
-    /// The side is that of an input that moves into its range. Where both directions are possible, a muscle contracts: its control grows, and
-    /// its activation decreases. The methods [`Columns`](TransitionMethod::Columns), [`Implicit`](TransitionMethod::Implicit) and
-    /// [`Analytic`](TransitionMethod::Analytic) differentiate controls and activations on that side. [`Engine`](TransitionMethod::Engine), which is
-    /// the engine's own function, does so only for controls at the ends of their ranges; its central differences are means of both sides at
+    /// The side is that of an input that moves into its range. Where both directions are possible,
+    /// a muscle contracts: its control grows, and its activation decreases. The methods
+    /// [`Columns`](TransitionMethod::Columns), [`Implicit`](TransitionMethod::Implicit) and
+    /// [`Analytic`](TransitionMethod::Analytic) differentiate controls and activations on that
+    /// side. [`Engine`](TransitionMethod::Engine), which is the engine's own function, does so only
+    /// for controls at the ends of their ranges; its central differences are means of both sides at
     /// the other kinks.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     pub struct Kinks: u32 {
-        /// The control of a muscle equals its activation, as in every steady state, so that it is between contraction (the time constant of
-        /// activation) and relaxation (that of deactivation, with which it may be several times slower). The derivatives are those of
-        /// contraction, except that by a control at the upper end of its range, or by an activation at the lower end of its range. Or the
-        /// activation is 0 or 1, beyond which it does not affect the time constants: the derivative is that inside.
+        /// The control of a muscle equals its activation, as in every steady state, so that it is
+        /// between contraction (the time constant of activation) and relaxation (that of
+        /// deactivation, with which it may be several times slower). The derivatives are those of
+        /// contraction, except that by a control at the upper end of its range, or by an activation
+        /// at the lower end of its range. Or the activation is 0 or 1, beyond which it does not
+        /// affect the time constants: the derivative is that inside.
         const MUSCLES = 1;
-        /// A control is at an end of its range, beyond which it has no effect. The derivative is that inside the range.
+        /// A control is at an end of its range, beyond which it has no effect. The derivative is
+        /// that inside the range.
         const CONTROLS = 1 << 1;
-        /// An activation after the step is at an end of its range. The derivative is that inside the range. The method `Engine` does not
-        /// report this kink.
+        /// An activation after the step is at an end of its range. The derivative is that inside
+        /// the range. The method `Engine` does not report this kink.
         const ACTIVATIONS = 1 << 2;
-        /// The force of an actuator is at an end of its range. The method `Analytic` gives the derivative inside the range. The others report
-        /// [`DIFFERENCES`](Self::DIFFERENCES).
+        /// The force of an actuator is at an end of its range. The method `Analytic` gives the
+        /// derivative inside the range. The others report [`DIFFERENCES`](Self::DIFFERENCES).
         const FORCES = 1 << 3;
         /// A contact, a limit of a joint or a limit of a tendon begins or ceases to act: the
         /// distance equals the margin, or the force is zero. Or the friction loss of a joint or a
@@ -238,8 +268,8 @@ bitflags! {
         /// for kinks and jumps, and those of the method `Engine` for nothing.
         const DIFFERENCES = 1 << 5;
         /// The length of a tendon is at an end of the range in which its spring is slack
-        /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The others
-        /// report [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
+        /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The
+        /// others report [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
         const SPRINGS = 1 << 6;
     }
 }
@@ -252,7 +282,8 @@ pub struct LinearisationReport {
     pub method: TransitionMethod,
     /// Reason why it is not the requested one; `None` if it is.
     pub fallback: Option<Fallback>,
-    /// Terms that the analytic method computed by differences. Empty for the other methods, which are differences throughout.
+    /// Terms that the analytic method computed by differences. Empty for the other methods, which
+    /// are differences throughout.
     pub differenced: DifferencedTerms,
     /// Kinks at the state: the derivative exists on each side only, or does not exist.
     pub kinks: Kinks,

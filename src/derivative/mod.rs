@@ -1,18 +1,22 @@
-//! Derivatives of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd)) and of inverse
-//! dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
+//! Derivatives of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd))
+//! and of inverse dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
 //!
-//! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
-//! ([`Model::differentiate_pos_into`](crate::Model::differentiate_pos_into)), a step of the simulation is to first order
+//! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the
+//! tangent space of positions
+//! ([`Model::differentiate_pos_into`](crate::Model::differentiate_pos_into)), a step of the
+//! simulation is to first order
 //!
 //! ```text
 //! dx' = A dx + B du        dy = C dx + D du
 //! ```
 //!
-//! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls. A
-//! [`Lineariser`] computes them faster, repeatedly, in several threads, and along trajectories. It either differences steps, as
-//! the engine does, or differentiates the equations of motion implicitly: from differences of inverse dynamics, or in closed form.
+//! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present
+//! state and controls. A [`Lineariser`] computes them faster, repeatedly, in several threads, and
+//! along trajectories. It either differences steps, as the engine does, or differentiates the
+//! equations of motion implicitly: from differences of inverse dynamics, or in closed form.
 //!
-//! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
+//! The derivatives of differences and sums of quaternions are in
+//! [`math`](crate::math::sub_quat_derivative).
 
 mod actuation;
 mod analytic;

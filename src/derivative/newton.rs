@@ -6,10 +6,12 @@
 //! g(a) = M a + bias − passive − actuator − applied − Jᵀ f(J a − aref) = 0,      H = ∂g/∂a = M + Jᵀ K J,
 //! ```
 //!
-//! where K is the derivative of −f. The engine's Newton solver uses the same K: `efc_D` for a constraint in its quadratic zone,
-//! zero for one that is satisfied or in its linear zone, and a block for each elliptic cone in its middle zone (E. Todorov,
-//! "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014). g is the gradient of a convex
-//! function, piecewise quadratic except for the cones, so Newton's method converges in one or two steps from the solver's result.
+//! where K is the derivative of −f. The engine's Newton solver uses the same K: `efc_D` for a
+//! constraint in its quadratic zone, zero for one that is satisfied or in its linear zone, and a
+//! block for each elliptic cone in its middle zone (E. Todorov, "Convex and analytically-invertible
+//! dynamics with contacts and constraints", ICRA 2014). g is the gradient of a convex function,
+//! piecewise quadratic except for the cones, so Newton's method converges in one or two steps from
+//! the solver's result.
 
 use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact, mjMAXVAL};
 
@@ -21,7 +23,8 @@ use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Largest first step, relative to the largest acceleration. A larger one shows that the solver has not converged.
+/// Largest first step, relative to the largest acceleration. A larger one shows that the solver has
+/// not converged.
 const MAX_FIRST_STEP: f64 = 1e-4;
 /// Step size below which the Hessian of elliptic cones counts as that of the result.
 const SMALL_STEP: f64 = 1e-9;
@@ -34,7 +37,8 @@ const MIN_PIVOT: f64 = 1e-15;
 /// Newton's method, with its buffers.
 #[derive(Debug)]
 pub(super) struct Newton {
-    /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix after [`solve`](Self::solve).
+    /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix
+    /// after [`solve`](Self::solve).
     pub(super) factor: Matrix,
     /// `J a − aref`.
     pub(super) jar: Vec<f64>,
@@ -96,9 +100,9 @@ impl Newton {
         Ok(())
     }
 
-    /// Computes the accelerations of the present state to the accuracy of the arithmetic, the constraint forces, and the sensors as
-    /// requested. Leaves the residual, `(nv)`, in `value`, and returns the way to evaluate it; `None` if the constraint solver has
-    /// not converged.
+    /// Computes the accelerations of the present state to the accuracy of the arithmetic, the
+    /// constraint forces, and the sensors as requested. Leaves the residual, `(nv)`, in `value`,
+    /// and returns the way to evaluate it; `None` if the constraint solver has not converged.
     pub(super) fn solve(
         &mut self,
         data: &mut Data,
@@ -112,8 +116,8 @@ impl Newton {
         Ok(self.refine(data, residual, value)?.then_some(residual))
     }
 
-    /// Does the same as [`solve`](Self::solve) without sensors, for a caller that does not read the residual: `value` is a buffer. Returns
-    /// `false` if the constraint solver has not converged.
+    /// Does the same as [`solve`](Self::solve) without sensors, for a caller that does not read the
+    /// residual: `value` is a buffer. Returns `false` if the constraint solver has not converged.
     pub(super) fn solve_accelerations(&mut self, data: &mut Data, value: &mut [f64]) -> Result<bool> {
         if !has_accelerations(data, SensorUpdate::Skip)? {
             return Ok(false);
@@ -134,8 +138,9 @@ impl Newton {
 
     /// Refines `qacc`, the result of the constraint solver, to the accuracy of the arithmetic.
     ///
-    /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns `false` if the
-    /// solver's result was too far from the solution.
+    /// Updates the constraint forces and leaves the Cholesky factor of H in
+    /// [`factor`](Self::factor). Returns `false` if the solver's result was too far from the
+    /// solution.
     fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
         self.update(data, residual, value)?;
         for step in 0..MAX_STEPS {
@@ -168,7 +173,8 @@ impl Newton {
         Ok(false)
     }
 
-    /// Computes the constraint forces for the present `qacc`, and leaves H in the lower triangle of [`factor`](Self::factor).
+    /// Computes the constraint forces for the present `qacc`, and leaves H in the lower triangle of
+    /// [`factor`](Self::factor).
     pub(super) fn hessian(&mut self, data: &mut Data) -> Result<&Matrix> {
         self.update_constraints(data)?;
         self.assemble(data)?;
@@ -195,7 +201,8 @@ impl Newton {
     }
 }
 
-/// Computes the accelerations of the present state, and the sensors as requested. Returns `false` if they are beyond the engine's limit.
+/// Computes the accelerations of the present state, and the sensors as requested. Returns `false`
+/// if they are beyond the engine's limit.
 fn has_accelerations(data: &mut Data, sensors: SensorUpdate) -> Result<bool> {
     data.forward_skip(Stage::Nothing, sensors)?;
     Ok(data.qacc().iter().all(|value| value.abs() <= mjMAXVAL))
@@ -203,7 +210,8 @@ fn has_accelerations(data: &mut Data, sensors: SensorUpdate) -> Result<bool> {
 
 /// Returns the contacts, as the engine stores them.
 pub(super) fn contacts(data: &Data) -> &[mjContact] {
-    // SAFETY: the engine's array holds `ncon` contacts, and nothing writes to them while the data is borrowed.
+    // SAFETY: the engine's array holds `ncon` contacts, and nothing writes to them while the data
+    // is borrowed.
     unsafe { ffi::array(data.raw().contact, data.ncon()) }
 }
 

@@ -68,8 +68,8 @@ pub(super) struct Settings<'m> {
 
 /// Returns the inputs in the order in which columns are computed.
 ///
-/// Each kind of input needs fewer results at the base point than the preceding kinds, and overwrites the others. So controls come
-/// first and positions last.
+/// Each kind of input needs fewer results at the base point than the preceding kinds, and
+/// overwrites the others. So controls come first and positions last.
 pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Input> + use<> {
     let range = |n: usize, wanted: bool| if wanted { 0..n } else { 0..0 };
     let (nv, na, nu) = (model.nv(), model.na(), model.nu());
@@ -85,7 +85,8 @@ pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Inpu
 pub(super) struct BasePoint<'a> {
     /// Values of [`StateSpec::INTEGRATION`].
     pub(super) integration: &'a [f64],
-    /// `[qpos; qvel; act]` and controls of a knot of a trajectory, which replace those of `integration`.
+    /// `[qpos; qvel; act]` and controls of a knot of a trajectory, which replace those of
+    /// `integration`.
     pub(super) knot: Option<(&'a [f64], &'a [f64])>,
 }
 

@@ -1,4 +1,5 @@
-//! The residual of the equations of motion at a given acceleration, whose differences implicit differentiation uses.
+//! The residual of the equations of motion at a given acceleration, whose differences implicit
+//! differentiation uses.
 
 use std::ffi::c_int;
 
@@ -9,7 +10,8 @@ use crate::error::Result;
 use crate::id::Id;
 use crate::kind;
 
-/// Stages that forces need after positions change. Adhesion acts through the constraints, so transmission comes after them.
+/// Stages that forces need after positions change. Adhesion acts through the constraints, so
+/// transmission comes after them.
 const POSITION_STAGES: [guard::Part; 7] = [
     sys::mj_kinematics,
     sys::mj_comPos,
@@ -36,8 +38,8 @@ impl Residual {
         Self { has_external_forces: data.xfrc_applied().as_flattened().iter().any(|&value| value != 0.0) }
     }
 
-    /// Computes all forces at the present `qacc`, and the preceding stages that depend on the changed quantities: positions if
-    /// `positions_changed`, else velocities.
+    /// Computes all forces at the present `qacc`, and the preceding stages that depend on the
+    /// changed quantities: positions if `positions_changed`, else velocities.
     pub(super) fn update_forces(self, data: &mut Data, positions_changed: bool, sensors: bool) -> Result<()> {
         if sensors || self.has_external_forces {
             if positions_changed {
@@ -49,22 +51,25 @@ impl Residual {
             data.fwd_actuation()?;
             return data.inv_constraint();
         }
-        // Skips the stages whose results are not read here: cameras, the factor of the inertia matrix, and the bias force.
+        // Skips the stages whose results are not read here: cameras, the factor of the inertia
+        // matrix, and the bias force.
         data.run("mj_inverse", PipelineFlags::empty(), |model, data| {
             // SAFETY: `run` passes a valid model.
             let tendons = unsafe { (*model).ntendon };
             let position_stages: &[guard::Part] = if positions_changed { &POSITION_STAGES } else { &[] };
             let velocity_stages: &[guard::Part] = if tendons > 0 { &[sys::mj_fwdVelocity] } else { &VELOCITY_STAGES };
             let run_all = |stages: &[guard::Part]| {
-                // SAFETY: as above. Each stage reads results of the stages before it, or results at the base point: the
-                // preparation has computed these, and positions are perturbed last.
+                // SAFETY: as above. Each stage reads results of the stages before it, or results at
+                // the base point: the preparation has computed these, and positions are perturbed
+                // last.
                 unsafe { guard::parts(model, data, stages.as_ptr(), stages.len() as c_int) }
             };
             let status = run_all(position_stages);
             if status != guard::OK {
                 return status;
             }
-            // SAFETY: a valid model, and the data that belongs to it, whose transmission was computed.
+            // SAFETY: a valid model, and the data that belongs to it, whose transmission was
+            // computed.
             unsafe { sys::adapted::actuator_velocity(model, data) };
             match run_all(velocity_stages) {
                 guard::OK => run_all(&FORCE_STAGES),
@@ -77,7 +82,8 @@ impl Residual {
     pub(super) fn evaluate(self, data: &mut Data, residual: &mut [f64]) -> Result<()> {
         assert_eq!(residual.len(), data.model().nv(), "Bug: the residual does not have nv entries");
         data.call_mut("mj_rne", |m, d| {
-            // SAFETY: the result has nv entries, and the motion axes and their velocities were computed for this model.
+            // SAFETY: the result has nv entries, and the motion axes and their velocities were
+            // computed for this model.
             unsafe { guard::mj_rne(m, d, 1, residual.as_mut_ptr()) }
         })?;
         if self.has_external_forces {

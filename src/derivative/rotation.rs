@@ -5,7 +5,8 @@ use crate::ffi;
 use crate::math;
 use crate::model::Model;
 
-/// Derivatives of the integration of a quaternion. `dof` is the first of its three degrees of freedom.
+/// Derivatives of the integration of a quaternion. `dof` is the first of its three degrees of
+/// freedom.
 #[derive(Clone, Debug)]
 pub(super) struct Rotation {
     pub(super) dof: usize,
@@ -15,7 +16,8 @@ pub(super) struct Rotation {
     pub(super) by_velocity: [f64; 9],
 }
 
-/// Writes the derivatives for all quaternions of a model. `next_velocity` returns the velocity of a degree of freedom after a step.
+/// Writes the derivatives for all quaternions of a model. `next_velocity` returns the velocity of a
+/// degree of freedom after a step.
 pub(super) fn differentiate(model: &Model, next_velocity: impl Fn(usize) -> f64, rotations: &mut Vec<Rotation>) {
     rotations.clear();
     let h = model.raw().opt.timestep;

@@ -1,13 +1,14 @@
 //! Vectors in space and spatial vectors, as inlined arithmetic.
 //!
-//! A spatial vector is `[angular; linear]`, as in the engine: a motion is `[ω; v]`, a force `[torque; force]`, both about a
-//! reference point.
+//! A spatial vector is `[angular; linear]`, as in the engine: a motion is `[ω; v]`, a force
+//! `[torque; force]`, both about a reference point.
 
 pub(crate) type Vec3 = [f64; 3];
 pub(crate) type Spatial = [f64; 6];
 
-/// Inertia of a rigid body about the reference point: the ten numbers of the engine's `cinert`. They are the matrix of rotational
-/// inertia (`xx`, `yy`, `zz`, `xy`, `xz`, `yz`), the mass times the centre of mass, and the mass.
+/// Inertia of a rigid body about the reference point: the ten numbers of the engine's `cinert`.
+/// They are the matrix of rotational inertia (`xx`, `yy`, `zz`, `xy`, `xz`, `yz`), the mass times
+/// the centre of mass, and the mass.
 pub(crate) type Inertia = [f64; 10];
 
 #[inline]
@@ -62,7 +63,8 @@ pub(crate) fn spatial(angular: &Vec3, linear: &Vec3) -> Spatial {
     [angular[0], angular[1], angular[2], linear[0], linear[1], linear[2]]
 }
 
-/// Returns the rate of change `v × m` of a motion vector `m` that is fixed in a frame moving with `v`.
+/// Returns the rate of change `v × m` of a motion vector `m` that is fixed in a frame moving with
+/// `v`.
 #[inline]
 pub(crate) fn cross_motion(v: &Spatial, m: &Spatial) -> Spatial {
     let (turn, shift) = (angular(v), linear(v));
@@ -70,7 +72,8 @@ pub(crate) fn cross_motion(v: &Spatial, m: &Spatial) -> Spatial {
     spatial(&cross(&turn, &of), &add(&cross(&turn, &at), &cross(&shift, &of)))
 }
 
-/// Returns the rate of change `v ×* f` of a force vector `f` that is fixed in a frame moving with `v`.
+/// Returns the rate of change `v ×* f` of a force vector `f` that is fixed in a frame moving with
+/// `v`.
 #[inline]
 pub(crate) fn cross_force(v: &Spatial, f: &Spatial) -> Spatial {
     let (turn, shift) = (angular(v), linear(v));
@@ -97,7 +100,8 @@ pub(crate) fn velocity_at(motion: &Spatial, arm: &Vec3) -> Vec3 {
     add(&linear(motion), &cross(&angular(motion), arm))
 }
 
-/// Returns the force vector about the reference point of a torque, and of a force at `arm` from the reference point.
+/// Returns the force vector about the reference point of a torque, and of a force at `arm` from the
+/// reference point.
 #[inline]
 pub(crate) fn wrench(torque: &Vec3, force: &Vec3, arm: &Vec3) -> Spatial {
     spatial(&add(torque, &cross(arm, force)), force)

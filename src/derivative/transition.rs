@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
 
-/// Linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, with `nx = 2 nv + na` states, `nu` controls and
-/// `nsensordata` outputs.
+/// Linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, with `nx = 2 nv + na`
+/// states, `nu` controls and `nsensordata` outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
     /// `(nx, nx)`: derivative of the next state with respect to the state.
@@ -34,8 +34,9 @@ impl StateSpace {
     }
 }
 
-/// Outputs of [`Data::transition_fd_into`] and of [`Lineariser::linear_system_into`](super::Lineariser::linear_system_into).
-/// Matrices that are `None` are not computed; without C and D the sensors are skipped.
+/// Outputs of [`Data::transition_fd_into`] and of
+/// [`Lineariser::linear_system_into`](super::Lineariser::linear_system_into). Matrices that are
+/// `None` are not computed; without C and D the sensors are skipped.
 #[derive(Debug, Default)]
 pub struct TransitionOutputs<'a> {
     /// `(nx, nx)`
@@ -56,8 +57,8 @@ impl<'a> From<&'a mut StateSpace> for TransitionOutputs<'a> {
 
 /// # Derivatives of a step
 impl Data {
-    /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
-    /// [`Differences::Central`] is a good choice.
+    /// Linearises a step of the simulation about the present state and controls, by differences
+    /// with the step `eps`; `1e-6` with [`Differences::Central`] is a good choice.
     ///
     /// (In engines before 4.0, central differences of the sensors with respect to the controls have
     /// the wrong sign, in 2.2.2 clocks depend on all inputs, and in newer engines the kinetic
@@ -66,13 +67,14 @@ impl Data {
     /// velocity. This method corrects these. It also makes solvers iterate that would keep their
     /// initial guess: see [`Columns`](super::TransitionMethod::Columns).)
     ///
-    /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
-    /// perturbed state, and count as not computed.
+    /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed
+    /// quantities are those of the last perturbed state, and count as not computed.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, [`Error::Unsupported`] with the Runge–Kutta integrator and for a model
-    /// with delays of actuators or sensors, and the errors of [`step`](Self::step).
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, [`Error::Unsupported`] with the
+    /// Runge–Kutta integrator and for a model with delays of actuators or sensors, and the errors
+    /// of [`step`](Self::step).
     ///
     /// ```
     /// use mujoco_safe::{Data, Differences, sample};
@@ -130,7 +132,8 @@ impl Data {
         }
         let (nx, nu, ny) = sizes(self.model());
         let mut outputs = outputs.into();
-        // The engine counts the entries of a matrix with a C int. An overflow would make it write past its stack.
+        // The engine counts the entries of a matrix with a C int. An overflow would make it write
+        // past its stack.
         let largest = nx.max(nu).saturating_mul(nx.max(ny));
         if i32::try_from(largest).is_err() {
             return Err(Error::Unsupported(format!("transition_fd of {nx} states, {nu} controls and {ny} outputs")));
@@ -164,8 +167,8 @@ impl Data {
         let model = self.model().clone();
         let mut call = |a, b, c, d| {
             let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |_, data| {
-                // SAFETY: the model and the data belong together, and each output is NULL or has the shape that the engine
-                // writes.
+                // SAFETY: the model and the data belong together, and each output is NULL or has
+                // the shape that the engine writes.
                 model
                     .for_differences(|model| unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) })
             });
@@ -173,9 +176,10 @@ impl Data {
             result
         };
         let null = ptr::null_mut;
-        // If the control of the last actuator can be perturbed to neither side, 2.2.2 clears nq + nv + na entries of a row of
-        // 2 nv + na. The excess overwrites the memory after the row: D, or the saved state that later columns start from. A call
-        // that computes B alone overwrites nothing that is still needed.
+        // If the control of the last actuator can be perturbed to neither side, 2.2.2 clears nq +
+        // nv + na entries of a row of 2 nv + na. The excess overwrites the memory after the row: D,
+        // or the saved state that later columns start from. A call that computes B alone overwrites
+        // nothing that is still needed.
         if !b.is_null() && spills {
             call(a, null(), c, null())?;
             call(null(), null(), null(), d)?;
@@ -193,8 +197,9 @@ impl Data {
         }
     }
 
-    /// Corrects the derivatives of sensors of the kinetic energy by the velocities. The engine evaluates these sensors with those of
-    /// positions, which it does not repeat for a change of a velocity.
+    /// Corrects the derivatives of sensors of the kinetic energy by the velocities. The engine
+    /// evaluates these sensors with those of positions, which it does not repeat for a change of a
+    /// velocity.
     fn correct_kinetic_energy(&mut self, c: &mut Matrix) -> Result<()> {
         let (model, nv) = (self.model().clone(), self.model().nv());
         self.fwd_position()?;
@@ -212,8 +217,9 @@ impl Data {
         Ok(())
     }
 
-    /// Corrects two errors of the engine in C and D. Before 4.0, if a control is perturbed to both sides, the engine subtracts the
-    /// readings in the wrong order. And in 2.2.2 the time advances from one column to the next, so clocks seem to depend on all inputs.
+    /// Corrects two errors of the engine in C and D. Before 4.0, if a control is perturbed to both
+    /// sides, the engine subtracts the readings in the wrong order. And in 2.2.2 the time advances
+    /// from one column to the next, so clocks seem to depend on all inputs.
     fn correct_sensors(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
         let model = self.model();
         if cfg!(not(engine_since = "4.0.0"))
@@ -234,7 +240,8 @@ impl Data {
         }
     }
 
-    /// Returns `true` if the engine perturbs a control to both sides: one that is limited only if both are in its range.
+    /// Returns `true` if the engine perturbs a control to both sides: one that is limited only if
+    /// both are in its range.
     fn can_perturb_to_both_sides(&self, control: usize, eps: f64) -> bool {
         self.can_perturb(control, eps) && self.can_perturb(control, -eps)
     }
@@ -248,8 +255,8 @@ impl Data {
             || [ctrl, ctrl + by].iter().all(|ctrl| (low..=high).contains(ctrl))
     }
 
-    /// Returns `true` if the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this
-    /// makes the engine write out of bounds.
+    /// Returns `true` if the control of the last actuator cannot be perturbed by `eps` within its
+    /// range, in a model for which this makes the engine write out of bounds.
     fn last_control_is_stuck(&self, eps: f64) -> bool {
         let model = self.model();
         let Some(last) = model.nu().checked_sub(1) else { return false };
@@ -275,7 +282,8 @@ impl TransitionOutputs<'_> {
     }
 }
 
-/// Returns the numbers of states (`2 nv + na`), controls and outputs of the linear system of a model.
+/// Returns the numbers of states (`2 nv + na`), controls and outputs of the linear system of a
+/// model.
 pub(crate) fn sizes(model: &Model) -> (usize, usize, usize) {
     (2 * model.nv() + model.na(), model.nu(), model.nsensordata())
 }

@@ -1,8 +1,9 @@
 //! A work queue shared by a few threads, one of which is the caller's.
 //!
-//! A linearisation takes less than a millisecond, and waking a sleeping thread takes a large fraction of that time. So no thread
-//! waits for another. The caller starts at once, and threads that join later take the remaining items. If none joins, the caller
-//! does all the work. The result does not depend on the assignment of items to threads.
+//! A linearisation takes less than a millisecond, and waking a sleeping thread takes a large
+//! fraction of that time. So no thread waits for another. The caller starts at once, and threads
+//! that join later take the remaining items. If none joins, the caller does all the work. The
+//! result does not depend on the assignment of items to threads.
 
 use std::hint;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,7 +14,8 @@ use crate::error::Result;
 /// Minimum number of remaining items for which another worker joins.
 const MIN_ITEMS_TO_JOIN: usize = 4;
 
-/// Number of spin iterations in which the caller waits for the other workers before it sleeps. They take longer than an item.
+/// Number of spin iterations in which the caller waits for the other workers before it sleeps. They
+/// take longer than an item.
 const SPINS: usize = 20_000;
 
 /// Items of work, taken in order.
@@ -35,9 +37,9 @@ impl<I: ExactSizeIterator> WorkQueue<I> {
     }
 }
 
-/// Calls `work` for each worker: for the first in this thread, and for the others in the current rayon pool as threads become
-/// available. The second argument of `work` is true for the first worker. A single worker involves neither rayon nor another
-/// thread.
+/// Calls `work` for each worker: for the first in this thread, and for the others in the current
+/// rayon pool as threads become available. The second argument of `work` is true for the first
+/// worker. A single worker involves neither rayon nor another thread.
 pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, bool) + Sync) {
     let Some((first, others)) = workers.split_first_mut() else { return };
     if others.is_empty() {
@@ -54,7 +56,8 @@ pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, 
             });
         }
         work(first, true);
-        // Workers that are still running have one item to finish. Sleeping and waking up would take longer.
+        // Workers that are still running have one item to finish. Sleeping and waking up would take
+        // longer.
         for _ in 0..SPINS {
             if busy.load(Ordering::Relaxed) == 0 {
                 break;
@@ -64,8 +67,8 @@ pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, 
     });
 }
 
-/// Calls `work` for each item with its index, with the workers as in [`for_each_worker`]. If it fails for several items, returns
-/// the error of the first one.
+/// Calls `work` for each item with its index, with the workers as in [`for_each_worker`]. If it
+/// fails for several items, returns the error of the first one.
 pub(crate) fn for_each_item<W: Send, T: Send>(
     workers: &mut [W],
     items: &mut [T],
@@ -76,7 +79,8 @@ pub(crate) fn for_each_item<W: Send, T: Send>(
     for_each_worker(workers, |worker, _| {
         while let Some((index, item)) = queue.take() {
             if let Err(error) = work(worker, index, item) {
-                // Threads take the items in order, so the first one that fails is among those that threads have taken.
+                // Threads take the items in order, so the first one that fails is among those that
+                // threads have taken.
                 let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
                 if first.as_ref().is_none_or(|&(earlier, _)| index < earlier) {
                     *first = Some((index, error));

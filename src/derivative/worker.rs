@@ -22,7 +22,8 @@ pub(super) struct Worker {
     differences: StepDifferences,
     implicit: Linearisation,
     pub(super) analytic: Analytic,
-    /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
+    /// Result of the preparation of `implicit` at the base point: false if the solver has not
+    /// converged, `None` before it.
     prepared: Option<bool>,
     /// Result of this worker's share of the columns: their kinks.
     outcome: Result<Kinks>,
@@ -38,7 +39,8 @@ struct Columns {
     order: Vec<Input>,
     /// `(nx + nu, nx + nsensordata)`: the columns, each as a row, in the order of [`inputs`].
     rows: Matrix,
-    /// `(nv, nsensordata)`: derivatives of the acceleration sensors with respect to the accelerations.
+    /// `(nv, nsensordata)`: derivatives of the acceleration sensors with respect to the
+    /// accelerations.
     acceleration_sensors: Matrix,
 }
 
@@ -52,7 +54,8 @@ impl Columns {
         }
     }
 
-    /// Copies the columns to the outputs, transposed, except for the rows of C and D that `keep` marks.
+    /// Copies the columns to the outputs, transposed, except for the rows of C and D that `keep`
+    /// marks.
     fn write_to(&self, model: &Model, wanted: Wanted, keep: &[bool], outputs: &mut TransitionOutputs<'_>) {
         let (nx, _, _) = sizes(model);
         for (row, input) in inputs(model, wanted).enumerate() {
@@ -86,8 +89,8 @@ impl Worker {
         })
     }
 
-    /// Moves to the base point and prepares for implicit differentiation, unless this was done already. Returns `false` if the
-    /// solver has not converged.
+    /// Moves to the base point and prepares for implicit differentiation, unless this was done
+    /// already. Returns `false` if the solver has not converged.
     fn prepare_implicit(&mut self, base: BasePoint<'_>, settings: Settings<'_>) -> Result<bool> {
         if let Some(prepared) = self.prepared {
             return Ok(prepared);
@@ -99,7 +102,8 @@ impl Worker {
     }
 }
 
-/// Computes a linear system with the given workers, which share the columns. The result does not depend on their number.
+/// Computes a linear system with the given workers, which share the columns. The result does not
+/// depend on their number.
 pub(super) fn linearise(
     workers: &mut [Worker],
     base: BasePoint<'_>,
@@ -135,7 +139,8 @@ pub(super) fn linearise(
     }
 }
 
-/// Computes a linear system by differences of inverse dynamics or of steps, except for the rows of C and D that `keep` marks.
+/// Computes a linear system by differences of inverse dynamics or of steps, except for the rows of
+/// C and D that `keep` marks.
 fn difference(
     workers: &mut [Worker],
     base: BasePoint<'_>,
@@ -224,7 +229,8 @@ fn difference_steps(
     })
 }
 
-/// Computes all columns by differences of inverse dynamics, and returns the kinks; `None` if the solver has not converged.
+/// Computes all columns by differences of inverse dynamics, and returns the kinks; `None` if the
+/// solver has not converged.
 fn differentiate_implicitly(
     workers: &mut [Worker],
     columns: &mut Columns,
@@ -278,7 +284,8 @@ fn column_queue<'a>(
     WorkQueue::new(order.iter().zip(rows.as_mut_slice().chunks_exact_mut(width)))
 }
 
-/// Runs `work` on all workers, and returns their kinks, or the error of the first worker that failed.
+/// Runs `work` on all workers, and returns their kinks, or the error of the first worker that
+/// failed.
 fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<Kinks> + Sync) -> Result<Kinks> {
     for_each_worker(workers, |worker, first| worker.outcome = work(worker, first));
     let mut outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(Kinks::empty())));

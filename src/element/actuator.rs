@@ -56,12 +56,13 @@ fields!(Actuator on Model {
     bias: {ActuatorBias} = |actuator| ActuatorBias::of_field(actuator.owner.actuator_biastype()[actuator.index()]);
     /// Visualisation group.
     group: i32 = actuator_group, set_group;
-    /// Indices in `ctrl`. Actuators of the types `pid` and `orientation` have several controls, all others one.
+    /// Indices in `ctrl`. Actuators of the types `pid` and `orientation` have several controls, all
+    /// others one.
     #[doc(alias = "ctrladr")]
     #[doc(alias = "ctrlnum")]
     controls: {Range<usize>} = |actuator| actuator.owner.controls_of(actuator.index());
-    /// Indices in the arrays with a row per force, such as `actuator_force` and `actuator_length`. Actuators of the type `orientation` have three
-    /// forces, all others one.
+    /// Indices in the arrays with a row per force, such as `actuator_force` and `actuator_length`.
+    /// Actuators of the type `orientation` have three forces, all others one.
     #[doc(alias = "outadr")]
     #[doc(alias = "outnum")]
     outputs: {Range<usize>} = |actuator| actuator.owner.outputs_of(actuator.index());
@@ -135,7 +136,8 @@ fields!(Actuator on Data {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Transmission {
-    /// A joint: a force or torque along its axis; for a ball or free joint, in the frame of the body.
+    /// A joint: a force or torque along its axis; for a ball or free joint, in the frame of the
+    /// body.
     Joint(JointId),
     /// A ball or free joint, in the frame of the parent body.
     JointInParent(JointId),
@@ -154,7 +156,8 @@ pub enum Transmission {
     Body(BodyId),
     /// The orientation of a ball joint: a torque about each axis. With engines from 3.11.0.
     JointOrientation(JointId),
-    /// The orientation of a site in the frame of another site: a torque about each axis. With engines from 3.11.0.
+    /// The orientation of a site in the frame of another site: a torque about each axis. With
+    /// engines from 3.11.0.
     SiteOrientation {
         /// The site that the actuator turns.
         site: SiteId,

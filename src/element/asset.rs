@@ -112,7 +112,8 @@ impl fmt::Debug for Bones<'_> {
 
 /// # Methods of [`HeightField`](super::HeightField)
 impl<'a> View<'a, Model, kind::HeightField> {
-    /// Returns the elevations as a matrix `(nrow, ncol)`: a view of the engine's memory, not a copy.
+    /// Returns the elevations as a matrix `(nrow, ncol)`: a view of the engine's memory, not a
+    /// copy.
     ///
     /// ```
     /// use mujoco_safe::Model;
@@ -165,7 +166,8 @@ fields!(Texture on Model {
     height: {usize} = |texture| ffi::size(texture.owner.tex_height()[texture.index()]);
     /// Width in pixels.
     width: {usize} = |texture| ffi::size(texture.owner.tex_width()[texture.index()]);
-    /// Number of bytes of a pixel: 3 for red, green and blue. Engines from 3.2.1 also have textures with 1 byte, for grey, and with 4.
+    /// Number of bytes of a pixel: 3 for red, green and blue. Engines from 3.2.1 also have textures
+    /// with 1 byte, for grey, and with 4.
     #[doc(alias = "nchannel")]
     channels: {usize} = |texture| texture.owner.texture_channels(texture.index());
     /// Range of its bytes in the pixels of all textures.
@@ -187,9 +189,11 @@ fields!(Material on Model {
         let texture = material.owner.material_texture(material.index())?;
         Some(Id::new(texture, material.owner.lineage()))
     };
-    /// Returns `true` if the texture has a uniform scale in space. Otherwise it is stretched over each object.
+    /// Returns `true` if the texture has a uniform scale in space. Otherwise it is stretched over
+    /// each object.
     texuniform: bool = mat_texuniform, set_texuniform;
-    /// Number of texture repetitions along each axis: per object, or per metre for a uniform texture.
+    /// Number of texture repetitions along each axis: per object, or per metre for a uniform
+    /// texture.
     texrepeat: [f32; 2] = mat_texrepeat, texrepeat_mut in mat_texrepeat_mut;
     /// Emission as a fraction of the colour, from 0 to 1.
     emission: f32 = mat_emission, set_emission in mat_emission_mut;

@@ -12,7 +12,8 @@ fields!(Geom on Model {
     geom_type: {GeomType} = |geom| GeomType::of_field(geom.owner.geom_type()[geom.index()]);
     /// Body that the geom is attached to.
     body: {BodyId} = |geom| geom.id_in(geom.owner.geom_bodyid());
-    /// Mesh of a mesh geom, or the mesh that shows a signed distance field; `None` for other shapes.
+    /// Mesh of a mesh geom, or the mesh that shows a signed distance field; `None` for other
+    /// shapes.
     #[doc(alias = "dataid")]
     mesh: {Option<MeshId>} = |geom| match geom.geom_type() {
         GeomType::Mesh | GeomType::Sdf => geom.optional_id_in(geom.owner.geom_dataid()),
@@ -30,10 +31,11 @@ fields!(Geom on Model {
     /// Frame of the body that the frame of the geom coincides with.
     sameframe: {SameFrame} = |geom| SameFrame::of_field(geom.owner.geom_sameframe()[geom.index()]);
     /// Contact type bit mask. Two geoms can collide if the mask of one shares a bit with the
-    /// [`conaffinity`](Self::conaffinity) of the other. A mesh whose geoms could not collide when the model was compiled has no
-    /// convex hull, so its collisions are slow: see [`Mesh`](super::Mesh). With engines since 2.3.3, a geom that could not collide when the
-    /// model was compiled, on a body with others that could, disables the [middle phase](crate::model::DisableFlags::MIDPHASE) of
-    /// collision detection once it can.
+    /// [`conaffinity`](Self::conaffinity) of the other. A mesh whose geoms could not collide when
+    /// the model was compiled has no convex hull, so its collisions are slow: see
+    /// [`Mesh`](super::Mesh). With engines since 2.3.3, a geom that could not collide when the
+    /// model was compiled, on a body with others that could, disables the [middle
+    /// phase](crate::model::DisableFlags::MIDPHASE) of collision detection once it can.
     contype: i32 = geom_contype, set_contype then update_masks;
     /// Contact affinity bit mask: see [`contype`](Self::contype).
     conaffinity: i32 = geom_conaffinity, set_conaffinity then update_masks;
@@ -41,7 +43,8 @@ fields!(Geom on Model {
     condim: i32 = geom_condim, set_condim if [1, 3, 4, 6] then avoid_wrong_jacobian;
     /// Visualisation group.
     group: i32 = geom_group, set_group;
-    /// Contact priority. The geom with the higher priority determines the contact parameters of a pair.
+    /// Contact priority. The geom with the higher priority determines the contact parameters of a
+    /// pair.
     priority: i32 = geom_priority, set_priority;
     /// Weight of the geom when the contact parameters of a pair are mixed.
     solmix: f64 = geom_solmix, set_solmix in geom_solmix_mut;
@@ -49,7 +52,8 @@ fields!(Geom on Model {
     solref: [f64; 2] = geom_solref, solref_mut in geom_solref_mut;
     /// Solver impedance parameters of its contacts.
     solimp: [f64; 5] = geom_solimp, solimp_mut in geom_solimp_mut;
-    /// Size, m; its meaning depends on the shape. The mass of the body does not depend on later changes.
+    /// Size, m; its meaning depends on the shape. The mass of the body does not depend on later
+    /// changes.
     size: [f64; 3] = geom_size, size_mut in geom_size_mut;
     /// Radius of the bounding sphere, m. Derived from the shape; 0 for a plane.
     rbound: f64 = geom_rbound;
@@ -63,7 +67,8 @@ fields!(Geom on Model {
     margin: f64 = geom_margin, set_margin in geom_margin_mut;
     /// Contact gap, m. A contact becomes active at the distance `margin - gap`.
     gap: f64 = geom_gap, set_gap in geom_gap_mut;
-    /// Coefficients of the ellipsoid fluid model; all 0 if the geom does not use it. See the engine's `mjNFLUID`.
+    /// Coefficients of the ellipsoid fluid model; all 0 if the geom does not use it. See the
+    /// engine's `mjNFLUID`.
     fluid: [f64; 12] = geom_fluid, fluid_mut in geom_fluid_mut;
     /// Red, green, blue and opacity, used without a material.
     rgba: [f32; 4] = geom_rgba, rgba_mut in geom_rgba_mut;
@@ -121,14 +126,15 @@ fields!(Camera on Model {
     pos: [f64; 3] = cam_pos, pos_mut in cam_pos_mut;
     /// Orientation in the body frame: a unit quaternion `[w, x, y, z]`.
     quat: [f64; 4] = cam_quat, quat_mut in cam_quat_mut;
-    /// Position relative to the centre of mass of the body's subtree in the reference configuration, m.
+    /// Position relative to the centre of mass of the body's subtree in the reference
+    /// configuration, m.
     poscom0: [f64; 3] = cam_poscom0;
     /// Position relative to the body in the reference configuration, m, world frame.
     pos0: [f64; 3] = cam_pos0;
     /// Orientation in the reference configuration, as a row-major rotation matrix.
     mat0: [f64; 9] = cam_mat0;
-    /// Vertical field of view, degrees. It has no effect on a camera with a `sensorsize`, whose focal lengths
-    /// determine its view.
+    /// Vertical field of view, degrees. It has no effect on a camera with a `sensorsize`, whose
+    /// focal lengths determine its view.
     fovy: f64 = cam_fovy, set_fovy in cam_fovy_mut;
     /// Interpupillary distance for stereoscopic rendering, m.
     ipd: f64 = cam_ipd, set_ipd in cam_ipd_mut;
@@ -139,7 +145,8 @@ fields!(Camera on Model {
 fields!(Camera on Data {
     /// Position, m, world frame.
     xpos: [f64; 3] = cam_xpos;
-    /// Orientation as a row-major rotation matrix, world frame. The view direction is the negative z axis.
+    /// Orientation as a row-major rotation matrix, world frame. The view direction is the negative
+    /// z axis.
     xmat: [f64; 9] = cam_xmat;
 });
 
@@ -161,7 +168,8 @@ fields!(Light on Model {
     pos: [f64; 3] = light_pos, pos_mut in light_pos_mut;
     /// Direction in the body frame.
     dir: [f64; 3] = light_dir, dir_mut in light_dir_mut;
-    /// Position relative to the centre of mass of the body's subtree in the reference configuration, m.
+    /// Position relative to the centre of mass of the body's subtree in the reference
+    /// configuration, m.
     poscom0: [f64; 3] = light_poscom0;
     /// Position relative to the body in the reference configuration, m, world frame.
     pos0: [f64; 3] = light_pos0;

@@ -34,7 +34,8 @@ fields!(Equality on Model {
             }
         }
     };
-    /// Returns `true` if the constraint is enforced; with engines from 3.0, in the initial state of a simulation.
+    /// Returns `true` if the constraint is enforced; with engines from 3.0, in the initial state of
+    /// a simulation.
     #[doc(alias = "eq_active")]
     #[doc(alias = "active0")]
     active: {bool} = |equality| equality.owner.equality_active()[equality.index()] != 0;
@@ -42,10 +43,11 @@ fields!(Equality on Model {
     solref: [f64; 2] = eq_solref, solref_mut in eq_solref_mut;
     /// Solver impedance parameters.
     solimp: [f64; 5] = eq_solimp, solimp_mut in eq_solimp_mut;
-    /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body, then in that of the second, m.
-    /// Weld: the anchor in the frame of the second body, then in that of the first, the relative orientation as a unit quaternion
-    /// `[w, x, y, z]`, the scale of torques, and with newer engines 1 if the compiler computed the
-    /// relative pose. Joint and tendon: the five coefficients of the polynomial.
+    /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body,
+    /// then in that of the second, m. Weld: the anchor in the frame of the second body, then in
+    /// that of the first, the relative orientation as a unit quaternion `[w, x, y, z]`, the scale
+    /// of torques, and with newer engines 1 if the compiler computed the relative pose. Joint and
+    /// tendon: the five coefficients of the polynomial.
     data: {&'a [f64; DATA]} = |equality| &equality.owner.eq_data()[equality.index()];
 });
 
@@ -80,7 +82,8 @@ pub enum EqualityObjects {
     Flex(usize),
 }
 
-// Explicit contact pairs: tested for contact irrespective of the contact masks, with separate parameters.
+// Explicit contact pairs: tested for contact irrespective of the contact masks, with separate
+// parameters.
 fields!(Pair on Model {
     /// Dimension of the contacts: 1, 3, 4 or 6.
     #[doc(alias = "condim")]

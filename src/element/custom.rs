@@ -1,4 +1,5 @@
-//! Custom data: arrays of numbers, texts and tuples. Also keyframes, and references to elements of any kind.
+//! Custom data: arrays of numbers, texts and tuples. Also keyframes, and references to elements of
+//! any kind.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -88,8 +89,8 @@ fields!(Keyframe on Model {
     ctrl: [f64] = key_ctrl, ctrl_mut in key_ctrl_mut;
 });
 
-/// Declares [`Object`] with one variant per kind of element. A body's own frame and a degree of freedom are not kinds, so their
-/// variants are written out.
+/// Declares [`Object`] with one variant per kind of element. A body's own frame and a degree of
+/// freedom are not kinds, so their variants are written out.
 macro_rules! objects {
     ($($(#[$doc:meta])* $name:ident = $object:ident;)*) => {
         /// Element of any kind: a member of a tuple, or the object that a sensor is attached to.
@@ -108,7 +109,8 @@ macro_rules! objects {
         }
 
         impl Object {
-            /// Converts a type and an index of the engine. Returns `None` for the type "unknown" and for the index -1.
+            /// Converts a type and an index of the engine. Returns `None` for the type "unknown"
+            /// and for the index -1.
             pub(super) fn from_raw(object_type: i32, index: i32, lineage: Lineage) -> Option<Self> {
                 let index = usize::try_from(index).ok()?;
                 match u32::try_from(object_type).ok()? {

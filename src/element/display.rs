@@ -27,7 +27,8 @@ pub(super) fn listing(
     Ok(())
 }
 
-/// Formats a value and truncates it after [`MAX_LENGTH`] bytes. A field with a precondition is a `Result`.
+/// Formats a value and truncates it after [`MAX_LENGTH`] bytes. A field with a precondition is a
+/// `Result`.
 fn truncated(value: &dyn fmt::Debug) -> String {
     let mut text = Truncating(String::new());
     if write!(text, "{value:?}").is_ok() {

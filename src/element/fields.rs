@@ -1,23 +1,29 @@
 //! Declaration of the fields of a view.
 //!
-//! `stiffness: f64 = jnt_stiffness, set_stiffness in jnt_stiffness_mut;` declares a method that reads the element's entry of the
-//! array `jnt_stiffness`, a line in the `Display` output of the view, and a setter on the mutable view.
+//! `stiffness: f64 = jnt_stiffness, set_stiffness in jnt_stiffness_mut;` declares a method that
+//! reads the element's entry of the array `jnt_stiffness`, a line in the `Display` output of the
+//! view, and a setter on the mutable view.
 
 /// Declares the fields of a kind in a model or a simulation.
 ///
 /// - `name: bool = array;` a byte that is 0 or 1; `, set_name` adds a setter;
-/// - `name: i32 = array, set_name;` an integer with a setter that accepts every value; `then method` calls a method of the owner
-///   afterwards, which updates what is derived from the value;
+/// - `name: i32 = array, set_name;` an integer with a setter that accepts every value;
+///   `then method` calls a method of the owner afterwards, which updates what is derived from the
+///   value;
 /// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these
 ///   values, also with `then method`;
 /// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
-/// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
-/// - `name: [f64; 3] = array after PART;` the same in a simulation, with an error unless this part of the pipeline has been computed;
+/// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable
+///   accessor;
+/// - `name: [f64; 3] = array after PART;` the same in a simulation, with an error unless this part
+///   of the pipeline has been computed;
 /// - `name: [f64] = array;` a row of a matrix, likewise;
-/// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
+/// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on
+///   the model, likewise;
 /// - `name: {type} = |view| expression;` any other field.
 ///
-/// `array by function` is an array that has its entry for the element at another index, which a method of the owner returns.
+/// `array by function` is an array that has its entry for the element at another index, which a
+/// method of the owner returns.
 macro_rules! fields {
     ($kind:ident on Model { $($body:tt)* }) => {
         fields!(@each $kind, Model, "", {ModelMut<'_>}, [] {} {} $($body)*);
@@ -109,11 +115,13 @@ macro_rules! fields {
     (@index $self:ident own) => { $self.id.index() };
     (@index $self:ident $by:ident) => { $self.owner.$by($self.id.index()) };
 
-    // Writes an integer. The generated accessors give no mutable access to integers, because most are addresses and ids.
+    // Writes an integer. The generated accessors give no mutable access to integers, because most
+    // are addresses and ids.
     (@write $self:ident, $array:ident, $index:expr, $value:expr) => {
         let (index, length) = ($index, $self.owner.$array().len());
         let array = $self.owner.raw_mut().$array;
-        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively.
         let array = unsafe { $crate::ffi::array_mut(array, length) };
         array[index] = $value;
     };
@@ -193,7 +201,8 @@ macro_rules! fields {
                 ///
                 /// # Errors
                 ///
-                /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes it.
+                /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes
+                /// it.
                 #[inline]
                 pub fn $name(&self) -> $crate::Result<&'a [$type; $columns]> {
                     self.owner.check_parts(stringify!($name), $crate::data::PipelineFlags::$part)?;

@@ -13,30 +13,33 @@ use crate::id::{BodyId, Ids};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
-/// Value of `body_sameframe` for a body whose inertial frame equals its frame. Newer engines have others for equal orientations.
+/// Value of `body_sameframe` for a body whose inertial frame equals its frame. Newer engines have
+/// others for equal orientations.
 const SAME_FRAME: u8 = 1;
 
 /// # Methods of [`BodyMut`](super::BodyMut)
 impl ViewMut<'_, ModelMut<'_>, kind::Body> {
-    /// Sets `mass`, kg. The moments of inertia do not change, which suits a point mass. [`scale_mass`](Self::scale_mass)
-    /// changes both, like a change of density.
+    /// Sets `mass`, kg. The moments of inertia do not change, which suits a point mass.
+    /// [`scale_mass`](Self::scale_mass) changes both, like a change of density.
     ///
-    /// Call [`update_constants`](ModelMut::update_constants) afterwards. It updates the quantities derived from masses:
-    /// `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `tendon_invweight0`, `actuator_acc0`, and the means in
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards. It updates the quantities
+    /// derived from masses: `body_subtreemass`, `body_invweight0`, `dof_invweight0`,
+    /// `tendon_invweight0`, `actuator_acc0`, and the means in
     /// [`Statistics`](crate::model::Statistics).
     pub fn set_mass(&mut self, mass: f64) {
         self.owner.body_mass_mut()[self.id.index()] = mass;
     }
 
-    /// Multiplies `mass` and `inertia` by a factor, like a change of the density of all geoms of the body. The centre of mass,
-    /// the axes of inertia and the bodies below do not change.
+    /// Multiplies `mass` and `inertia` by a factor, like a change of the density of all geoms of
+    /// the body. The centre of mass, the axes of inertia and the bodies below do not change.
     ///
-    /// Call [`update_constants`](ModelMut::update_constants) afterwards, as for [`set_mass`](Self::set_mass).
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards, as for
+    /// [`set_mass`](Self::set_mass).
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless the factor is positive and finite, and the new mass and inertia are finite. The model is
-    /// unchanged after an error.
+    /// [`Error::Invalid`] unless the factor is positive and finite, and the new mass and inertia
+    /// are finite. The model is unchanged after an error.
     ///
     /// ```
     /// use mujoco_safe::sample;
@@ -85,7 +88,8 @@ fields!(Body on Model {
     parent: {BodyId} = |body| body.id_in(body.owner.body_parentid());
     /// Root of the kinematic tree that contains the body: its ancestor directly below the world.
     root: {BodyId} = |body| body.id_in(body.owner.body_rootid());
-    /// Nearest body with joints on the path to the world, starting with the body itself. The body is rigidly attached to it.
+    /// Nearest body with joints on the path to the world, starting with the body itself. The body
+    /// is rigidly attached to it.
     #[doc(alias = "weldid")]
     weld: {BodyId} = |body| body.id_in(body.owner.body_weldid());
     /// Number of joints between the body and its parent.
@@ -100,7 +104,8 @@ fields!(Body on Model {
     geoms: {Ids<kind::Geom>} = |body| body.ids_in(body.owner.body_geomadr(), body.owner.body_geomnum());
     /// Range of its degrees of freedom in `qvel` and every other array of length `nv`.
     dofs: {Range<usize>} = |body| range(body.owner.body_dofadr(), body.owner.body_dofnum(), body.index());
-    /// Returns `true` if its block of the inertia matrix is diagonal, so that the engine skips part of the computation.
+    /// Returns `true` if its block of the inertia matrix is diagonal, so that the engine skips part
+    /// of the computation.
     simple: bool = body_simple;
     /// Returns `true` if the inertial frame coincides with the body frame.
     sameframe: {bool} = |body| body.owner.body_sameframe()[body.index()] == SAME_FRAME;
@@ -131,7 +136,8 @@ fields!(Body on Data {
     /// Applied force, N, and torque, N·m, at the centre of mass, world frame: an input.
     #[doc(alias = "applied")]
     xfrc_applied: [f64; 6] = xfrc_applied, xfrc_applied_mut in xfrc_applied_mut;
-    /// Returns `true` if the engine leaves out the body because it is at rest. Only in models with the option `sleep`, since 3.4.
+    /// Returns `true` if the engine leaves out the body because it is at rest. Only in models with
+    /// the option `sleep`, since 3.4.
     is_asleep: {bool} = |body| body.owner.is_asleep(body.index());
     /// Position, m, world frame.
     xpos: [f64; 3] = xpos;
@@ -148,26 +154,28 @@ fields!(Body on Data {
     subtree_com: [f64; 3] = subtree_com;
     /// Inertia and mass about the centre of mass of the kinematic tree.
     cinert: [f64; 10] = cinert;
-    /// Composite rigid body inertia: inertia and mass of the subtree about the centre of mass of the kinematic tree.
+    /// Composite rigid body inertia: inertia and mass of the subtree about the centre of mass of
+    /// the kinematic tree.
     crb: [f64; 10] = crb;
     /// Spatial velocity about the centre of mass of the kinematic tree: angular, then linear.
     cvel: [f64; 6] = cvel;
-    /// Linear velocity of the subtree's centre of mass, m/s. [`Data::subtree_vel`] computes it; `forward` and `step` do not.
+    /// Linear velocity of the subtree's centre of mass, m/s. [`Data::subtree_vel`] computes it;
+    /// `forward` and `step` do not.
     #[doc(alias = "linvel")]
     subtree_linvel: [f64; 3] = subtree_linvel after SUBTREE_VEL;
-    /// Angular momentum of the subtree about its centre of mass, kg·m²/s. [`Data::subtree_vel`] computes it; `forward` and `step`
-    /// do not.
+    /// Angular momentum of the subtree about its centre of mass, kg·m²/s. [`Data::subtree_vel`]
+    /// computes it; `forward` and `step` do not.
     #[doc(alias = "angmom")]
     subtree_angmom: [f64; 3] = subtree_angmom after SUBTREE_VEL;
     /// Spatial acceleration about the centre of mass of the kinematic tree: angular, then linear.
     /// [`Data::rne_post_constraint`] computes it; `forward` and `step` do not.
     cacc: [f64; 6] = cacc after POST_CONSTRAINT;
-    /// Spatial force between the body and its parent: torque, then force. [`Data::rne_post_constraint`] computes it; `forward`
-    /// and `step` do not.
+    /// Spatial force between the body and its parent: torque, then force.
+    /// [`Data::rne_post_constraint`] computes it; `forward` and `step` do not.
     #[doc(alias = "int")]
     cfrc_int: [f64; 6] = cfrc_int after POST_CONSTRAINT;
-    /// External spatial force on the body: torque, then force. [`Data::rne_post_constraint`] computes it; `forward` and `step`
-    /// do not.
+    /// External spatial force on the body: torque, then force. [`Data::rne_post_constraint`]
+    /// computes it; `forward` and `step` do not.
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, sample};
@@ -185,14 +193,15 @@ fields!(Body on Data {
     cfrc_ext: [f64; 6] = cfrc_ext after POST_CONSTRAINT;
     /// Prescribed position of a mocap body, m, world frame: an input. `None` for other bodies.
     mocap_pos: {Option<&'a [f64; 3]>} = |body| Some(&body.owner.mocap_pos()[body.in_model().mocap()?]);
-    /// Prescribed orientation of a mocap body, a unit quaternion `[w, x, y, z]`: an input. `None` for other bodies.
+    /// Prescribed orientation of a mocap body, a unit quaternion `[w, x, y, z]`: an input. `None`
+    /// for other bodies.
     mocap_quat: {Option<&'a [f64; 4]>} = |body| Some(&body.owner.mocap_quat()[body.in_model().mocap()?]);
 });
 
 /// # Methods of [`JointData`](super::JointData)
 impl<'a> View<'a, Data, kind::Joint> {
-    /// Returns the orientation of a free or ball joint, a unit quaternion `[w, x, y, z]`: the last four values of
-    /// [`qpos`](Self::qpos). `None` for a slide or a hinge.
+    /// Returns the orientation of a free or ball joint, a unit quaternion `[w, x, y, z]`: the last
+    /// four values of [`qpos`](Self::qpos). `None` for a slide or a hinge.
     ///
     /// ```
     /// use mujoco_safe::{Data, math, sample};
@@ -210,7 +219,8 @@ impl<'a> View<'a, Data, kind::Joint> {
 
 /// # Methods of [`JointDataMut`](super::JointDataMut)
 impl ViewMut<'_, Data, kind::Joint> {
-    /// Returns a mutable reference to `quat`, the orientation of a free or ball joint. `None` for a slide or a hinge.
+    /// Returns a mutable reference to `quat`, the orientation of a free or ball joint. `None` for a
+    /// slide or a hinge.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -233,14 +243,16 @@ impl ViewMut<'_, Data, kind::Joint> {
 fields!(Joint on Model {
     /// Type of the joint.
     joint_type: {JointType} = |joint| JointType::of_field(joint.owner.jnt_type()[joint.index()]);
-    /// Range of the joint's positions in `qpos`: 7 for a free joint, 4 for a ball, 1 for a slide or a hinge.
+    /// Range of the joint's positions in `qpos`: 7 for a free joint, 4 for a ball, 1 for a slide or
+    /// a hinge.
     #[doc(alias = "qposadr")]
     qpos_range: {Range<usize>} = |joint| {
         let start = ffi::size(joint.owner.jnt_qposadr()[joint.index()]);
         start..start + joint.joint_type().nq()
     };
-    /// Range of the joint's degrees of freedom in `qvel` and every other array of length `nv`: 6 for a free joint, 3 for a ball,
-    /// 1 for a slide or a hinge. This is not the joint's index: after a free joint the two differ by 5.
+    /// Range of the joint's degrees of freedom in `qvel` and every other array of length `nv`: 6
+    /// for a free joint, 3 for a ball, 1 for a slide or a hinge. This is not the joint's index:
+    /// after a free joint the two differ by 5.
     #[doc(alias = "dofadr")]
     dofs: {Range<usize>} = |joint| {
         let start = ffi::size(joint.owner.jnt_dofadr()[joint.index()]);
@@ -250,8 +262,8 @@ fields!(Joint on Model {
     body: {BodyId} = |joint| joint.id_in(joint.owner.jnt_bodyid());
     /// Visualisation group.
     group: i32 = jnt_group, set_group;
-    /// Returns `true` if [`range`](Self::range) is enforced. A joint compiled without a limit has the range `[0, 0]` until one
-    /// is set.
+    /// Returns `true` if [`range`](Self::range) is enforced. A joint compiled without a limit has
+    /// the range `[0, 0]` until one is set.
     limited: bool = jnt_limited, set_limited;
     /// Solver reference parameters of the limit: time constant and damping ratio.
     #[doc(alias = "solreflimit")]
@@ -279,7 +291,8 @@ fields!(Joint on Model {
     damping: [f64] = dof_damping at dofs, damping_mut in dof_damping_mut;
     /// Dry friction, N or N·m.
     frictionloss: [f64] = dof_frictionloss at dofs, frictionloss_mut in dof_frictionloss_mut;
-    /// Solver reference parameters of the dry friction of each degree of freedom: time constant and damping ratio.
+    /// Solver reference parameters of the dry friction of each degree of freedom: time constant and
+    /// damping ratio.
     #[doc(alias = "solreffriction")]
     dof_solref: [[f64; 2]] = dof_solref at dofs, dof_solref_mut in dof_solref_mut;
     /// Solver impedance parameters of the dry friction of each degree of freedom.
@@ -289,14 +302,14 @@ fields!(Joint on Model {
     invweight0: [f64] = dof_invweight0 at dofs;
     /// Diagonal of the inertia matrix in the reference configuration.
     M0: [f64] = dof_M0 at dofs;
-    /// Parent of its first degree of freedom in the kinematic tree. The parent of each further degree of freedom is the previous
-    /// one.
+    /// Parent of its first degree of freedom in the kinematic tree. The parent of each further
+    /// degree of freedom is the previous one.
     #[doc(alias = "dof_parentid")]
     parent_dof: {Option<usize>} = |joint| usize::try_from(joint.owner.dof_parentid()[joint.dofs().start]).ok();
     /// Offsets of the rows of its degrees of freedom in the packed inertia matrix `qM`.
     Madr: [i32] = dof_Madr at dofs;
-    /// For each of its degrees of freedom, the length of the run of consecutive degrees of freedom that starts there and
-    /// whose bodies have a diagonal block of the inertia matrix.
+    /// For each of its degrees of freedom, the length of the run of consecutive degrees of freedom
+    /// that starts there and whose bodies have a diagonal block of the inertia matrix.
     simplenum: [i32] = dof_simplenum at dofs;
     /// User data.
     user: [f64] = jnt_user, user_mut in jnt_user_mut;
@@ -327,7 +340,8 @@ fields!(Joint on Data {
     qfrc_inverse: [f64] = qfrc_inverse at dofs;
     /// Acceleration without constraints, m/s² or rad/s².
     qacc_smooth: [f64] = qacc_smooth at dofs;
-    /// Spatial motion axis of each degree of freedom about the centre of mass of the kinematic tree: angular, then linear.
+    /// Spatial motion axis of each degree of freedom about the centre of mass of the kinematic
+    /// tree: angular, then linear.
     cdof: [[f64; 6]] = cdof at dofs;
     /// Time derivative of `cdof`.
     cdof_dot: [[f64; 6]] = cdof_dot at dofs;

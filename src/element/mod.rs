@@ -1,8 +1,9 @@
 //! Named access to the elements of a model by name, index or id.
 //!
-//! `model.joint("left_knee")?` looks a name up once and returns a [`Joint`]: an id and a borrow of the model. The view and its
-//! [`id`](View::id) are keys too, and lookups with them are infallible: `data.joint(knee)` is the same joint in a simulation.
-//! Reading a field through it costs little more than indexing a slice (`cargo bench --bench view`).
+//! `model.joint("left_knee")?` looks a name up once and returns a [`Joint`]: an id and a borrow of
+//! the model. The view and its [`id`](View::id) are keys too, and lookups with them are infallible:
+//! `data.joint(knee)` is the same joint in a simulation. Reading a field through it costs little
+//! more than indexing a slice (`cargo bench --bench view`).
 //!
 //! ```
 //! use std::sync::Arc;
@@ -25,8 +26,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! Each kind has up to four views, which are aliases of two types: [`View`] and [`ViewMut`], on a [`Model`] or on a [`Data`].
-//! A key of another model panics:
+//! Each kind has up to four views, which are aliases of two types: [`View`] and [`ViewMut`], on a
+//! [`Model`] or on a [`Data`]. A key of another model panics:
 //!
 //! ```should_panic
 //! use mujoco_safe::{Data, sample};
@@ -40,16 +41,18 @@
 //!
 //! # Computed fields
 //!
-//! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are unchecked references into the
-//! engine's arrays. If the order of calls is not obvious, call [`Data::require`] once. Fields that programs often read too early
-//! return [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and the
-//! fields of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
+//! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are
+//! unchecked references into the engine's arrays. If the order of calls is not obvious, call
+//! [`Data::require`] once. Fields that programs often read too early return
+//! [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor,
+//! and the fields of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
 //!
 //! # Kinds
 //!
-//! Each kind has a lookup method and an iterator on [`Model`]. The kinds in the first table also have both on [`Data`], for their
-//! time-dependent fields. The page of each view lists its fields; the views for writing end in `Mut`, such as [`JointMut`] and
-//! [`JointDataMut`]. The search of this documentation also finds the kinds by the engine's abbreviations.
+//! Each kind has a lookup method and an iterator on [`Model`]. The kinds in the first table also
+//! have both on [`Data`], for their time-dependent fields. The page of each view lists its fields;
+//! the views for writing end in `Mut`, such as [`JointMut`] and [`JointDataMut`]. The search of
+//! this documentation also finds the kinds by the engine's abbreviations.
 //!
 //! | lookup | iterator | fields in a model | in a simulation | id | engine's abbreviation |
 //! |---|---|---|---|---|---|
@@ -82,8 +85,9 @@
 //!
 //! # Writing to a model
 //!
-//! The views of a [`ModelMut`] give write access to floating-point numbers, flags (`set_limited`, `set_active`) and bit masks
-//! (`set_contype`). Fields that determine the engine's memory accesses (types, ids, addresses, sizes) are read-only.
+//! The views of a [`ModelMut`] give write access to floating-point numbers, flags (`set_limited`,
+//! `set_active`) and bit masks (`set_contype`). Fields that determine the engine's memory accesses
+//! (types, ids, addresses, sizes) are read-only.
 //!
 //! ```
 //! use mujoco_safe::{Error, sample};
@@ -138,9 +142,11 @@ with_aliases! {
     pub use self::tendon_path::{Wrap = "mjtWrap"};
 }
 
-/// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of each kind are methods.
+/// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of
+/// each kind are methods.
 ///
-/// This page has the methods of all kinds. The page of an alias, such as [`JointData`], has those of one kind.
+/// This page has the methods of all kinds. The page of an alias, such as [`JointData`], has those
+/// of one kind.
 pub struct View<'a, Owner, K> {
     owner: &'a Owner,
     id: Id<K>,
@@ -148,7 +154,8 @@ pub struct View<'a, Owner, K> {
 
 /// Mutable view of one element.
 ///
-/// This page has the methods of all kinds. The page of an alias, such as [`JointDataMut`], has those of one kind.
+/// This page has the methods of all kinds. The page of an alias, such as [`JointDataMut`], has
+/// those of one kind.
 pub struct ViewMut<'a, Owner, K> {
     owner: &'a mut Owner,
     id: Id<K>,
@@ -226,8 +233,8 @@ impl<O, K: ElementKind> Key<K> for View<'_, O, K> {
     }
 }
 
-/// Declares the types and lookup methods of the kinds: `Kind` and `KindMut`, and with time-dependent fields `KindData` and
-/// `KindDataMut`.
+/// Declares the types and lookup methods of the kinds: `Kind` and `KindMut`, and with
+/// time-dependent fields `KindData` and `KindDataMut`.
 macro_rules! kinds {
     ($(
         $one:ident, $one_mut:ident, $many:ident, $short:literal => $kind:ident, $model_mut:ident
@@ -327,7 +334,8 @@ kinds! {
     tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut;
 }
 
-/// Returns the range that starts at an element's address. Empty for an element without entries, whose address is -1.
+/// Returns the range that starts at an element's address. Empty for an element without entries,
+/// whose address is -1.
 #[inline]
 fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usize> {
     let start = usize::try_from(addresses[index]).unwrap_or(0);

@@ -44,7 +44,8 @@ fields!(Sensor on Model {
         let (object_type, id) = (sensor.owner.sensor_objtype(), sensor.owner.sensor_objid());
         Object::from_raw(object_type[sensor.index()], id[sensor.index()], sensor.owner.lineage())
     };
-    /// Object whose frame is the reference frame; `None` for the world frame, or the default frame of the sensor type.
+    /// Object whose frame is the reference frame; `None` for the world frame, or the default frame
+    /// of the sensor type.
     #[doc(alias = "reftype")]
     #[doc(alias = "refid")]
     reference: {Option<Object>} = |sensor| {
@@ -58,22 +59,24 @@ fields!(Sensor on Model {
     data_range: {Range<usize>} = |sensor| range(sensor.owner.sensor_adr(), sensor.owner.sensor_dim(), sensor.index());
     /// Value at which readings are clamped; 0 for none.
     cutoff: f64 = sensor_cutoff, set_cutoff in sensor_cutoff_mut;
-    /// Standard deviation of the noise, applied if [`EnableFlags::SENSORNOISE`](crate::model::EnableFlags::SENSORNOISE) is set.
+    /// Standard deviation of the noise, applied if
+    /// [`EnableFlags::SENSORNOISE`](crate::model::EnableFlags::SENSORNOISE) is set.
     noise: f64 = sensor_noise, set_noise in sensor_noise_mut;
     /// User data.
     user: [f64] = sensor_user, user_mut in sensor_user_mut;
 });
 
 fields!(Sensor on Data {
-    /// Reading of the sensor: its range of [`sensordata`](Data::sensordata), which a control loop can read without the check.
-    /// After [`step`](Data::step) the reading belongs to the state before the step.
+    /// Reading of the sensor: its range of [`sensordata`](Data::sensordata), which a control loop
+    /// can read without the check. After [`step`](Data::step) the reading belongs to the state
+    /// before the step.
     ///
     /// Engine array `sensordata`.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] unless the stage of the sensor has been computed, [`Error::Unsupported`] if the options of the model
-    /// disable sensors.
+    /// [`Error::NotComputed`] unless the stage of the sensor has been computed,
+    /// [`Error::Unsupported`] if the options of the model disable sensors.
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, Model};

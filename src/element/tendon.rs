@@ -17,7 +17,8 @@ use crate::model::{Model, ModelMut};
 /// # Methods of [`TendonData`](super::TendonData)
 impl<'a> View<'a, Data, kind::Tendon> {
     fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
-        // The options determine the layout that the engine has written, so they must not have changed since.
+        // The options determine the layout that the engine has written, so they must not have
+        // changed since.
         if self.owner.stage() == Stage::Nothing {
             return None;
         }
@@ -26,7 +27,8 @@ impl<'a> View<'a, Data, kind::Tendon> {
 }
 
 fields!(Tendon on Model {
-    /// Elements of the path: sites, geoms and pulleys of a spatial tendon, joints of a fixed tendon.
+    /// Elements of the path: sites, geoms and pulleys of a spatial tendon, joints of a fixed
+    /// tendon.
     #[doc(alias = "adr")]
     #[doc(alias = "num")]
     path: {Wraps<'a>} = |tendon| {
@@ -37,8 +39,8 @@ fields!(Tendon on Model {
     material: {Option<MaterialId>} = |tendon| tendon.optional_id_in(tendon.owner.tendon_matid());
     /// Visualisation group.
     group: i32 = tendon_group, set_group;
-    /// Returns `true` if [`range`](Self::range) is enforced. A tendon compiled without a limit has the range `[0, 0]` until one
-    /// is set.
+    /// Returns `true` if [`range`](Self::range) is enforced. A tendon compiled without a limit has
+    /// the range `[0, 0]` until one is set.
     limited: bool = tendon_limited, set_limited;
     /// Width for visualisation, m.
     width: f64 = tendon_width, set_width in tendon_width_mut;
@@ -52,7 +54,8 @@ fields!(Tendon on Model {
     damping: f64 = tendon_damping, set_damping in tendon_damping_mut;
     /// Dry friction, N.
     frictionloss: f64 = tendon_frictionloss, set_frictionloss in tendon_frictionloss_mut;
-    /// Rest length of the spring, m. Since 2.3 the spring can have a range of rest lengths, of which this is the lower end.
+    /// Rest length of the spring, m. Since 2.3 the spring can have a range of rest lengths, of
+    /// which this is the lower end.
     lengthspring: {f64} = |tendon| tendon.owner.tendon_rest_length(tendon.index())[0];
     /// Length in the reference configuration, m.
     length0: f64 = tendon_length0;
@@ -86,7 +89,8 @@ fields!(Tendon on Data {
     length: f64 = ten_length;
     /// Velocity, m/s.
     velocity: f64 = ten_velocity;
-    /// Derivative of the length with respect to each degree of freedom. `None` unless computed for the present model.
+    /// Derivative of the length with respect to each degree of freedom. `None` unless computed for
+    /// the present model.
     J: {Option<JacobianRow<'a>>} = |tendon| tendon.jacobian_row();
     /// Range of its path in the points of all paths.
     #[doc(alias = "wrapadr")]

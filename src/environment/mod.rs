@@ -1,8 +1,10 @@
-//! Environments of reinforcement learning: observations, rewards, ends of episodes and resets, for many simulations at once.
+//! Environments of reinforcement learning: observations, rewards, ends of episodes and resets, for
+//! many simulations at once.
 //!
-//! A [`Task`] defines the observations, the reward and the end of an episode. A [`VectorEnvironment`] runs a task in a
-//! [`Batch`](crate::Batch) of simulations and resets each at the end of its episode, as the vector environments of
-//! [Gymnasium](https://gymnasium.farama.org) do. For a single environment, use a batch of one.
+//! A [`Task`] defines the observations, the reward and the end of an episode. A
+//! [`VectorEnvironment`] runs a task in a [`Batch`](crate::Batch) of simulations and resets each at
+//! the end of its episode, as the vector environments of [Gymnasium](https://gymnasium.farama.org)
+//! do. For a single environment, use a batch of one.
 //!
 //! ```
 //! use mujoco_safe::environment::{Hopper, VectorEnvironment};
@@ -26,7 +28,8 @@
 //! | [`Hopper`] | one leg with a torso, 3 motors | [`Hopper-v5`](https://gymnasium.farama.org/environments/mujoco/hopper/) |
 //! | [`HalfCheetah`] | two legs with a torso, in a plane, 6 motors | [`HalfCheetah-v5`](https://gymnasium.farama.org/environments/mujoco/half_cheetah/) |
 //!
-//! The models have other dimensions, masses and strengths than those of Gymnasium, so returns cannot be compared.
+//! The models have other dimensions, masses and strengths than those of Gymnasium, so returns
+//! cannot be compared.
 //!
 //! # A task of your own
 //!
@@ -84,18 +87,21 @@ pub trait Task: Send + Sync {
     /// Returns the number of values in an observation.
     fn observation_size(&self, model: &Model) -> usize;
 
-    /// Returns the number of engine steps per step of the environment, with the same action; one by default.
+    /// Returns the number of engine steps per step of the environment, with the same action; one by
+    /// default.
     fn frame_skip(&self) -> usize {
         1
     }
 
-    /// Returns the number of steps after which an episode is truncated, if any. By default, episodes have no limit.
+    /// Returns the number of steps after which an episode is truncated, if any. By default,
+    /// episodes have no limit.
     fn time_limit(&self) -> Option<u64> {
         None
     }
 
-    /// Sets the initial state of an episode. The simulation has been reset. The random numbers are determined by the seed of the
-    /// environment, the index of the simulation and the number of the episode.
+    /// Sets the initial state of an episode. The simulation has been reset. The random numbers are
+    /// determined by the seed of the environment, the index of the simulation and the number of the
+    /// episode.
     ///
     /// # Errors
     ///
@@ -104,7 +110,8 @@ pub trait Task: Send + Sync {
 
     /// Writes the observation of a simulation to a row of zeros.
     ///
-    /// Poses, contacts and sensor readings are those of the state before the last engine step, unless the environment was created with
+    /// Poses, contacts and sensor readings are those of the state before the last engine step,
+    /// unless the environment was created with
     /// [`forward_after_step`](VectorEnvironment::forward_after_step).
     fn observe(&self, data: &Data, observation: &mut [f64]);
 
@@ -155,6 +162,7 @@ impl<'t> Transition<'t> {
 pub struct Evaluation {
     /// Reward of the step.
     pub reward: f64,
-    /// `true` if the new state ends the episode: success or failure of the task, but not the time limit.
+    /// `true` if the new state ends the episode: success or failure of the task, but not the time
+    /// limit.
     pub terminated: bool,
 }

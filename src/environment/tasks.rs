@@ -10,13 +10,16 @@ use crate::sample;
 /// Number of steps of an episode.
 const TIME_LIMIT: Option<u64> = Some(1000);
 
-/// Task of [`InvertedPendulum-v5`](https://gymnasium.farama.org/environments/mujoco/inverted_pendulum/): a cart balances a pole.
+/// Task of
+/// [`InvertedPendulum-v5`](https://gymnasium.farama.org/environments/mujoco/inverted_pendulum/): a
+/// cart balances a pole.
 ///
 /// - Model: [`sample::cartpole`]; an action is a force on the cart, with 0.04 s per step.
 /// - Observation `(4)`: position of the cart, m, angle of the pole, rad, and their velocities.
 /// - Reward: 1 for each step that does not terminate.
 /// - Terminated: the angle exceeds 0.2 rad, or the state is not finite. Truncated after 1000 steps.
-/// - Initial state: upright, with a uniform deviation of up to 0.01 in all positions and velocities.
+/// - Initial state: upright, with a uniform deviation of up to 0.01 in all positions and
+///   velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InvertedPendulum;
 
@@ -60,21 +63,25 @@ impl Task for InvertedPendulum {
     }
 }
 
-/// Task of [`Hopper-v5`](https://gymnasium.farama.org/environments/mujoco/hopper/): a leg with a torso hops forward in a plane.
+/// Task of [`Hopper-v5`](https://gymnasium.farama.org/environments/mujoco/hopper/): a leg with a
+/// torso hops forward in a plane.
 ///
-/// - Model: [`Hopper::model`]; the actions are torques at hip, knee and ankle, in ±1, with 0.008 s per step.
+/// - Model: [`Hopper::model`]; the actions are torques at hip, knee and ankle, in ±1, with 0.008 s
+///   per step.
 /// - Observation `(11)`: positions without that along the path, and velocities, limited to ±10.
-/// - Reward: the mean velocity along the path during the step, m/s, plus 1 if the state is healthy, minus 0.001 × the sum of the squares of
-///   the actions.
-/// - Terminated: the state is not healthy, which means a height of the torso above 0.7 m, a pitch of the torso within ±0.2 rad, and the
-///   pitch, the joint angles and all velocities within ±100. Truncated after 1000 steps.
-/// - Initial state: standing, with a uniform deviation of up to 0.005 in all positions and velocities.
+/// - Reward: the mean velocity along the path during the step, m/s, plus 1 if the state is healthy,
+///   minus 0.001 × the sum of the squares of the actions.
+/// - Terminated: the state is not healthy, which means a height of the torso above 0.7 m, a pitch
+///   of the torso within ±0.2 rad, and the pitch, the joint angles and all velocities within ±100.
+///   Truncated after 1000 steps.
+/// - Initial state: standing, with a uniform deviation of up to 0.005 in all positions and
+///   velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hopper;
 
 impl Hopper {
-    /// Loads the model: a torso, a thigh, a shin and a foot. The positions are x and z of the torso, m, its pitch, and the angles of hip, knee
-    /// and ankle, rad.
+    /// Loads the model: a torso, a thigh, a shin and a foot. The positions are x and z of the
+    /// torso, m, its pitch, and the angles of hip, knee and ankle, rad.
     pub fn model() -> Model {
         sample::hopper()
     }
@@ -115,20 +122,24 @@ impl Task for Hopper {
     }
 }
 
-/// Task of [`HalfCheetah-v5`](https://gymnasium.farama.org/environments/mujoco/half_cheetah/): two legs with a torso run forward in a plane.
+/// Task of [`HalfCheetah-v5`](https://gymnasium.farama.org/environments/mujoco/half_cheetah/): two
+/// legs with a torso run forward in a plane.
 ///
-/// - Model: [`HalfCheetah::model`]; the actions are torques at the hip, knee and ankle of the hind leg, then of the fore leg, in ±1, with
-///   0.05 s per step.
+/// - Model: [`HalfCheetah::model`]; the actions are torques at the hip, knee and ankle of the hind
+///   leg, then of the fore leg, in ±1, with 0.05 s per step.
 /// - Observation `(17)`: positions without that along the path, and velocities.
-/// - Reward: the mean velocity along the path during the step, m/s, minus 0.1 × the sum of the squares of the actions.
+/// - Reward: the mean velocity along the path during the step, m/s, minus 0.1 × the sum of the
+///   squares of the actions.
 /// - Terminated: never. Truncated after 1000 steps.
-/// - Initial state: standing, with a uniform deviation of up to 0.1 in all positions, and a normal one of 0.1 in all velocities.
+/// - Initial state: standing, with a uniform deviation of up to 0.1 in all positions, and a normal
+///   one of 0.1 in all velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HalfCheetah;
 
 impl HalfCheetah {
-    /// Loads the model: a torso, and a hind leg and a fore leg of thigh, shin and foot. The positions are x and z of the torso relative to
-    /// standing, m, its pitch, and the angles of hip, knee and ankle of the hind leg, then of the fore leg, rad.
+    /// Loads the model: a torso, and a hind leg and a fore leg of thigh, shin and foot. The
+    /// positions are x and z of the torso relative to standing, m, its pitch, and the angles of
+    /// hip, knee and ankle of the hind leg, then of the fore leg, rad.
     pub fn model() -> Model {
         sample::half_cheetah()
     }

@@ -18,12 +18,13 @@ pub enum UnstableField {
     Control,
 }
 
-/// A value of the simulation that is NaN or beyond ±10¹⁰. The engine itself would reset the simulation, print a warning and
-/// continue.
+/// A value of the simulation that is NaN or beyond ±10¹⁰. The engine itself would reset the
+/// simulation, print a warning and continue.
 ///
-/// Positions, velocities and controls are checked before the engine is called. In that case the data is unchanged, and a program
-/// can correct the value. An acceleration that is out of range, and a control that a [closure](crate::callback::Callbacks::control) sets,
-/// are detected during the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
+/// Positions, velocities and controls are checked before the engine is called. In that case the
+/// data is unchanged, and a program can correct the value. An acceleration that is out of range,
+/// and a control that a [closure](crate::callback::Callbacks::control) sets, are detected during
+/// the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Instability {

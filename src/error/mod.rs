@@ -15,7 +15,8 @@ use crate::kind::Kind;
 use crate::stage::MissingResults;
 use crate::version::{Version, built_against};
 
-/// Implements `Debug` of an error type by its `Display`, because `unwrap` and a `main` that returns an error print `Debug`.
+/// Implements `Debug` of an error type by its `Display`, because `unwrap` and a `main` that returns
+/// an error print `Debug`.
 macro_rules! debug_as_display {
     ($error:ty) => {
         impl std::fmt::Debug for $error {
@@ -41,16 +42,18 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// assert!(error.to_string().contains("did you mean 'left_knee'"));
 /// ```
 ///
-/// `Debug` prints the same text as `Display`, so `unwrap` and a `main` that returns a `Result` show it too.
+/// `Debug` prints the same text as `Display`, so `unwrap` and a `main` that returns a `Result` show
+/// it too.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The engine raised an error (`mju_error`) during a call.
     ///
-    /// A call that takes `&mut Data` poisons that data, because the engine may have left it half computed: further calls return
-    /// [`Poisoned`](Self::Poisoned) until a [`reset`](crate::Data::reset). A call that takes `&Data`, such as
-    /// [`Scene::select`](crate::Scene::select), only reads, so the data is unchanged and usable. A call on a model or a scene
-    /// alone has no data to poison.
+    /// A call that takes `&mut Data` poisons that data, because the engine may have left it half
+    /// computed: further calls return [`Poisoned`](Self::Poisoned) until a
+    /// [`reset`](crate::Data::reset). A call that takes `&Data`, such as
+    /// [`Scene::select`](crate::Scene::select), only reads, so the data is unchanged and usable. A
+    /// call on a model or a scene alone has no data to poison.
     #[error("the engine failed in {function}: {message}")]
     Engine {
         /// The C function.
@@ -59,7 +62,8 @@ pub enum Error {
         message: String,
     },
 
-    /// A closure that the engine called panicked. The data is poisoned, as after [`Engine`](Self::Engine).
+    /// A closure that the engine called panicked. The data is poisoned, as after
+    /// [`Engine`](Self::Engine).
     #[error("the {callback} callback panicked: {message}")]
     Callback {
         /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure.
@@ -77,31 +81,36 @@ pub enum Error {
         message: String,
     },
 
-    /// An earlier call with `&mut Data` failed with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
-    /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
+    /// An earlier call with `&mut Data` failed with [`Engine`](Self::Engine),
+    /// [`Callback`](Self::Callback), [`OutOfMemory`](Self::OutOfMemory) or
+    /// [`Unstable`](Self::Unstable). The data may be half computed.
     ///
-    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key), and [`copy_from`](crate::Data::copy_from) with
-    /// a usable source make it usable again. Until then every call that computes from the data returns this error. The arrays can
-    /// be read and written, so a program can save the state; they hold the values that the failed call left.
+    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key), and
+    /// [`copy_from`](crate::Data::copy_from) with a usable source make it usable again. Until then
+    /// every call that computes from the data returns this error. The arrays can be read and
+    /// written, so a program can save the state; they hold the values that the failed call left.
     #[error("this data is unusable since {failure}; reset it first")]
     Poisoned {
         /// Text of the error that poisoned the data.
         failure: String,
     },
 
-    /// A state, a control or an acceleration is NaN or beyond ±10¹⁰. The engine itself would silently reset the simulation
-    /// or its controls. See [`Instability`] for the cases that poison the data.
+    /// A state, a control or an acceleration is NaN or beyond ±10¹⁰. The engine itself would
+    /// silently reset the simulation or its controls. See [`Instability`] for the cases that poison
+    /// the data.
     #[error(transparent)]
     Unstable(#[from] Instability),
 
-    /// A solver that uses the simulation found no solution. [`solver`](Self::solver) returns the typed cause.
+    /// A solver that uses the simulation found no solution. [`solver`](Self::solver) returns the
+    /// typed cause.
     ///
-    /// Regulators return this error with a [`RiccatiError`](crate::control::riccati::RiccatiError) if the Riccati equation
-    /// has no stabilising solution, or none of the required accuracy.
+    /// Regulators return this error with a [`RiccatiError`](crate::control::riccati::RiccatiError)
+    /// if the Riccati equation has no stabilising solution, or none of the required accuracy.
     #[error("there is no regulator: {0}")]
     Solver(#[source] Box<dyn std::error::Error + Send + Sync>),
 
-    /// A model file or text could not be compiled. The message is the complete one of the engine, with the line number if known.
+    /// A model file or text could not be compiled. The message is the complete one of the engine,
+    /// with the line number if known.
     #[error("cannot load {source_name}: {message}")]
     Load {
         /// Path of the file, or name of the text.
@@ -128,8 +137,8 @@ pub enum Error {
         reason: String,
     },
 
-    /// XML cannot represent some values of the model: the text that the engine writes loads as a different model. Nothing was
-    /// written.
+    /// XML cannot represent some values of the model: the text that the engine writes loads as a
+    /// different model. Nothing was written.
     #[error(
         "{path} is not written, because XML would lose these values of the model: {}; save a binary model, or accept the loss with SaveXmlOptions",
         lost(fields)
@@ -232,13 +241,15 @@ pub enum Error {
         what: &'static str,
     },
 
-    /// The XML of the model can no longer be saved, because the engine keeps that of the last loaded model only.
+    /// The XML of the model can no longer be saved, because the engine keeps that of the last
+    /// loaded model only.
     #[error(
         "the engine keeps the XML of the last loaded model only, and another one was loaded since: save before loading the next, or save as a binary model"
     )]
     XmlReplaced,
 
-    /// The engine's XML compiler was interrupted while it held its lock. Another call would deadlock.
+    /// The engine's XML compiler was interrupted while it held its lock. Another call would
+    /// deadlock.
     #[error("an earlier error has left the engine's XML compiler locked for the rest of this process: {cause}")]
     LoaderLocked {
         /// Text of the error that interrupted the compiler.
@@ -258,14 +269,16 @@ pub enum Error {
         capacity: usize,
     },
 
-    /// The engine could not allocate memory. A call that takes `&mut Data` poisons it, as with [`Engine`](Self::Engine).
+    /// The engine could not allocate memory. A call that takes `&mut Data` poisons it, as with
+    /// [`Engine`](Self::Engine).
     #[error("the engine is out of memory in {function}")]
     OutOfMemory {
         /// The C function.
         function: &'static str,
     },
 
-    /// The engine that is loaded at run time has another version than the headers that this crate was built against.
+    /// The engine that is loaded at run time has another version than the headers that this crate
+    /// was built against.
     #[error(
         "this program was built against MuJoCo {built}, but runs with {running}, whose structures differ: rebuild it, or install {built}"
     )]
@@ -340,8 +353,8 @@ impl Error {
 pub struct UnsavedField {
     /// The field in the engine's spelling, for example `body_mass`, `opt.timestep` or `nconmax`.
     pub field: String,
-    /// Names of the elements whose values differ, or the index of an element without a name. Empty for a size and for the fields
-    /// of options, statistics and visualiser settings.
+    /// Names of the elements whose values differ, or the index of an element without a name. Empty
+    /// for a size and for the fields of options, statistics and visualiser settings.
     pub elements: Vec<String>,
 }
 
@@ -374,7 +387,8 @@ fn shape((rows, columns): (usize, usize)) -> String {
 
 /// Runs a closure and turns a panic into its message.
 ///
-/// State that the closure was changing may be inconsistent after a panic; the caller must repair or discard it.
+/// State that the closure was changing may be inconsistent after a panic; the caller must repair or
+/// discard it.
 pub(crate) fn catch_panic<T>(run: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(run)).map_err(|payload| {
         let message = match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {

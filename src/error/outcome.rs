@@ -4,9 +4,10 @@ use super::Result;
 
 /// Return type of a closure that may fail: nothing, or a [`Result`].
 ///
-/// A call with such a closure returns the closure's error as its own, so one `?` is enough. A closure for
-/// [`Data::edit_model`](crate::Data::edit_model) can return a value in `Ok`; the other closures of this crate, such as a
-/// [`Controller`](crate::Controller) or the edit of a [`Rollout`](crate::Rollout::edit_model), return `()` or `Result<()>`.
+/// A call with such a closure returns the closure's error as its own, so one `?` is enough. A
+/// closure for [`Data::edit_model`](crate::Data::edit_model) can return a value in `Ok`; the other
+/// closures of this crate, such as a [`Controller`](crate::Controller) or the edit of a
+/// [`Rollout`](crate::Rollout::edit_model), return `()` or `Result<()>`.
 ///
 /// ```
 /// use mujoco_safe::{Data, sample};

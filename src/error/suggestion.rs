@@ -1,6 +1,7 @@
 //! Suggestions of similar names in errors about unknown names.
 
-/// Returns the end of the error about an unknown element: the most similar name, if one is similar enough, and the known names.
+/// Returns the end of the error about an unknown element: the most similar name, if one is similar
+/// enough, and the known names.
 pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {
     const SHOWN: usize = 40;
     let nearest = known.iter().map(|candidate| (edit_distance(name, candidate), candidate)).min();
@@ -19,7 +20,8 @@ pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {
     format!("{suggestion} (known names: {list}{more})")
 }
 
-/// Returns the end of the error about an unknown field: the struct that has it, or the similar names.
+/// Returns the end of the error about an unknown field: the struct that has it, or the similar
+/// names.
 pub(super) fn field(owner: Option<&str>, near: &[String]) -> String {
     match owner {
         Some(owner) => {
@@ -35,7 +37,8 @@ pub(super) fn field(owner: Option<&str>, near: &[String]) -> String {
     }
 }
 
-/// Returns at most eight names that differ little from `name`, contain it or are contained in it, most similar first.
+/// Returns at most eight names that differ little from `name`, contain it or are contained in it,
+/// most similar first.
 pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<String> {
     const SHOWN: usize = 8;
     let mut near: Vec<(usize, &str)> = known

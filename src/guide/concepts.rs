@@ -1,10 +1,13 @@
-//! Concepts: model and data, the pipeline, states, results and their age, names and ids, matrices, errors.
+//! Concepts: model and data, the pipeline, states, results and their age, names and ids, matrices,
+//! errors.
 //!
 //! # Model and data
 //!
-//! A [`Model`] is the description of a mechanism: bodies, joints, masses, options. The engine's compiler creates it from MJCF or URDF, and it
-//! stays constant during a simulation. A [`Data`] is one simulation: the state, the inputs, and all quantities that the engine computes from
-//! them. Each simulation holds its model in an [`Arc`](std::sync::Arc), so any number of simulations in any threads share one model.
+//! A [`Model`] is the description of a mechanism: bodies, joints, masses, options. The engine's
+//! compiler creates it from MJCF or URDF, and it stays constant during a simulation. A [`Data`] is
+//! one simulation: the state, the inputs, and all quantities that the engine computes from them.
+//! Each simulation holds its model in an [`Arc`](std::sync::Arc), so any number of simulations in
+//! any threads share one model.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -18,16 +21,19 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! [`Model::edit`] changes a model before it is shared, [`Data::edit_model`] the model of one simulation afterwards. Both lend a
-//! [`ModelMut`].
+//! [`Model::edit`] changes a model before it is shared, [`Data::edit_model`] the model of one
+//! simulation afterwards. Both lend a [`ModelMut`].
 //!
 //! # The pipeline
 //!
 //! The engine computes quantities in stages. Each stage needs the results of the stage before it:
 //!
-//! 1. [`Stage::Position`]: poses of bodies, geoms and sites, tendons, the inertia matrix, contacts, the constraint Jacobian.
-//! 2. [`Stage::Velocity`]: velocities of bodies, passive forces, the bias force (gravity, Coriolis and centrifugal forces).
-//! 3. [`Stage::Acceleration`]: actuator forces, accelerations without constraints, constraint forces, accelerations.
+//! 1. [`Stage::Position`]: poses of bodies, geoms and sites, tendons, the inertia matrix, contacts,
+//!    the constraint Jacobian.
+//! 2. [`Stage::Velocity`]: velocities of bodies, passive forces, the bias force (gravity, Coriolis
+//!    and centrifugal forces).
+//! 3. [`Stage::Acceleration`]: actuator forces, accelerations without constraints, constraint
+//!    forces, accelerations.
 //!
 //! | call | computes | integrates |
 //! |---|---|---|
@@ -37,13 +43,15 @@
 //! | [`Data::step2`] | the third stage, and its sensors, then the new state | yes |
 //! | [`Data::inverse`] | the forces that cause the accelerations in [`qacc`](Data::qacc) | no |
 //!
-//! Between [`step1`](Data::step1) and [`step2`](Data::step2) a program can compute controls from quantities of the present state. The pair
-//! takes an Euler step if the integrator is [`Rk4`](crate::enums::Integrator::Rk4). The functions in [`data::pipeline`](crate::data::pipeline)
-//! compute single parts of a stage.
+//! Between [`step1`](Data::step1) and [`step2`](Data::step2) a program can compute controls from
+//! quantities of the present state. The pair takes an Euler step if the integrator is
+//! [`Rk4`](crate::enums::Integrator::Rk4). The functions in
+//! [`data::pipeline`](crate::data::pipeline) compute single parts of a stage.
 //!
 //! # The state
 //!
-//! The physics state is `[qpos; qvel; act]`: positions, velocities and actuator activations. [`StateSpec`] selects the parts of a state vector:
+//! The physics state is `[qpos; qvel; act]`: positions, velocities and actuator activations.
+//! [`StateSpec`] selects the parts of a state vector:
 //!
 //! | specification | parts |
 //! |---|---|
@@ -52,8 +60,9 @@
 //! | [`USER`](StateSpec::USER) | the inputs: controls, applied forces, mocap poses, user data |
 //! | [`INTEGRATION`](StateSpec::INTEGRATION) | all of these and the warm start of the solver |
 //!
-//! A simulation that is set to a saved [`INTEGRATION`](StateSpec::INTEGRATION) state continues bit for bit. Without the warm start, the
-//! continuation differs within the tolerance of the constraint solver.
+//! A simulation that is set to a saved [`INTEGRATION`](StateSpec::INTEGRATION) state continues bit
+//! for bit. Without the warm start, the continuation differs within the tolerance of the constraint
+//! solver.
 //!
 //! ```
 //! use mujoco_safe::{Data, StateSpec, sample};
@@ -89,14 +98,17 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! Sensor readings and contacts have the same age as poses. For a controller that reads them, the lag is one time step; a loop that calls
-//! [`forward`](Data::forward) after each step computes everything twice.
+//! Sensor readings and contacts have the same age as poses. For a controller that reads them, the
+//! lag is one time step; a loop that calls [`forward`](Data::forward) after each step computes
+//! everything twice.
 //!
 //! # Results that have not been computed
 //!
-//! A reset and a change of the model discard all results. A call that needs a missing result returns [`Error::NotComputed`], which names the
-//! call that computes it. So do named sensors, contact forces, and the accelerations and forces of named bodies. Plain getters such as
-//! [`Data::xpos`] check nothing, because they only return the engine's array; [`Data::require`] checks in one line.
+//! A reset and a change of the model discard all results. A call that needs a missing result
+//! returns [`Error::NotComputed`], which names the call that computes it. So do named sensors,
+//! contact forces, and the accelerations and forces of named bodies. Plain getters such as
+//! [`Data::xpos`] check nothing, because they only return the engine's array; [`Data::require`]
+//! checks in one line.
 //!
 //! ```
 //! use mujoco_safe::{Data, Error, Stage, sample};
@@ -113,8 +125,10 @@
 //!
 //! # Names, ids, indices and views
 //!
-//! An element is selected by a [`Key`](crate::id::Key): its name, its index, its [`Id`](crate::id::Id), or a view of it. A name or an index can
-//! be unknown, so the lookup returns a [`Result`](crate::Result). An id and a view always refer to an element, so the lookup returns a view without an error.
+//! An element is selected by a [`Key`](crate::id::Key): its name, its index, its
+//! [`Id`](crate::id::Id), or a view of it. A name or an index can be unknown, so the lookup returns
+//! a [`Result`](crate::Result). An id and a view always refer to an element, so the lookup returns
+//! a view without an error.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -131,9 +145,10 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A view borrows the model or the simulation; an id is a number that borrows nothing. Take ids outside of a loop, and use views inside. Indices
-//! count from 0, as in C. An id records its model, and panics with any other model except clones. [`element`](crate::element) lists
-//! the 21 kinds of elements.
+//! A view borrows the model or the simulation; an id is a number that borrows nothing. Take ids
+//! outside of a loop, and use views inside. Indices count from 0, as in C. An id records its model,
+//! and panics with any other model except clones. [`element`](crate::element) lists the 21 kinds of
+//! elements.
 //!
 //! # Arrays and matrices
 //!
@@ -145,21 +160,26 @@
 //! | `n x m`, `m` from the model | [`MatrixView`] | [`Model::key_qpos`] |
 //! | results of functions | [`Matrix`] | [`Data::full_m`] |
 //!
-//! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`] is a nalgebra view of the transpose without a
-//! copy, and [`Matrix::to_nalgebra`] copies. An element of a [`Matrix`] is `matrix[(row, column)]`.
+//! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`]
+//! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] copies. An
+//! element of a [`Matrix`] is `matrix[(row, column)]`.
 //!
 //! # Units
 //!
-//! SI units: metres, seconds, radians, kilograms, newtons. Angles in MJCF are degrees unless the file says otherwise; the compiler converts
-//! them. Quaternions are `[w, x, y, z]`. The linear velocity of a free joint is in the world frame, its angular velocity in the frame of
-//! the body. [`Data::xfrc_applied`] is `[force, torque]`; the engine's spatial vectors, such as [`Data::cvel`], are `[angular, linear]`.
-//! [`Model::field_docs`] and [`Data::field_docs`] return the engine's description of a field.
+//! SI units: metres, seconds, radians, kilograms, newtons. Angles in MJCF are degrees unless the
+//! file says otherwise; the compiler converts them. Quaternions are `[w, x, y, z]`. The linear
+//! velocity of a free joint is in the world frame, its angular velocity in the frame of the body.
+//! [`Data::xfrc_applied`] is `[force, torque]`; the engine's spatial vectors, such as
+//! [`Data::cvel`], are `[angular, linear]`. [`Model::field_docs`] and [`Data::field_docs`] return
+//! the engine's description of a field.
 //!
 //! # Errors and panics
 //!
-//! Failures of the environment are [`Error`]s: files, texts, names, a diverged simulation, a failure of the engine. Mistakes of the program
-//! panic: an index beyond a slice, an id of another model. After a failure in the middle of a computation, the simulation is *poisoned*: each
-//! further computation returns [`Error::Poisoned`] until [`Data::reset`]. The page [`errors`](super::errors) has the details.
+//! Failures of the environment are [`Error`]s: files, texts, names, a diverged simulation, a
+//! failure of the engine. Mistakes of the program panic: an index beyond a slice, an id of another
+//! model. After a failure in the middle of a computation, the simulation is *poisoned*: each
+//! further computation returns [`Error::Poisoned`] until [`Data::reset`]. The page
+//! [`errors`](super::errors) has the details.
 
 #[cfg(doc)]
 use crate::{Data, Error, Matrix, MatrixView, Model, ModelMut, Stage, StateSpec};

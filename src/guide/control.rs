@@ -1,9 +1,11 @@
-//! Simulation and control: controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories.
+//! Simulation and control: controllers, set-points, linearisation, LQR, iLQR, predictive control,
+//! recorded trajectories.
 //!
 //! # Controllers
 //!
-//! A [`Controller`] sets the controls of a simulation once before each step. Recordings, rollouts and the viewer accept any controller. Closures
-//! that take `&mut Data` are controllers; name the type of the argument (`|data: &mut Data|`), because the compiler cannot infer it.
+//! A [`Controller`] sets the controls of a simulation once before each step. Recordings, rollouts
+//! and the viewer accept any controller. Closures that take `&mut Data` are controllers; name the
+//! type of the argument (`|data: &mut Data|`), because the compiler cannot infer it.
 //!
 //! | controller | law |
 //! |---|---|
@@ -43,20 +45,25 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A control law that needs quantities of the *present* state, such as the bias force, sets the controls between
-//! [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control` callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in
-//! each substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a simulation that a struct stores;
-//! [`Data::with_callbacks`] installs it for a scope, in which it can borrow local variables. The cookbook compensates [gravity](crate::guide::cookbook#gravity-compensation) in this way.
+//! A control law that needs quantities of the *present* state, such as the bias force, sets the
+//! controls between [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control`
+//! callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in each
+//! substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a
+//! simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
+//! can borrow local variables. The cookbook compensates
+//! [gravity](crate::guide::cookbook#gravity-compensation) in this way.
 //!
 //! # Set-points
 //!
-//! [`Data::inverse`] returns the forces that hold a pose: set [`qacc`](Data::qacc_mut) to zero, call it, and read
-//! [`qfrc_inverse`](Data::qfrc_inverse). The [page for MuJoCo.jl](super::julia#set-point-of-the-humanoid) converts them to controls.
+//! [`Data::inverse`] returns the forces that hold a pose: set [`qacc`](Data::qacc_mut) to zero,
+//! call it, and read [`qfrc_inverse`](Data::qfrc_inverse). The [page for
+//! MuJoCo.jl](super::julia#set-point-of-the-humanoid) converts them to controls.
 //!
 //! # Linearisation
 //!
-//! A step is `x⁺ = A x + B u` near the present state, and its sensors are `y = C x + D u`. The state of the linear system is
-//! `[dq; dv; da]` of length `nx = 2 nv + na`: the difference of positions is in the tangent space, in which a quaternion has three components, not four.
+//! A step is `x⁺ = A x + B u` near the present state, and its sensors are `y = C x + D u`. The
+//! state of the linear system is `[dq; dv; da]` of length `nx = 2 nv + na`: the difference of
+//! positions is in the tangent space, in which a quaternion has three components, not four.
 //! [`Model::differentiate_pos_into`] computes that difference.
 //!
 //! | call | method |
@@ -66,21 +73,28 @@
 //! | [`Lineariser::along`] | the systems of all steps of a trajectory |
 //! | [`Lineariser::inverse_jacobians_into`] | derivatives of inverse dynamics, by default in closed form |
 //!
-//! The first three return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
-//! features that have no formula, such as contacts of meshes or tendons around geoms, fall back to implicit differentiation or to differences of steps.
+//! The first three return or fill a [`StateSpace`](crate::StateSpace). The
+//! [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was
+//! used: models with features that have no formula, such as contacts of meshes or tendons around
+//! geoms, fall back to implicit differentiation or to differences of steps.
 //!
-//! At a kink of a step the derivative has two sides, and the report names the [kinks](crate::derivative::Kinks) of the state. One rule selects
-//! the side: an input moves into its range, and where both directions are possible, a muscle contracts, as it does in a step with a larger control.
-//! So in a steady state, where the control of a muscle equals its activation, B has the time constant of activation. [`Data::transition_fd`] is the
-//! engine's function, which takes the mean of both sides there. Contacts and limits that begin to act have a kink, or a jump if the bodies move, and the
-//! differences of contacts of meshes need not converge. Then some entries are not derivatives, and the report says so by
-//! [`Kinks::DIFFERENCES`](crate::derivative::Kinks::DIFFERENCES) or [`Kinks::CONSTRAINTS`](crate::derivative::Kinks::CONSTRAINTS). A regulator for such a state needs a
-//! state nearby without the kink, for example one with settled contacts.
+//! At a kink of a step the derivative has two sides, and the report names the
+//! [kinks](crate::derivative::Kinks) of the state. One rule selects the side: an input moves into
+//! its range, and where both directions are possible, a muscle contracts, as it does in a step with
+//! a larger control. So in a steady state, where the control of a muscle equals its activation, B
+//! has the time constant of activation. [`Data::transition_fd`] is the engine's function, which
+//! takes the mean of both sides there. Contacts and limits that begin to act have a kink, or a jump
+//! if the bodies move, and the differences of contacts of meshes need not converge. Then some
+//! entries are not derivatives, and the report says so by
+//! [`Kinks::DIFFERENCES`](crate::derivative::Kinks::DIFFERENCES) or
+//! [`Kinks::CONSTRAINTS`](crate::derivative::Kinks::CONSTRAINTS). A regulator for such a state
+//! needs a state nearby without the kink, for example one with settled contacts.
 //!
 //! # LQR
 //!
-//! [`Lqr::at_present_state`] linearises about the present state and controls, solves the Riccati equation and returns a controller. To
-//! inspect the solution, or to use another linear system, call the two parts:
+//! [`Lqr::at_present_state`] linearises about the present state and controls, solves the Riccati
+//! equation and returns a controller. To inspect the solution, or to use another linear system,
+//! call the two parts:
 //!
 //! ```
 //! use mujoco_safe::control::riccati::RiccatiError;
@@ -106,13 +120,17 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A [`RiccatiError`](crate::control::riccati::RiccatiError) names the reason: an uncontrollable mode, an unobservable mode, a control cost that is not positive.
-//! [`Riccati`](crate::control::riccati::Riccati) solves the equation for any matrices, also without a simulation.
+//! A [`RiccatiError`](crate::control::riccati::RiccatiError) names the reason: an uncontrollable
+//! mode, an unobservable mode, a control cost that is not positive.
+//! [`Riccati`](crate::control::riccati::Riccati) solves the equation for any matrices, also without
+//! a simulation.
 //!
 //! # Trajectory optimisation, and regulators along a trajectory
 //!
-//! [`Ilqr`](crate::control::ilqr::Ilqr) finds a trajectory of minimal cost within the control ranges. Its solution has a gain for each step, and
-//! [`controller`](crate::control::ilqr::IlqrSolution::controller) returns the [`TimeVaryingLqr`] that follows the trajectory:
+//! [`Ilqr`](crate::control::ilqr::Ilqr) finds a trajectory of minimal cost within the control
+//! ranges. Its solution has a gain for each step, and
+//! [`controller`](crate::control::ilqr::IlqrSolution::controller) returns the [`TimeVaryingLqr`]
+//! that follows the trajectory:
 //!
 //! ```
 //! use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
@@ -137,7 +155,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! [`TimeVaryingLqr::along`] computes the gains along a given trajectory. The example `cartpole_swing_up` swings a pole up from any angle.
+//! [`TimeVaryingLqr::along`] computes the gains along a given trajectory. The example
+//! `cartpole_swing_up` swings a pole up from any angle.
 //!
 //! # Costs
 //!
@@ -147,7 +166,8 @@
 //! | [`ResidualCost`](crate::control::residual::ResidualCost) | norms of joint positions, poses, momenta, sensors and controls, relative to targets |
 //! | your type that implements [`TrajectoryCost`](crate::control::ilqr::TrajectoryCost) | any function of the state and the controls, with its derivatives |
 //!
-//! A [`ResidualCost`](crate::control::residual::ResidualCost) has named terms, whose weights and targets can change between two searches:
+//! A [`ResidualCost`](crate::control::residual::ResidualCost) has named terms, whose weights and
+//! targets can change between two searches:
 //!
 //! ```
 //! use mujoco_safe::control::ilqr::TrajectoryCost;
@@ -171,8 +191,10 @@
 //!
 //! # Predictive control
 //!
-//! A [`PredictiveController`](crate::control::predictive::PredictiveController) optimises a plan from the present state every few steps, starting from the previous plan,
-//! and follows it with its gains in between. [`IlqrPlanner`](crate::control::predictive::IlqrPlanner) makes a few iterations of iLQR for each plan:
+//! A [`PredictiveController`](crate::control::predictive::PredictiveController) optimises a plan
+//! from the present state every few steps, starting from the previous plan, and follows it with its
+//! gains in between. [`IlqrPlanner`](crate::control::predictive::IlqrPlanner) makes a few
+//! iterations of iLQR for each plan:
 //!
 //! ```
 //! use mujoco_safe::control::ilqr::IlqrOptions;
@@ -206,19 +228,26 @@
 //! ```
 //!
 //! This controller plans in the thread of the simulation, and its runs are reproducible.
-//! [`ThreadedPredictiveController`](crate::control::predictive::ThreadedPredictiveController) plans in a second thread, for robots, the viewer and
-//! other simulations that run in real time: a step does not wait for the planner. Its [`edit`](crate::control::predictive::ThreadedPredictiveController::edit) changes
-//! weights and targets. A plan must be finished within a fraction of the horizon: `cargo bench --bench predictive` prints its time for a humanoid. Fewer
-//! [step sizes](crate::control::ilqr::IlqrOptions::step_sizes) and a [sufficient decrease](crate::control::ilqr::IlqrOptions::sufficient_decrease) shorten it.
+//! [`ThreadedPredictiveController`](crate::control::predictive::ThreadedPredictiveController) plans
+//! in a second thread, for robots, the viewer and other simulations that run in real time: a step
+//! does not wait for the planner. Its
+//! [`edit`](crate::control::predictive::ThreadedPredictiveController::edit) changes weights and
+//! targets. A plan must be finished within a fraction of the horizon:
+//! `cargo bench --bench predictive` prints its time for a humanoid. Fewer [step
+//! sizes](crate::control::ilqr::IlqrOptions::step_sizes) and a [sufficient
+//! decrease](crate::control::ilqr::IlqrOptions::sufficient_decrease) shorten it.
 //!
-//! In `cargo run --release --example humanoid_predictive -- --pushes 100`, the humanoid stands on one leg and is pushed for 0.1 s by 85 N in random directions. The LQR of
-//! its stance falls in 56 of 100 pushes, and iLQR over a horizon of 100 steps in none.
+//! In `cargo run --release --example humanoid_predictive -- --pushes 100`, the humanoid stands on
+//! one leg and is pushed for 0.1 s by 85 N in random directions. The LQR of its stance falls in 56
+//! of 100 pushes, and iLQR over a horizon of 100 steps in none.
 //!
 //! # Predictive control in the viewer
 //!
-//! The viewer runs any controller. With [`Viewer::instrumented_controller`][instrumented], a closure also declares its [`Instruments`][instruments]: values that are
-//! plotted over time, parameters that the user changes with sliders, and paths in the scene. Here they are the cost of each term in the first step of the plan, the
-//! weights, and the planned path of the pole's tip. A changed weight acts from the next plan:
+//! The viewer runs any controller. With [`Viewer::instrumented_controller`][instrumented], a
+//! closure also declares its [`Instruments`][instruments]: values that are plotted over time,
+//! parameters that the user changes with sliders, and paths in the scene. Here they are the cost of
+//! each term in the first step of the plan, the weights, and the planned path of the pole's tip. A
+//! changed weight acts from the next plan:
 //!
 #![cfg_attr(feature = "viewer", doc = "```no_run")]
 #![cfg_attr(not(feature = "viewer"), doc = "```ignore")]
@@ -266,13 +295,16 @@
 //! # Ok::<(), ViewerError>(())
 //! ```
 //!
-//! A program that steps its simulation itself declares them with [`ViewerHandle::instruments`][handle_instruments]. The examples `humanoid_predictive` and
+//! A program that steps its simulation itself declares them with
+//! [`ViewerHandle::instruments`][handle_instruments]. The examples `humanoid_predictive` and
 //! `arm_tracking` show their plans with `--view`.
 //!
 //! # Predictive control by sampling
 //!
-//! A [`SamplingPlanner`](crate::control::predictive::SamplingPlanner) takes the place of the `IlqrPlanner` if the cost has no derivatives: predictive sampling, or MPPI.
-//! [`with_regulator`](crate::control::predictive::SamplingPlanner::with_regulator) adds its samples to an LQR:
+//! A [`SamplingPlanner`](crate::control::predictive::SamplingPlanner) takes the place of the
+//! `IlqrPlanner` if the cost has no derivatives: predictive sampling, or MPPI.
+//! [`with_regulator`](crate::control::predictive::SamplingPlanner::with_regulator) adds its samples
+//! to an LQR:
 //!
 //! ```
 //! use mujoco_safe::control::predictive::{PredictiveController, SamplingOptions, SamplingPlanner};
@@ -297,8 +329,10 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! Programs can also simulate candidates themselves from the present state and apply the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
-//! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is that of the linear-quadratic regulator:
+//! Programs can also simulate candidates themselves from the present state and apply the best.
+//! [`Workers`](crate::rollout::Workers) keeps the simulations of the
+//! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is
+//! that of the linear-quadratic regulator:
 //!
 //! ```
 //! use mujoco_safe::nalgebra::{DMatrix, DVectorView};
@@ -348,11 +382,14 @@
 //!
 //! # Recorded trajectories
 //!
-//! A [`Trajectory`](crate::Trajectory) holds times, states and controls, and sensor readings if it was created by
-//! [`with_sensordata`](crate::Trajectory::with_sensordata). [`record`](crate::Trajectory::record) steps under a controller,
-//! [`push`](crate::Trajectory::push) appends the present state, and [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
-//! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy arrays. The viewer plays
-//! trajectories. [`Rollout`](crate::rollout::Rollout) always records sensor readings.
+//! A [`Trajectory`](crate::Trajectory) holds times, states and controls, and sensor readings if it
+//! was created by [`with_sensordata`](crate::Trajectory::with_sensordata).
+//! [`record`](crate::Trajectory::record) steps under a controller,
+//! [`push`](crate::Trajectory::push) appends the present state, and
+//! [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
+//! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy
+//! arrays. The viewer plays trajectories. [`Rollout`](crate::rollout::Rollout) always records
+//! sensor readings.
 //!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
 #![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]

@@ -2,7 +2,8 @@
 //!
 //! # A mocap body as a gripper
 //!
-//! The program sets the pose of a mocap body, which becomes a gripper by activating and deactivating a weld constraint.
+//! The program sets the pose of a mocap body, which becomes a gripper by activating and
+//! deactivating a weld constraint.
 //!
 //! ```
 //! use mujoco_safe::{Data, Model};
@@ -30,9 +31,10 @@
 //!
 //! # Inverse kinematics with a Jacobian
 //!
-//! Damped least squares: `dq = Jᵀ (J Jᵀ + λ² I)⁻¹ e` (Buss, *Introduction to inverse kinematics with Jacobian transpose,
-//! pseudoinverse and damped least squares methods*, 2009). [`Matrix::transposed`](crate::Matrix::transposed) is a nalgebra view of
-//! the transpose without a copy.
+//! Damped least squares: `dq = Jᵀ (J Jᵀ + λ² I)⁻¹ e` (Buss, *Introduction to inverse kinematics
+//! with Jacobian transpose, pseudoinverse and damped least squares methods*, 2009).
+//! [`Matrix::transposed`](crate::Matrix::transposed) is a nalgebra view of the transpose without a
+//! copy.
 //!
 //! ```
 //! use mujoco_safe::{Data, Model, nalgebra, nalgebra::Vector3};
@@ -163,8 +165,9 @@
 //!
 //! # Variations of a model
 //!
-//! The ids of a model are valid for its clones. `scale_mass` scales mass and inertia together, like a change of density, and
-//! [`update_constants`](crate::ModelMut::update_constants) updates the derived quantities.
+//! The ids of a model are valid for its clones. `scale_mass` scales mass and inertia together, like
+//! a change of density, and [`update_constants`](crate::ModelMut::update_constants) updates the
+//! derived quantities.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -190,9 +193,10 @@
 //!
 //! # Domain randomisation
 //!
-//! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that the results do not depend on the threads.
-//! [`forward_after_step`](crate::Rollout::forward_after_step) updates the poses that the outputs read. With the feature `npz`,
-//! `result.save_npz(path)?` writes all arrays for NumPy.
+//! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that
+//! the results do not depend on the threads.
+//! [`forward_after_step`](crate::Rollout::forward_after_step) updates the poses that the outputs
+//! read. With the feature `npz`, `result.save_npz(path)?` writes all arrays for NumPy.
 //!
 //! ```
 //! use mujoco_safe::{Rollout, sample};
@@ -221,9 +225,10 @@
 //!
 //! # Identification of parameters
 //!
-//! The Gauss–Newton method fits the damping and the relative mass of a pendulum to readings of its sensor. One rollout has the nominal
-//! parameters, and one more per parameter gives the differences. Row k of `sensordata` is the reading in the state before step k + 1,
-//! which `d.sensordata` holds after that step.
+//! The Gauss–Newton method fits the damping and the relative mass of a pendulum to readings of its
+//! sensor. One rollout has the nominal parameters, and one more per parameter gives the
+//! differences. Row k of `sensordata` is the reading in the state before step k + 1, which
+//! `d.sensordata` holds after that step.
 //!
 //! ```
 //! use mujoco_safe::{Model, Result, Rollout, nalgebra::{DMatrix, DVector}};

@@ -1,5 +1,6 @@
-//! Tables of the engine's functions, struct fields and element kinds, with the corresponding items of this crate and of MuJoCo.jl.
-//! The tables are generated from the engine's own lists, and a test checks that they are complete.
+//! Tables of the engine's functions, struct fields and element kinds, with the corresponding items
+//! of this crate and of MuJoCo.jl. The tables are generated from the engine's own lists, and a test
+//! checks that they are complete.
 
 /// Functions of `mujoco.h`.
 #[doc = include_str!("../../docs/coverage/functions.md")]

@@ -1,7 +1,10 @@
-//! Engines and set-up: versions of MuJoCo, installation, and the search paths at build time and at run time.
+//! Engines and set-up: versions of MuJoCo, installation, and the search paths at build time and at
+//! run time.
 //!
-//! This crate supports MuJoCo **2.2.2**, **3.5.0**, **3.17.0** and **4.0.0**; [`promises`](crate::guide::promises) names what differs with the last
-//! three. Other versions are for trials. The layout of the engine's structs changes with each release, so each version has its own bindings:
+//! This crate supports MuJoCo **2.2.2**, **3.5.0**, **3.17.0** and **4.0.0**;
+//! [`promises`](crate::guide::promises) names what differs with the last three. Other versions are
+//! for trials. The layout of the engine's structs changes with each release, so each version has
+//! its own bindings:
 //!
 //! | MuJoCo | bindings | tests |
 //! |---|---|---|
@@ -14,10 +17,12 @@
 //! | 4.0.0 | committed | all except the program `coverage`: `scripts/test --engine 4.0.0` |
 //! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
 //!
-//! The crate links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither
-//! libclang nor Python. A build against an engine without bindings is an error that names these versions. With the feature `bindgen` the build
-//! generates bindings for it and prints a warning, because no test runs with it: the names and the layout of fields are right by construction, but the
-//! meaning of a value may have changed. Versions before 2.2.2 are an error.
+//! The crate links the engine as a shared library, compiles a small shim with a C and a C++
+//! compiler, and contains bindings, so it needs neither libclang nor Python. A build against an
+//! engine without bindings is an error that names these versions. With the feature `bindgen` the
+//! build generates bindings for it and prints a warning, because no test runs with it: the names
+//! and the layout of fields are right by construction, but the meaning of a value may have changed.
+//! Versions before 2.2.2 are an error.
 //!
 //! # Debian 12
 //!
@@ -30,7 +35,8 @@
 //!
 //! # Other builds: `MUJOCO_DIR`
 //!
-//! `MUJOCO_DIR` names a directory with `include/mujoco/mujoco.h` and the library. If it is set, the build script searches nowhere else.
+//! `MUJOCO_DIR` names a directory with `include/mujoco/mujoco.h` and the library. If it is set, the
+//! build script searches nowhere else.
 //!
 //! | source | `MUJOCO_DIR` |
 //! |---|---|
@@ -38,8 +44,8 @@
 //! | wheel `mujoco==2.2.2` from PyPI | the directory of the package `mujoco` |
 //! | a build from source, installed to a prefix | the prefix |
 //!
-//! The wheel is a convenient source of the official library without root permissions, on every Linux distribution. It was built for Python 3.7 to
-//! 3.10, but any version of pip can download it:
+//! The wheel is a convenient source of the official library without root permissions, on every
+//! Linux distribution. It was built for Python 3.7 to 3.10, but any version of pip can download it:
 //!
 //! ```sh
 //! pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2
@@ -47,19 +53,23 @@
 //! cargo build
 //! ```
 //!
-//! On a machine whose only engine is a wheel, one command suffices in an active Python environment (`VIRTUAL_ENV`), because the build script
-//! searches it: `pip install mujoco==4.0.0`. In this repository `scripts/engine VERSION` installs any released engine in `target/engines` and
-//! prints its directory: `MUJOCO_DIR=$(scripts/engine 4.0.0) cargo run --example getting_started`.
+//! On a machine whose only engine is a wheel, one command suffices in an active Python environment
+//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco==4.0.0`. In this
+//! repository `scripts/engine VERSION` installs any released engine in `target/engines` and prints
+//! its directory: `MUJOCO_DIR=$(scripts/engine 4.0.0) cargo run --example getting_started`.
 //!
-//! If a Python of these versions has the package installed, `python3 -c "import mujoco; print(mujoco.__path__[0])"` prints the directory. The wheel's library is named `libmujoco.so.2.2.2`, without a link
-//! `libmujoco.so`; the build script accepts both names.
+//! If a Python of these versions has the package installed,
+//! `python3 -c "import mujoco; print(mujoco.__path__[0])"` prints the directory. The wheel's
+//! library is named `libmujoco.so.2.2.2`, without a link `libmujoco.so`; the build script accepts
+//! both names.
 //!
-//! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines without recompilation, give each a target
-//! directory (`CARGO_TARGET_DIR`).
+//! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines
+//! without recompilation, give each a target directory (`CARGO_TARGET_DIR`).
 //!
 //! # Search at build time
 //!
-//! If `MUJOCO_DIR` is set and not empty, the build script searches only that directory. Otherwise it searches, in this order:
+//! If `MUJOCO_DIR` is set and not empty, the build script searches only that directory. Otherwise
+//! it searches, in this order:
 //!
 //! 1. the wheel in the active Python environment, `$VIRTUAL_ENV/lib/python*/site-packages/mujoco`,
 //! 2. the active conda environment, `$CONDA_PREFIX`,
@@ -67,12 +77,15 @@
 //! 4. the prefix that `pkg-config` reports for `mujoco`,
 //! 5. `/usr`, `/usr/local` and `/opt/mujoco`.
 //!
-//! The headers are in `include/mujoco` of the directory. The library `libmujoco.so`, `libmujoco.so.*` or `libmujoco.dylib` is in
-//! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself. The script skips engines of other versions if one of these places has 2.2.2, so `MUJOCO_DIR` selects another version.
-//! A build of this repository prints a warning with the library's directory if the engine is in one of the first four places.
+//! The headers are in `include/mujoco` of the directory. The library `libmujoco.so`,
+//! `libmujoco.so.*` or `libmujoco.dylib` is in `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or
+//! the directory itself. The script skips engines of other versions if one of these places has
+//! 2.2.2, so `MUJOCO_DIR` selects another version. A build of this repository prints a warning with
+//! the library's directory if the engine is in one of the first four places.
 //!
-//! A failure prints the searched places and the reason for each. An engine of a version without bindings is an error of the build. On
-//! docs.rs (`DOCS_RS` is set) a missing engine is not an error, because documentation links nothing.
+//! A failure prints the searched places and the reason for each. An engine of a version without
+//! bindings is an error of the build. On docs.rs (`DOCS_RS` is set) a missing engine is not an
+//! error, because documentation links nothing.
 //!
 //! # Search at run time
 //!
@@ -85,16 +98,19 @@
 //!
 //! - Set `LD_LIBRARY_PATH` to the directory of the library when the program starts.
 //! - Build with `RUSTFLAGS="-C link-arg=-Wl,-rpath,DIR"`.
-//! - Put the library beside the program, and build with `RUSTFLAGS='-C link-arg=-Wl,-rpath,$ORIGIN'`.
+//! - Put the library beside the program, and build with
+//!   `RUSTFLAGS='-C link-arg=-Wl,-rpath,$ORIGIN'`.
 //! - Add the directory to `/etc/ld.so.conf.d/` and run `ldconfig`.
 //!
-//! The second and third need the library under its own name (`libmujoco.so.2.2.2`), which the program records.
+//! The second and third need the library under its own name (`libmujoco.so.2.2.2`), which the
+//! program records.
 //!
-//! If Debian's library is installed too, a program that starts without these settings runs with Debian's library. It has the same name and the same
-//! version, so nothing fails; speed and last bits of the results change. `/proc/PID/maps` or `ldd` show the library that a program uses.
+//! If Debian's library is installed too, a program that starts without these settings runs with
+//! Debian's library. It has the same name and the same version, so nothing fails; speed and last
+//! bits of the results change. `/proc/PID/maps` or `ldd` show the library that a program uses.
 //!
-//! The first call that loads a model compares the version of the running library with that of the headers and returns
-//! [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
+//! The first call that loads a model compares the version of the running library with that of the
+//! headers and returns [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
 //!
 //! ```
 //! use mujoco_safe::{built_against, engine_version};
@@ -105,8 +121,10 @@
 //!
 //! # Build scripts of dependants
 //!
-//! A crate that depends directly on `mujoco-safe-sys` receives `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and `DEP_MUJOCO_VERSION` in its build
-//! script, and `DEP_MUJOCO_RPATH` if the library is outside of the loader's path. The build script of a program can set its own run-time path:
+//! A crate that depends directly on `mujoco-safe-sys` receives `DEP_MUJOCO_INCLUDE`,
+//! `DEP_MUJOCO_LIBDIR` and `DEP_MUJOCO_VERSION` in its build script, and `DEP_MUJOCO_RPATH` if the
+//! library is outside of the loader's path. The build script of a program can set its own run-time
+//! path:
 //!
 //! ```
 //! // build.rs, with mujoco-safe-sys as a direct dependency
@@ -130,29 +148,38 @@
 //!
 //! # Platforms
 //!
-//! Tested: Debian 12 on x86-64. The build script has no rule for the library names of Windows. macOS is untested.
+//! Tested: Debian 12 on x86-64. The build script has no rule for the library names of Windows.
+//! macOS is untested.
 //!
 //! # Raw bindings
 //!
-//! [`sys`](crate::sys) has the raw bindings for calls that this crate does not wrap; their use is `unsafe`. The feature `bindgen` of `mujoco-safe-sys`
-//! generates them from the installed headers instead of using the committed ones, and needs libclang. CONTRIBUTING describes how to port
-//! the crate to another version.
+//! [`sys`](crate::sys) has the raw bindings for calls that this crate does not wrap; their use is
+//! `unsafe`. The feature `bindgen` of `mujoco-safe-sys` generates them from the installed headers
+//! instead of using the committed ones, and needs libclang. CONTRIBUTING describes how to port the
+//! crate to another version.
 //!
 //! # Access that differs between versions
 //!
-//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and
-//! `cargo doc` with an engine shows its accessors. The hand-written interface is the same with every engine. What an engine lacks is
-//! [`Error::Unsupported`](crate::Error::Unsupported). So is [`Model::from_binary`](crate::Model::from_binary) with newer engines except 3.5.0, because the rules
-//! by which a binary model is safe to load are known for 2.2.2 and 3.5.0 only, and with 3.5.0 not for flexes, plugins, signed distance fields and tactile sensors. The unsafe [`Model::from_binary_unchecked`](crate::Model::from_binary_unchecked)
-//! loads a trusted one.
+//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not
+//! `Data::qM`, and `cargo doc` with an engine shows its accessors. The hand-written interface is
+//! the same with every engine. What an engine lacks is
+//! [`Error::Unsupported`](crate::Error::Unsupported). So is
+//! [`Model::from_binary`](crate::Model::from_binary) with newer engines except 3.5.0, because the
+//! rules by which a binary model is safe to load are known for 2.2.2 and 3.5.0 only, and with 3.5.0
+//! not for flexes, plugins, signed distance fields and tactile sensors. The unsafe
+//! [`Model::from_binary_unchecked`](crate::Model::from_binary_unchecked) loads a trusted one.
 //!
-//! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all engines. A setter returns `Error::Unsupported`
-//! for a variant, a flag or an option that the engine lacks, with the versions that have it.
+//! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all
+//! engines. A setter returns `Error::Unsupported` for a variant, a flag or an option that the
+//! engine lacks, with the versions that have it.
 //!
-//! Functions that 2.2.2 lacks are implemented in Rust and used with every engine, so that they have the same results: state vectors, keyframes,
-//! derivatives of inverse dynamics and quaternions, several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic programs
-//! and band matrices. `tests/smoke` compares each with the function of the engine from 3.5.0. Three differ: `mj_multiRay` may return hits beyond
-//! its cutoff, `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot, and `mj_geomDistance` of 3.5.0 is less precise.
+//! Functions that 2.2.2 lacks are implemented in Rust and used with every engine, so that they have
+//! the same results: state vectors, keyframes, derivatives of inverse dynamics and quaternions,
+//! several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic
+//! programs and band matrices. `tests/smoke` compares each with the function of the engine from
+//! 3.5.0. Three differ: `mj_multiRay` may return hits beyond its cutoff, `mju_cholFactorBand` of
+//! 4.0 returns the square root of the smallest pivot, and `mj_geomDistance` of 3.5.0 is less
+//! precise.
 //!
 //! Use these methods instead of arrays whose layout differs:
 //!

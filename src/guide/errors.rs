@@ -1,10 +1,13 @@
-//! Errors and safety: kinds of errors and their remedies, poisoning, panics, limits of the guarantees.
+//! Errors and safety: kinds of errors and their remedies, poisoning, panics, limits of the
+//! guarantees.
 //!
 //! # Errors or panics
 //!
-//! A failure that can occur in a correct program is an [`Error`]: a file, a text, a name, a diverged simulation, a failure of the engine. A mistake in
-//! the program panics: an index beyond a slice, an id of another model, a record that a trajectory does not have. Numerical outcomes are a
-//! status: [`IlqrStatus`](crate::control::ilqr::IlqrStatus), [`BoxQpStatus`](crate::math::BoxQpStatus).
+//! A failure that can occur in a correct program is an [`Error`]: a file, a text, a name, a
+//! diverged simulation, a failure of the engine. A mistake in the program panics: an index beyond a
+//! slice, an id of another model, a record that a trajectory does not have. Numerical outcomes are
+//! a status: [`IlqrStatus`](crate::control::ilqr::IlqrStatus),
+//! [`BoxQpStatus`](crate::math::BoxQpStatus).
 //!
 //! [`Error`] is non-exhaustive, and its text states the problem, the place and the allowed values:
 //!
@@ -49,15 +52,16 @@
 //! | [`OutOfMemory`](Error::OutOfMemory), [`LoaderLocked`](Error::LoaderLocked) | memory is exhausted; the compiler was interrupted by such a failure | restart the process |
 //! | [`EngineVersion`](Error::EngineVersion) | the library at run time has another version than the headers | see [`engines`](super::engines) |
 //!
-//! Rendering returns `RenderError`, the viewer `ViewerError`; both contain an [`Error`] of the engine. A rollout has one
-//! [`RolloutError`](crate::rollout::RolloutError) per failed simulation.
+//! Rendering returns `RenderError`, the viewer `ViewerError`; both contain an [`Error`] of the
+//! engine. A rollout has one [`RolloutError`](crate::rollout::RolloutError) per failed simulation.
 //!
 //! # Poisoning
 //!
-//! A call with `&mut Data` that fails in the middle of a computation leaves the simulation half computed. The simulation is then poisoned: each
-//! computation returns [`Error::Poisoned`] with the first cause, until [`reset`](Data::reset), [`reset_to_key`](Data::reset_to_key) or
-//! [`copy_from`](Data::copy_from). Reading and writing arrays still works. A position, velocity or control that is out of range is found before the engine
-//! computes, so it does not poison:
+//! A call with `&mut Data` that fails in the middle of a computation leaves the simulation half
+//! computed. The simulation is then poisoned: each computation returns [`Error::Poisoned`] with the
+//! first cause, until [`reset`](Data::reset), [`reset_to_key`](Data::reset_to_key) or
+//! [`copy_from`](Data::copy_from). Reading and writing arrays still works. A position, velocity or
+//! control that is out of range is found before the engine computes, so it does not poison:
 //!
 //! ```
 //! use mujoco_safe::{Data, Error, StateSpec, sample};
@@ -81,11 +85,13 @@
 //! # Ok::<(), Error>(())
 //! ```
 //!
-//! To retry with another control, save a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state before the step, reset, and restore it.
+//! To retry with another control, save a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION)
+//! state before the step, reset, and restore it.
 //!
 //! # Diverged simulations
 //!
-//! [`Error::Unstable`] has the quantity, the index, the name of the joint or actuator, and the time. An environment for learning ends its episode:
+//! [`Error::Unstable`] has the quantity, the index, the name of the joint or actuator, and the
+//! time. An environment for learning ends its episode:
 //!
 //! ```
 //! use mujoco_safe::{Data, Error, sample};
@@ -110,9 +116,10 @@
 //!
 //! # Warnings
 //!
-//! The engine's warnings (too many contacts, a nearly singular inertia matrix) are not errors. [`Data::warning`] counts them, and the first of each type
-//! is logged under the target `mujoco` of the [`log`](https://docs.rs/log) crate: install a logger to see it. [`Model::compile_warnings`](crate::Model::compile_warnings)
-//! returns those of the compiler.
+//! The engine's warnings (too many contacts, a nearly singular inertia matrix) are not errors.
+//! [`Data::warning`] counts them, and the first of each type is logged under the target `mujoco` of
+//! the [`log`](https://docs.rs/log) crate: install a logger to see it.
+//! [`Model::compile_warnings`](crate::Model::compile_warnings) returns those of the compiler.
 //!
 //! # Panics
 //!
@@ -126,13 +133,18 @@
 //!
 //! # Limits of the guarantees
 //!
-//! - **Model XML.** The engine's own compiler reads it, and no check before compilation is complete. Compile untrusted texts in a separate process
-//!   with limits on time and memory. Binary models are validated completely.
-//! - **Plain getters** such as [`Data::xpos`] return the contents of the array, valid or not. [`Data::require`] checks for missing results. No check tracks
-//!   values that the program itself writes.
-//! - **Meaning.** A negative damping or an inconsistent inertia is accepted: it is wrong physics, not wrong memory access.
-//! - **Raw pointers.** The use of [`sys`](crate::sys) and of [`Data::as_mut_ptr`] is `unsafe`, and the guarantees end there.
-//! - **Time.** A step of an extreme model may take long, and the compilation of a large text may take minutes.
+//! - **Model XML.** The engine's own compiler reads it, and no check before compilation is
+//!   complete. Compile untrusted texts in a separate process with limits on time and memory. Binary
+//!   models are validated completely.
+//! - **Plain getters** such as [`Data::xpos`] return the contents of the array, valid or not.
+//!   [`Data::require`] checks for missing results. No check tracks values that the program itself
+//!   writes.
+//! - **Meaning.** A negative damping or an inconsistent inertia is accepted: it is wrong physics,
+//!   not wrong memory access.
+//! - **Raw pointers.** The use of [`sys`](crate::sys) and of [`Data::as_mut_ptr`] is `unsafe`, and
+//!   the guarantees end there.
+//! - **Time.** A step of an extreme model may take long, and the compilation of a large text may
+//!   take minutes.
 //!
 //! [`promises`](crate::guide::promises) lists all guarantees with the test of each.
 

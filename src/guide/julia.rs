@@ -2,19 +2,24 @@
 //!
 //! # Indices and names
 //!
-//! Indices count from 0, as in C: `data.qpos[3]` is [`data.qpos()[2]`](Data::qpos), and `resetkey!(model, data, 1)` is
-//! [`data.reset_to_key(0)`](Data::reset_to_key). MuJoCo.jl's `joint.id + 1` is the index of a joint among the joints. It is the index in `qvel` only
-//! for models without free and ball joints. Here a joint states its indices: [`dofs()`](crate::element::Joint::dofs) in `qvel`, and
+//! Indices count from 0, as in C: `data.qpos[3]` is [`data.qpos()[2]`](Data::qpos), and
+//! `resetkey!(model, data, 1)` is [`data.reset_to_key(0)`](Data::reset_to_key). MuJoCo.jl's
+//! `joint.id + 1` is the index of a joint among the joints. It is the index in `qvel` only for
+//! models without free and ball joints. Here a joint states its indices:
+//! [`dofs()`](crate::element::Joint::dofs) in `qvel`, and
 //! [`qpos_range()`](crate::element::Joint::qpos_range) in `qpos`.
 //!
-//! Names are those of the engine. The short names of MuJoCo.jl's views are spelled out here: `jnt` is `joint`, `cam` is `camera`, `com` of a body is
-//! `subtree_com`. The [table of element kinds](crate::guide::coverage::kinds) lists every field of MuJoCo.jl's named access with its name here.
+//! Names are those of the engine. The short names of MuJoCo.jl's views are spelled out here: `jnt`
+//! is `joint`, `cam` is `camera`, `com` of a body is `subtree_com`. The [table of element
+//! kinds](crate::guide::coverage::kinds) lists every field of MuJoCo.jl's named access with its
+//! name here.
 //!
 //! # Row-major matrices
 //!
-//! The engine and [`Matrix`] are row-major, so there is no counterpart of `mj_zeros` and `mj_array`: every [`Matrix`] fits the engine. nalgebra is
-//! column-major, like Julia. [`Matrix::to_nalgebra`] copies, and [`Matrix::transposed`] is a view of the transpose without a copy. Many
-//! formulas need the transpose: `data.full_moment()?.transposed()` is `momentᵀ`.
+//! The engine and [`Matrix`] are row-major, so there is no counterpart of `mj_zeros` and
+//! `mj_array`: every [`Matrix`] fits the engine. nalgebra is column-major, like Julia.
+//! [`Matrix::to_nalgebra`] copies, and [`Matrix::transposed`] is a view of the transpose without a
+//! copy. Many formulas need the transpose: `data.full_moment()?.transposed()` is `momentᵀ`.
 //!
 //! # Table of calls
 //!
@@ -48,7 +53,8 @@
 //! | `visualise!(model, data, trajectories=states)` | `Viewer::new().trajectories([trajectory]).run(data)?`, with a [`Trajectory`](crate::Trajectory) |
 //! | `LibMuJoCo.mju_add` | [`sys`](crate::sys): the raw bindings |
 //!
-//! `install_visualiser` and `init_visualiser` have no counterpart: the Cargo feature `viewer` compiles the viewer.
+//! `install_visualiser` and `init_visualiser` have no counterpart: the Cargo feature `viewer`
+//! compiles the viewer.
 //!
 //! # LQR of the cart-pole
 //!
@@ -74,14 +80,16 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! [`Lqr::at_present_state`](crate::Lqr::at_present_state) does all of this in one call, without allocation in the loop, and treats quaternions as
-//! rotations. For a controller with preallocated memory (a functor in MuJoCo.jl), write a type that implements [`Controller`](crate::Controller):
+//! [`Lqr::at_present_state`](crate::Lqr::at_present_state) does all of this in one call, without
+//! allocation in the loop, and treats quaternions as rotations. For a controller with preallocated
+//! memory (a functor in MuJoCo.jl), write a type that implements [`Controller`](crate::Controller):
 //! see [`control`](super::control).
 //!
 //! # Set-point of the humanoid
 //!
-//! Inverse dynamics yields the forces that hold a pose, and a pseudoinverse of the actuator moments yields the controls. The root has no motor, so
-//! the height must be such that the floor carries the weight.
+//! Inverse dynamics yields the forces that hold a pose, and a pseudoinverse of the actuator moments
+//! yields the controls. The root has no motor, so the height must be such that the floor carries
+//! the weight.
 //!
 //! ```
 //! use mujoco_safe::nalgebra::DVector;
@@ -104,15 +112,18 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! The example `humanoid_lqr` continues from here: it finds the height, defines the weights of the tutorial, and balances
-//! (`cargo run --release --example humanoid_lqr -- --help`).
+//! The example `humanoid_lqr` continues from here: it finds the height, defines the weights of the
+//! tutorial, and balances (`cargo run --release --example humanoid_lqr -- --help`).
 //!
 //! # Differences
 //!
-//! - Functions that fail return a [`Result`](crate::Result). An engine error does not end the process.
+//! - Functions that fail return a [`Result`](crate::Result). An engine error does not end the
+//!   process.
 //! - The model is not an argument: each [`Data`] holds its model.
-//! - A view such as `data.body("torso")?` borrows the simulation. Take its [`id`](crate::element::View::id) to keep it over a step.
-//! - A state matrix of trajectories is a [`Trajectory`](crate::Trajectory) with one record per row. It also holds times and controls.
+//! - A view such as `data.body("torso")?` borrows the simulation. Take its
+//!   [`id`](crate::element::View::id) to keep it over a step.
+//! - A state matrix of trajectories is a [`Trajectory`](crate::Trajectory) with one record per row.
+//!   It also holds times and controls.
 
 #[cfg(doc)]
 use crate::{Data, Matrix, Model};

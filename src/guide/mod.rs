@@ -1,4 +1,5 @@
-//! Guide: one page per theme. All programs on these pages run as tests, except those that need a graphics driver or a display.
+//! Guide: one page per theme. All programs on these pages run as tests, except those that need a
+//! graphics driver or a display.
 //!
 //! | page | contents |
 //! |---|---|
@@ -13,9 +14,9 @@
 //! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
-//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these languages. The [`cookbook`] has
-//! complete programs, [`promises`] lists the guarantees with their tests, and [`coverage`] lists
-//! every function, field and kind of the engine with its counterpart.
+//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these
+//! languages. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
+//! tests, and [`coverage`] lists every function, field and kind of the engine with its counterpart.
 
 pub mod concepts;
 pub mod control;

@@ -13,14 +13,16 @@
 //!
 //! # Shared and owned
 //!
-//! A [`Model`] is constant while it is shared, so all threads read one `Arc<Model>`. A [`Data`] belongs to one thread at a time. Any number of
-//! threads may read a [`Data`] that no thread changes; the compiler enforces both rules. The cookbook has a program with
+//! A [`Model`] is constant while it is shared, so all threads read one `Arc<Model>`. A [`Data`]
+//! belongs to one thread at a time. Any number of threads may read a [`Data`] that no thread
+//! changes; the compiler enforces both rules. The cookbook has a program with
 //! [threads](crate::guide::cookbook#parallel-simulations).
 //!
 //! # Rollouts
 //!
-//! A [`Rollout`] resets each simulation, sets its initial state, and takes a fixed number of steps. Controls come from an array or from a
-//! controller for each rollout. Each rollout can edit its own copy of the model:
+//! A [`Rollout`] resets each simulation, sets its initial state, and takes a fixed number of steps.
+//! Controls come from an array or from a controller for each rollout. Each rollout can edit its own
+//! copy of the model:
 //!
 //! ```
 //! use std::sync::Arc;
@@ -50,8 +52,9 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A failure ends one rollout and leaves NaN in its remaining rows; the others continue. [`Rollout::run_into`] writes to existing
-//! buffers. [`Rollout::progress`] reports completed rollouts and can cancel the rest.
+//! A failure ends one rollout and leaves NaN in its remaining rows; the others continue.
+//! [`Rollout::run_into`] writes to existing buffers. [`Rollout::progress`] reports completed
+//! rollouts and can cancel the rest.
 //!
 //! ## Rows and times
 //!
@@ -61,18 +64,21 @@
 //! | [`sensordata`](crate::rollout::RolloutResult::sensordata) | `(nroll, nstep, nsensordata)` | the readings in the state of row `k` |
 //! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
 //!
-//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that of row `k + 1`; poses, contacts and forces are those
-//! of row `k`, because [a step does not update them](super::concepts#age-of-results). [`forward_after_step`](Rollout::forward_after_step) updates them
-//! before the closure runs, at the cost of one more evaluation of forward dynamics per step.
+//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that
+//! of row `k + 1`; poses, contacts and forces are those of row `k`, because [a step does not update
+//! them](super::concepts#age-of-results). [`forward_after_step`](Rollout::forward_after_step)
+//! updates them before the closure runs, at the cost of one more evaluation of forward dynamics per
+//! step.
 //!
 //! ## Files
 //!
-//! `result.save_npz(path)?` (feature `npz`) writes these arrays for `numpy.load`, and which rollouts completed. `npz::save` writes any other arrays.
+//! `result.save_npz(path)?` (feature `npz`) writes these arrays for `numpy.load`, and which
+//! rollouts completed. `npz::save` writes any other arrays.
 //!
 //! # Batches
 //!
-//! A [`Batch`] calls one policy per step with all observations as a matrix `(n, nobs)` and all controls as a matrix `(n, nu)`. Stepping, observing
-//! and resetting run in parallel.
+//! A [`Batch`] calls one policy per step with all observations as a matrix `(n, nobs)` and all
+//! controls as a matrix `(n, nu)`. Stepping, observing and resetting run in parallel.
 //!
 //! ```
 //! use mujoco_safe::rollout::Batch;
@@ -96,15 +102,17 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its error. The closure of
-//! [`observe`](Batch::observe) reads the simulation after a step, so the remark on the age of poses applies to it too;
-//! [`Batch::forward_after_step`] updates them. [`Batch::data`] returns a copy of one simulation, for example to draw it,
-//! [`Batch::states`] the states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
+//! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its
+//! error. The closure of [`observe`](Batch::observe) reads the simulation after a step, so the
+//! remark on the age of poses applies to it too; [`Batch::forward_after_step`] updates them.
+//! [`Batch::data`] returns a copy of one simulation, for example to draw it, [`Batch::states`] the
+//! states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
 //!
 //! ## Parameters for each simulation
 //!
-//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen [`Parameter`]s of the model: masses with inertia,
-//! centres of mass, friction, sizes, damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are
+//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen
+//! [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes, damping,
+//! stiffness, armature, gains, gears, gravity. The values come from distributions and are
 //! determined by a seed, the index of the simulation and the number of its episode:
 //!
 //! ```
@@ -123,16 +131,19 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A step is that of a model with these values, bit for bit. Values that other constants of the model depend on, such as masses, cost a call of
-//! [`update_constants`](crate::ModelMut::update_constants) for each draw, not for each step. For quantities that are no [`Parameter`], call
-//! [`Data::edit_model`] in [`reset_where`](Batch::reset_where) or [`edit_where`](Batch::edit_where): the batch keeps only the differences from
-//! its model. Steps of such a simulation take about twice as long, because the worker must be cleared: an edit may change which
-//! quantities a step computes.
+//! A step is that of a model with these values, bit for bit. Values that other constants of the
+//! model depend on, such as masses, cost a call of
+//! [`update_constants`](crate::ModelMut::update_constants) for each draw, not for each step. For
+//! quantities that are no [`Parameter`], call [`Data::edit_model`] in
+//! [`reset_where`](Batch::reset_where) or [`edit_where`](Batch::edit_where): the batch keeps only
+//! the differences from its model. Steps of such a simulation take about twice as long, because the
+//! worker must be cleared: an edit may change which quantities a step computes.
 //!
 //! # Environments
 //!
-//! A [`VectorEnvironment`] adds to a batch what algorithms of reinforcement learning expect: rewards, ends of episodes by the task (terminated) or by
-//! the time limit (truncated), and new episodes where one has ended. A [`Task`](crate::environment::Task) defines them; the module
+//! A [`VectorEnvironment`] adds to a batch what algorithms of reinforcement learning expect:
+//! rewards, ends of episodes by the task (terminated) or by the time limit (truncated), and new
+//! episodes where one has ended. A [`Task`](crate::environment::Task) defines them; the module
 //! [`environment`](crate::environment) has ready tasks and an example of a custom task.
 //!
 //! ```
@@ -151,7 +162,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! Noise on actions and observations, and delays of the actions that differ between episodes, prepare a policy for a robot:
+//! Noise on actions and observations, and delays of the actions that differ between episodes,
+//! prepare a policy for a robot:
 //!
 //! ```
 //! use mujoco_safe::environment::{HalfCheetah, VectorEnvironment};
@@ -164,8 +176,9 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! The example `learn_gait` learns to run in a vector environment, by augmented random search: each simulation tries other weights of a linear
-//! policy. It plots the learning curves of three searches, records a film of the best policy, and saves it.
+//! The example `learn_gait` learns to run in a vector environment, by augmented random search: each
+//! simulation tries other weights of a linear policy. It plots the learning curves of three
+//! searches, records a film of the best policy, and saves it.
 //!
 //! ## Layout of the arrays, and neural networks
 //!
@@ -179,8 +192,9 @@
 //! | [`Batch::parameters`] | `(n, nparameter)` | `(nparameter, 1)` |
 //! | [`rewards`](VectorEnvironment::rewards) (`f64`), [`terminated`](VectorEnvironment::terminated) and [`truncated`](VectorEnvironment::truncated) (`bool`) | `(n)` | `(1)` |
 //!
-//! [`MatrixView::as_slice`] returns the memory, which is valid until the next call that changes the simulations.
-//! [`MatrixView::to_f32_into`] rounds it to single precision. With `x` such a slice of shape `(n, m)`:
+//! [`MatrixView::as_slice`] returns the memory, which is valid until the next call that changes the
+//! simulations. [`MatrixView::to_f32_into`] rounds it to single precision. With `x` such a slice of
+//! shape `(n, m)`:
 //!
 //! | library | array or tensor | copies |
 //! |---|---|---|
@@ -192,8 +206,8 @@
 //!
 //! # Threads and memory
 //!
-//! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned
-//! ones, run them in a pool:
+//! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor.
+//! To use fewer threads, or pinned ones, run them in a pool:
 //!
 //! ```
 //! use mujoco_safe::rayon::ThreadPoolBuilder;
@@ -206,18 +220,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Rollouts and batches need one [`Data`] per thread. A batch keeps of each simulation its [state](Batch::states), its controls and its
-//! observations as rows of matrices, so 4,096 humanoids take about 20 MB (`cargo bench --bench batch`). A simulation whose model was edited
+//! Rollouts and batches need one [`Data`] per thread. A batch keeps of each simulation its
+//! [state](Batch::states), its controls and its observations as rows of matrices, so 4,096
+//! humanoids take about 20 MB (`cargo bench --bench batch`). A simulation whose model was edited
 //! also keeps the values that differ.
 //!
 //! # Determinism
 //!
-//! - A rollout or a batch equals a loop over [`Data::step`] bit for bit, for any number of threads and any chunk size.
-//! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state continues bit for bit.
-//! - The results of two builds of the engine, or of two kinds of processors, differ in the last bits. Contacts amplify these differences.
-//! - Random numbers: derive the seed from the index of the rollout (`RandomController::new(index as u64)`), not from a generator that threads
-//!   share. In a batch, [`Random`] derives it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes
-//!   to its closure.
+//! - A rollout or a batch equals a loop over [`Data::step`] bit for bit, for any number of threads
+//!   and any chunk size.
+//! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state
+//!   continues bit for bit.
+//! - The results of two builds of the engine, or of two kinds of processors, differ in the last
+//!   bits. Contacts amplify these differences.
+//! - Random numbers: derive the seed from the index of the rollout
+//!   (`RandomController::new(index as u64)`), not from a generator that threads share. In a batch,
+//!   [`Random`] derives it from the index and the number of the episode, which
+//!   [`reset_where`](Batch::reset_where) passes to its closure.
 //!
 //! [Promises](crate::guide::promises) 8 and 12 state this with their tests.
 

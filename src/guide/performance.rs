@@ -2,22 +2,27 @@
 //!
 //! # Costs of a step
 //!
-//! The engine takes nearly all of the time of a step. [`Data::step`] adds some tens of nanoseconds to the C call for its checks; the [figures](#measurements)
-//! compare both. The largest savings are in the model and in the number of calls:
+//! The engine takes nearly all of the time of a step. [`Data::step`] adds some tens of nanoseconds
+//! to the C call for its checks; the [figures](#measurements) compare both. The largest savings are
+//! in the model and in the number of calls:
 //!
-//! - **Do not compute twice.** [`Data::step`] contains [`Data::forward`]. A loop that calls both takes twice the time. Read quantities one step
-//!   late, or split the step into [`step1`](Data::step1) and [`step2`](Data::step2).
-//! - **Contacts.** Collision detection and the constraint solver dominate models with contacts. Exclude pairs that cannot touch
-//!   (`contype`, `conaffinity`, `exclude` in MJCF), and replace meshes by primitive shapes.
-//! - **Solver.** [`Options`](crate::Options) sets the solver, its iterations and its tolerance. [`Data::solver`] returns the statistics of each iteration.
+//! - **Do not compute twice.** [`Data::step`] contains [`Data::forward`]. A loop that calls both
+//!   takes twice the time. Read quantities one step late, or split the step into
+//!   [`step1`](Data::step1) and [`step2`](Data::step2).
+//! - **Contacts.** Collision detection and the constraint solver dominate models with contacts.
+//!   Exclude pairs that cannot touch (`contype`, `conaffinity`, `exclude` in MJCF), and replace
+//!   meshes by primitive shapes.
+//! - **Solver.** [`Options`](crate::Options) sets the solver, its iterations and its tolerance.
+//!   [`Data::solver`] returns the statistics of each iteration.
 //! - **Time step.** A longer step with an implicit integrator can be stable where Euler is not:
 //!   [`Integrator::Implicit`](crate::enums::Integrator::Implicit).
 //!
 //! # Allocation
 //!
-//! Steps, forward and inverse dynamics, state vectors with `_into`, named access by id, contacts and their forces, Jacobians with `_into`,
-//! rays, scenes, linearisation into outputs, and the regulators allocate nothing. A test counts the allocations of Rust, C and C++. These
-//! calls allocate:
+//! Steps, forward and inverse dynamics, state vectors with `_into`, named access by id, contacts
+//! and their forces, Jacobians with `_into`, rays, scenes, linearisation into outputs, and the
+//! regulators allocate nothing. A test counts the allocations of Rust, C and C++. These calls
+//! allocate:
 //!
 //! | allocates | alternative |
 //! |---|---|
@@ -46,33 +51,38 @@
 //!
 //! # Models
 //!
-//! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into a new `Arc`. Each edit of
-//! a shared model by [`Data::edit_model`] copies the model once, with its meshes and textures; a rollout with
-//! [`edit_model`](crate::rollout::Rollout::edit_model) reuses its copies. With 2.2.2 and 3.5.0, loading a binary model ([`Model::from_binary_path`]) skips the XML compiler,
-//! which can take seconds for large meshes.
+//! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into a
+//! new `Arc`. Each edit of a shared model by [`Data::edit_model`] copies the model once, with its
+//! meshes and textures; a rollout with [`edit_model`](crate::rollout::Rollout::edit_model) reuses
+//! its copies. With 2.2.2 and 3.5.0, loading a binary model ([`Model::from_binary_path`]) skips the
+//! XML compiler, which can take seconds for large meshes.
 //!
 //! # Threads
 //!
-//! Simulations in different threads do not share locks, so throughput grows with the number of cores until the memory bandwidth limits it. See
-//! [`parallel`](super::parallel). Linearisations along trajectories, and those by differences, use several threads on request:
+//! Simulations in different threads do not share locks, so throughput grows with the number of
+//! cores until the memory bandwidth limits it. See [`parallel`](super::parallel). Linearisations
+//! along trajectories, and those by differences, use several threads on request:
 //! [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads).
 //!
 //! # Build profiles
 //!
-//! Measure release builds: `cargo run --release`. The engine is optimised in every profile, but accessors and controllers are not. For a debug
-//! build with usable speed, optimise the dependencies:
+//! Measure release builds: `cargo run --release`. The engine is optimised in every profile, but
+//! accessors and controllers are not. For a debug build with usable speed, optimise the
+//! dependencies:
 //!
 //! ```toml
 //! [profile.dev.package."*"]
 //! opt-level = 2
 //! ```
 //!
-//! `lto = "thin"` and `codegen-units = 1` in `[profile.release]` concern only Rust code, the controllers and the Riccati solver, not the engine.
+//! `lto = "thin"` and `codegen-units = 1` in `[profile.release]` concern only Rust code, the
+//! controllers and the Riccati solver, not the engine.
 //!
 //! # Builds of the engine
 //!
-//! Debian's library and the official ones, in the release archive and in the wheel for Python, are compiled by other compilers with other
-//! options. Their speeds differ, and so do the last bits of their results. Compare them on your machine, each with its own target directory:
+//! Debian's library and the official ones, in the release archive and in the wheel for Python, are
+//! compiled by other compilers with other options. Their speeds differ, and so do the last bits of
+//! their results. Compare them on your machine, each with its own target directory:
 //!
 //! ```sh
 //! cargo bench --bench step                                                          # Debian's library
@@ -83,7 +93,8 @@
 //!
 //! # Measurements
 //!
-//! Ratios to the same call in C, medians with confidence intervals, on a virtual machine with two cores of an AMD EPYC:
+//! Ratios to the same call in C, medians with confidence intervals, on a virtual machine with two
+//! cores of an AMD EPYC:
 //!
 //! | | time | ratio | command |
 //! |---|---|---|---|
@@ -98,13 +109,16 @@
 //! | the same in two threads | | 0.28 [0.27, 0.29] | |
 //! | [`Data::jac_body_com_into`] | 93 ns | 1.006 [1.005, 1.006] | `cargo bench --bench jacobian` |
 //!
-//! A step takes no longer than in C because the check of the inputs replaces the engine's own, which makes a function call for each number. The
-//! Riccati equation of the humanoid, with 54 states and 21 controls, is solved with a relative residual of 2·10⁻¹³ (`cargo bench --bench riccati`).
-//! The humanoid's regulator computes its controls in 0.4 µs without allocation; as a closure that allocates vectors it takes 1.08 times as long
+//! A step takes no longer than in C because the check of the inputs replaces the engine's own,
+//! which makes a function call for each number. The Riccati equation of the humanoid, with 54
+//! states and 21 controls, is solved with a relative residual of 2·10⁻¹³
+//! (`cargo bench --bench riccati`). The humanoid's regulator computes its controls in 0.4 µs
+//! without allocation; as a closure that allocates vectors it takes 1.08 times as long
 //! (`cargo bench --bench controller`).
 //!
-//! Frames per second of processor time relative to the engine's own renderer, with the same settings and software rendering (Mesa's Vulkan and
-//! OpenGL), in alternation (`MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render`):
+//! Frames per second of processor time relative to the engine's own renderer, with the same
+//! settings and software rendering (Mesa's Vulkan and OpenGL), in alternation
+//! (`MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render`):
 //!
 //! | | 640×480 | 1280×720 |
 //! |---|---|---|
@@ -122,18 +136,23 @@
 //! | 7 lights, 5 of which cast shadows | 3.52 [3.38, 3.79] | 3.82 [3.45, 4.47] | 1.03 [0.98, 1.03] | 1.05 [0.94, 1.17] |
 //! | cloth with a skin of 37,632 triangles | 1.63 [1.48, 1.69] | 1.64 [1.55, 1.89] | 1.00 [0.95, 1.03] | 1.00 [0.95, 1.04] |
 //!
-//! Repeated runs of the last two columns vary by 0.05. A fine skin without shadows takes as long as with the engine.
+//! Repeated runs of the last two columns vary by 0.05. A fine skin without shadows takes as long as
+//! with the engine.
 //!
 //! At 84×84 the humanoid is drawn 10.4 [10.0, 11.0] times as fast.
 //!
-//! The first image of the humanoid takes 0.21 s [0.20, 0.21], and 0.64 s [0.63, 0.67] before Mesa has cached its compiled shaders on disk.
+//! The first image of the humanoid takes 0.21 s [0.20, 0.21], and 0.64 s [0.63, 0.67] before Mesa
+//! has cached its compiled shaders on disk.
 //!
-//! `scripts/compare` measures this crate, the engine called from C, the official Python bindings, SciPy, NumPy and SLICOT in one run: steps,
-//! rollouts, batches (from 3.17 also those of `mujoco.batch`), linearisations, Riccati equations and control laws. `MUJOCO_PYTHON` is an
-//! interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one if it finds a Python 3.7 to 3.10.
+//! `scripts/compare` measures this crate, the engine called from C, the official Python bindings,
+//! SciPy, NumPy and SLICOT in one run: steps, rollouts, batches (from 3.17 also those of
+//! `mujoco.batch`), linearisations, Riccati equations and control laws. `MUJOCO_PYTHON` is an
+//! interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one
+//! if it finds a Python 3.7 to 3.10.
 //!
-//! `cargo bench` in this repository compares each call with the raw C call in one process, and prints the ratio with its confidence interval
-//! (`cargo bench -- ÷` prints only the ratios). In a program, the engine's timers show the parts of a step:
+//! `cargo bench` in this repository compares each call with the raw C call in one process, and
+//! prints the ratio with its confidence interval (`cargo bench -- ÷` prints only the ratios). In a
+//! program, the engine's timers show the parts of a step:
 //!
 //! ```
 //! use mujoco_safe::data::{Timer, enable_timers};
@@ -150,13 +169,16 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A profiler such as `perf` attributes time to the engine's functions only if the library has symbols. The viewer plots the timers.
+//! A profiler such as `perf` attributes time to the engine's functions only if the library has
+//! symbols. The viewer plots the timers.
 //!
 //! # Rendering
 //!
-//! Keep [`Scene`](crate::Scene) and renderer, and write to existing images with `rgb_into`. Rendering with a software driver is proportional to the number of
-//! pixels and samples: reduce the size, the samples and the shadow maps (`RendererOptions`), or switch shadows and reflections off
-//! ([`RenderFlags`](crate::scene::RenderFlags)). Render only frames that are due; [`pictures`](super::pictures#animations) shows how.
+//! Keep [`Scene`](crate::Scene) and renderer, and write to existing images with `rgb_into`.
+//! Rendering with a software driver is proportional to the number of pixels and samples: reduce the
+//! size, the samples and the shadow maps (`RendererOptions`), or switch shadows and reflections off
+//! ([`RenderFlags`](crate::scene::RenderFlags)). Render only frames that are due;
+//! [`pictures`](super::pictures#animations) shows how.
 
 #[cfg(doc)]
 use crate::{Data, Matrix, Model};

@@ -1,12 +1,15 @@
 //! Pictures and the viewer: images, depth, segmentation, animations, windows.
 //!
-//! The feature `renderer` adds rendering without a window or a display, the feature `viewer` also the window. Both need a Vulkan, Metal,
-//! Direct3D 12 or OpenGL driver; a software driver suffices. See [troubleshooting](super::troubleshooting#rendering-and-the-viewer).
+//! The feature `renderer` adds rendering without a window or a display, the feature `viewer` also
+//! the window. Both need a Vulkan, Metal, Direct3D 12 or OpenGL driver; a software driver suffices.
+//! See [troubleshooting](super::troubleshooting#rendering-and-the-viewer).
 //!
 //! # From a simulation to an image
 //!
-//! [`Data::forward`] computes the poses. A [`Renderer`][renderer] takes a snapshot of the simulation from a camera: a name, an index, an id, or a
-//! `&mut` [`Camera`]. One snapshot gives an [`RgbImage`][rgb-image], a [`DepthImage`][depth-image] and a [`SegmentationImage`][segmentation-image] of the same moment.
+//! [`Data::forward`] computes the poses. A [`Renderer`][renderer] takes a snapshot of the
+//! simulation from a camera: a name, an index, an id, or a `&mut` [`Camera`]. One snapshot gives an
+//! [`RgbImage`][rgb-image], a [`DepthImage`][depth-image] and a
+//! [`SegmentationImage`][segmentation-image] of the same moment.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
@@ -29,9 +32,11 @@
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
-//! `images` returns all three images for little more than the cost of the colours. Keep the renderer for further images: the first image compiles
-//! shaders and uploads textures. `rgb_into`, `depth_into`, `segmentation_into` and `images_into` write to existing images. A program that restricts [categories](crate::scene::Categories), shows a perturbation or draws
-//! several simulations in one image updates a [`Scene`] itself and passes it to the renderer.
+//! `images` returns all three images for little more than the cost of the colours. Keep the
+//! renderer for further images: the first image compiles shaders and uploads textures. `rgb_into`,
+//! `depth_into`, `segmentation_into` and `images_into` write to existing images. A program that
+//! restricts [categories](crate::scene::Categories), shows a perturbation or draws several
+//! simulations in one image updates a [`Scene`] itself and passes it to the renderer.
 //!
 //! # Cameras
 //!
@@ -44,12 +49,16 @@
 //!
 //! # Contents of a scene
 //!
-//! - [`SceneOptions`]: geom groups, labels, frames, and [`VisualFlags`](crate::scene::VisualFlags) such as contact forces, joints and centres of mass.
+//! - [`SceneOptions`]: geom groups, labels, frames, and [`VisualFlags`](crate::scene::VisualFlags)
+//!   such as contact forces, joints and centres of mass.
 //! - [`Categories`](crate::scene::Categories): static geoms, moving geoms, decoration.
-//! - [`RenderFlags`](crate::scene::RenderFlags): shadows, reflections, fog, wireframe ([`Scene::set_render_flags`]).
-//! - [`NewGeom`](crate::scene::NewGeom): additional shapes, arrows and labels, which [`Scene::add_geom`] appends after each update.
-//! - [`Visual`](crate::model::Visual) of the model: light of the camera, image size, shadow resolution, colours. [`ModelMut::edit_visual`](crate::ModelMut::edit_visual) edits it
-//!   before the renderer is created.
+//! - [`RenderFlags`](crate::scene::RenderFlags): shadows, reflections, fog, wireframe
+//!   ([`Scene::set_render_flags`]).
+//! - [`NewGeom`](crate::scene::NewGeom): additional shapes, arrows and labels, which
+//!   [`Scene::add_geom`] appends after each update.
+//! - [`Visual`](crate::model::Visual) of the model: light of the camera, image size, shadow
+//!   resolution, colours. [`ModelMut::edit_visual`](crate::ModelMut::edit_visual) edits it before
+//!   the renderer is created.
 //!
 //! ```
 //! use mujoco_safe::scene::{Camera, Categories, Connector, NewGeom, SceneOptions, VisualFlags};
@@ -70,8 +79,9 @@
 //!
 //! # Points from a depth image
 //!
-//! The depth is measured along the optical axis, in metres. The snapshot has the focal lengths, the principal point and the pose of its camera, so
-//! a depth image becomes a point cloud in the world frame:
+//! The depth is measured along the optical axis, in metres. The snapshot has the focal lengths, the
+//! principal point and the pose of its camera, so a depth image becomes a point cloud in the world
+//! frame:
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
@@ -89,12 +99,13 @@
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
-//! [`PinholeCamera`](crate::scene::PinholeCamera) documents the formulas, and also converts single pixels and points.
+//! [`PinholeCamera`](crate::scene::PinholeCamera) documents the formulas, and also converts single
+//! pixels and points.
 //!
 //! # Animations
 //!
-//! A [`Recorder`][recorder] selects frames by simulated time. The extension of the path selects the format: GIF, animated PNG, numbered PNG files, or video
-//! through the program `ffmpeg`.
+//! A [`Recorder`][recorder] selects frames by simulated time. The extension of the path selects the
+//! format: GIF, animated PNG, numbered PNG files, or video through the program `ffmpeg`.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
@@ -126,8 +137,9 @@
 //! | [`viewer::run`][run] | the program, in a new thread | the calling thread |
 //! | [`viewer::launch`][launch] | the program, in the calling thread | a background thread; not on macOS |
 //!
-//! F1 lists all keys and mouse gestures. They are those of the engine's `simulate`. A double-click selects a body, Ctrl with the right
-//! button pulls it, Tab and Shift+Tab open the side panels, and Ctrl+Q closes the window.
+//! F1 lists all keys and mouse gestures. They are those of the engine's `simulate`. A double-click
+//! selects a body, Ctrl with the right button pulls it, Tab and Shift+Tab open the side panels, and
+//! Ctrl+Q closes the window.
 //!
 #![cfg_attr(feature = "viewer", doc = "```no_run")]
 #![cfg_attr(not(feature = "viewer"), doc = "```ignore")]
@@ -156,10 +168,13 @@
 //! # Ok::<(), ViewerError>(())
 //! ```
 //!
-//! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches [`Data::time`].
+//! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches
+//! [`Data::time`].
 //!
-//! [`Viewer::instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a controller: plots of its values, sliders for its parameters, and paths or
-//! other geoms in the scene. [`ViewerHandle::instruments`][handle_instruments] does so for a program. See [control](super::control#predictive-control-in-the-viewer).
+//! [`Viewer::instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a
+//! controller: plots of its values, sliders for its parameters, and paths or other geoms in the
+//! scene. [`ViewerHandle::instruments`][handle_instruments] does so for a program. See
+//! [control](super::control#predictive-control-in-the-viewer).
 //!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
 #![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]

@@ -1,8 +1,9 @@
 //! Coming from the `mujoco` package for Python: a table of calls, idioms, and differences.
 //!
-//! The names are those of the engine, without `mj_` and in snake case. Fields are methods: `data.qpos` is [`data.qpos()`](Data::qpos), and
-//! [`data.qpos_mut()`](Data::qpos_mut) for writing. The search of this documentation finds functions by their C names.
-//! The tables use `m` for a [`Model`], `d` for a [`Data`], and `edit` for a [`ModelMut`].
+//! The names are those of the engine, without `mj_` and in snake case. Fields are methods:
+//! `data.qpos` is [`data.qpos()`](Data::qpos), and [`data.qpos_mut()`](Data::qpos_mut) for writing.
+//! The search of this documentation finds functions by their C names. The tables use `m` for a
+//! [`Model`], `d` for a [`Data`], and `edit` for a [`ModelMut`].
 //!
 //! # Models
 //!
@@ -73,8 +74,8 @@
 //!
 //! # Models in code
 //!
-//! A [`Spec`](crate::spec::Spec) works with every engine, also with those before 3.2, which have no `mjSpec`. Its attributes have the names and
-//! units of MJCF.
+//! A [`Spec`](crate::spec::Spec) works with every engine, also with those before 3.2, which have no
+//! `mjSpec`. Its attributes have the names and units of MJCF.
 //!
 //! | Python | here |
 //! |---|---|
@@ -175,8 +176,8 @@
 //!
 //! # Rollouts on all cores
 //!
-//! Arrays are flat and row-major, like NumPy's: controls have the shape `(nroll, nstep, nu)`, and states `(nroll, nstep + 1, nstate)`. Row 0 is the
-//! initial state.
+//! Arrays are flat and row-major, like NumPy's: controls have the shape `(nroll, nstep, nu)`, and
+//! states `(nroll, nstep + 1, nstate)`. Row 0 is the initial state.
 //!
 //! ```
 //! use mujoco_safe::rollout::Rollout;
@@ -197,7 +198,8 @@
 //!
 //! # An image from a camera of the model
 //!
-//! The width comes before the height. One snapshot gives colours, depth and segmentation of the same moment.
+//! The width comes before the height. One snapshot gives colours, depth and segmentation of the
+//! same moment.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
@@ -213,7 +215,8 @@
 //!
 //! # Editing a parameter of a running simulation
 //!
-//! The edit applies to this simulation only. A shared model is copied once; later edits of the same simulation copy nothing.
+//! The edit applies to this simulation only. A shared model is copied once; later edits of the same
+//! simulation copy nothing.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -231,22 +234,32 @@
 //!
 //! # Differences
 //!
-//! - **A simulation holds its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together; other sizes cause accesses
-//!   out of bounds. Here the model is part of the [`Data`].
-//! - **Reading and writing are separate,** so that no value changes while a program uses it. A view in Python changes with the next step. Here a
-//!   slice of [`Data::qpos`] is a borrow, and the compiler rejects a step while it is in use. Copy values with `to_vec()`.
-//! - **A model is constant while it is shared,** so that threads read it without locks. Python changes a model under all of its simulations.
-//!   [`Model::edit`] needs the only reference; [`Data::edit_model`] gives the simulation its own copy.
-//! - **A diverged simulation is an error,** because a reset would hide the failure. The engine resets it and prints a warning. Here
-//!   [`Data::step`] returns [`Error::Unstable`](crate::Error::Unstable) with the quantity, the joint and the time.
-//! - **Missing results are errors,** because zeros are plausible measurements. In Python `d.sensor('gyro').data` contains zeros before the first
-//!   computation. Here it returns [`Error::NotComputed`](crate::Error::NotComputed). See [results that have not been computed](super::concepts#results-that-have-not-been-computed).
-//! - **As in Python, the id of a joint is not its position in `qpos`.** `d.qpos[j]` with the id of a joint is correct only without free and ball joints.
-//!   Use `d.joint(id).qpos()`, or the ranges `qpos_range()` and `dofs()` of the joint.
-//! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an error of the call.
-//! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters; no `MUJOCO_LOG.TXT` is written.
-//! - **The default engine is 2.2.2,** which has no plugins, flexes and implicit-fast integrator; [newer engines](super::engines) have them. `MjSpec` and
-//!   the GPU backends have no counterpart. Some functions of newer engines exist with every engine: `mj_getState`, `mj_multiRay`,
+//! - **A simulation holds its model.** Python does not check that `m` and `d` in `mj_step(m, d)`
+//!   belong together; other sizes cause accesses out of bounds. Here the model is part of the
+//!   [`Data`].
+//! - **Reading and writing are separate,** so that no value changes while a program uses it. A view
+//!   in Python changes with the next step. Here a slice of [`Data::qpos`] is a borrow, and the
+//!   compiler rejects a step while it is in use. Copy values with `to_vec()`.
+//! - **A model is constant while it is shared,** so that threads read it without locks. Python
+//!   changes a model under all of its simulations. [`Model::edit`] needs the only reference;
+//!   [`Data::edit_model`] gives the simulation its own copy.
+//! - **A diverged simulation is an error,** because a reset would hide the failure. The engine
+//!   resets it and prints a warning. Here [`Data::step`] returns
+//!   [`Error::Unstable`](crate::Error::Unstable) with the quantity, the joint and the time.
+//! - **Missing results are errors,** because zeros are plausible measurements. In Python
+//!   `d.sensor('gyro').data` contains zeros before the first computation. Here it returns
+//!   [`Error::NotComputed`](crate::Error::NotComputed). See [results that have not been
+//!   computed](super::concepts#results-that-have-not-been-computed).
+//! - **As in Python, the id of a joint is not its position in `qpos`.** `d.qpos[j]` with the id of
+//!   a joint is correct only without free and ball joints. Use `d.joint(id).qpos()`, or the ranges
+//!   `qpos_range()` and `dofs()` of the joint.
+//! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an
+//!   error of the call.
+//! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters;
+//!   no `MUJOCO_LOG.TXT` is written.
+//! - **The default engine is 2.2.2,** which has no plugins, flexes and implicit-fast integrator;
+//!   [newer engines](super::engines) have them. `MjSpec` and the GPU backends have no counterpart.
+//!   Some functions of newer engines exist with every engine: `mj_getState`, `mj_multiRay`,
 //!   `mj_geomDistance`, `mjd_inverseFD`.
 //!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]

@@ -28,7 +28,8 @@
 //! | bodies of a URDF are missing or merged | the compiler fuses static bodies of a URDF | `<mujoco><compiler fusestatic="false"/></mujoco>` in the `robot` element |
 //! | contacts are missing, and a warning mentions `nconmax` | the limit of contacts is reached | larger `nconmax` and `njmax` in the model's `size` |
 //!
-//! Convert a model of a newer release by hand: the compiler reports one problem at a time, with its line.
+//! Convert a model of a newer release by hand: the compiler reports one problem at a time, with its
+//! line.
 //!
 //! # Simulation
 //!
@@ -48,8 +49,8 @@
 //!
 //! # Borrows
 //!
-//! **`cannot borrow data as mutable because it is also borrowed as immutable`.** A slice or a view of the simulation is in use during a step or a write. Copy the
-//! values, or take an id:
+//! **`cannot borrow data as mutable because it is also borrowed as immutable`.** A slice or a view
+//! of the simulation is in use during a step or a write. Copy the values, or take an id:
 //!
 //! ```compile_fail,E0502
 //! # use mujoco_safe::{Data, sample};
@@ -70,7 +71,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! The model of a simulation is part of it, so a call on `data.model()` cannot write to `data`. Clone the `Arc`, which copies no model:
+//! The model of a simulation is part of it, so a call on `data.model()` cannot write to `data`.
+//! Clone the `Arc`, which copies no model:
 //!
 //! ```compile_fail,E0502
 //! # use mujoco_safe::{Data, sample};
@@ -87,10 +89,12 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! **`&Model is not a model that a simulation can share`.** [`Data::new`] takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`. Put the model in an
-//! `Arc` once: `let model = Arc::new(model);`, then `Data::new(&model)` shares it.
+//! **`&Model is not a model that a simulation can share`.** [`Data::new`] takes a [`Model`], an
+//! `Arc<Model>` or an `&Arc<Model>`. Put the model in an `Arc` once:
+//! `let model = Arc::new(model);`, then `Data::new(&model)` shares it.
 //!
-//! **`type annotations needed`, or a closure is not a [`Controller`](crate::Controller).** Name the type of the argument:
+//! **`type annotations needed`, or a closure is not a [`Controller`](crate::Controller).** Name the
+//! type of the argument:
 //!
 //! ```
 //! # use mujoco_safe::{Controller, Data, sample};
@@ -100,7 +104,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! **`Box<C>` of a type `C` is not a `Controller`.** `Box<dyn Controller>` is one: `let mut controller: Box<dyn Controller> = Box::new(…);`, then
+//! **`Box<C>` of a type `C` is not a `Controller`.** `Box<dyn Controller>` is one:
+//! `let mut controller: Box<dyn Controller> = Box::new(…);`, then
 //! `trajectory.record(&mut data, &mut controller, steps)`.
 //!
 //! # Rendering and the viewer
@@ -118,8 +123,9 @@
 //!
 //! # Further information
 //!
-//! The engine's warnings are log messages: install a logger (`env_logger`, for example) and set `RUST_LOG=mujoco=warn`.
-//! [`Data::print_to`] writes all quantities of a simulation to a text file. [`errors`](super::errors) explains the kinds of errors.
+//! The engine's warnings are log messages: install a logger (`env_logger`, for example) and set
+//! `RUST_LOG=mujoco=warn`. [`Data::print_to`] writes all quantities of a simulation to a text file.
+//! [`errors`](super::errors) explains the kinds of errors.
 
 #[cfg(doc)]
 use crate::{Data, Error, Model};

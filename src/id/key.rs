@@ -4,12 +4,14 @@ use super::sealed::Sealed;
 use super::{ElementKind, Id};
 use crate::error::Result;
 
-/// Key of an element of kind `K`: a name, an index, an id or a view. A name or an index may not exist,
-/// so lookups by them return a [`Result`]. Lookups by an id or a view of the same model are infallible.
+/// Key of an element of kind `K`: a name, an index, an id or a view. A name or an index may not
+/// exist, so lookups by them return a [`Result`]. Lookups by an id or a view of the same model are
+/// infallible.
 ///
 /// # Panics
 ///
-/// An id or a view of another model panics, because only a mistake in the program can combine the two.
+/// An id or a view of another model panics, because only a mistake in the program can combine the
+/// two.
 pub trait Key<K: ElementKind>: Sealed + Sized {
     /// `Result<T>` for a name or an index, `T` for an id or a view.
     type Found<T>;
@@ -18,7 +20,8 @@ pub trait Key<K: ElementKind>: Sealed + Sized {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex).
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex).
     fn id(self, model: &impl Lookup) -> Result<Id<K>>;
 
     /// Converts the result of [`id`](Self::id) into a view or a reference.

@@ -24,16 +24,19 @@ macro_rules! declare_ids {
 }
 for_each_kind!(declare_ids);
 
-/// Id of one element of one model, typed by the kind of element. Small and `Copy`: look a name up once and keep the id.
+/// Id of one element of one model, typed by the kind of element. Small and `Copy`: look a name up
+/// once and keep the id.
 ///
-/// An id is valid for its model, for the clones of that model and for every [`Data`](crate::Data) created from them. Its use with
-/// a separately loaded model panics, even if the index exists there.
+/// An id is valid for its model, for the clones of that model and for every [`Data`](crate::Data)
+/// created from them. Its use with a separately loaded model panics, even if the index exists
+/// there.
 ///
 /// A joint's id is not the index of its first degree of freedom: see `Joint::dofs`.
 ///
-/// Functions that have a model or a simulation take a [`Key`]: a name, an index, an id or a view. Functions without a model, such as
-/// [`PdController::set_target`](crate::PdController::set_target) and [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a
-/// view, and public fields hold ids.
+/// Functions that have a model or a simulation take a [`Key`]: a name, an index, an id or a view.
+/// Functions without a model, such as [`PdController::set_target`](crate::PdController::set_target)
+/// and [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a view, and public fields hold
+/// ids.
 ///
 /// ```
 /// use mujoco_safe::sample;
@@ -153,8 +156,9 @@ impl<K: ElementKind> fmt::Debug for Ids<K> {
     }
 }
 
-/// Origin of a model: one load or compilation. A clone has the lineage of its original. No function of this crate changes the set
-/// of elements of a model or their layout, so ids and data of one are valid for the other.
+/// Origin of a model: one load or compilation. A clone has the lineage of its original. No function
+/// of this crate changes the set of elements of a model or their layout, so ids and data of one are
+/// valid for the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Lineage(u32);
 

@@ -1,9 +1,11 @@
 //! Functions that are compiled for several instruction sets.
 
-/// Defines a function that runs on the widest vector registers of the processor. It is compiled for AVX-512, for AVX2 and for the
-/// target of the build, and selected at run time. All variants compute the same bits: none fuses a product with a sum.
+/// Defines a function that runs on the widest vector registers of the processor. It is compiled for
+/// AVX-512, for AVX2 and for the target of the build, and selected at run time. All variants
+/// compute the same bits: none fuses a product with a sum.
 ///
-/// Only code that the compiler inlines into the function uses the registers, such as functions with `#[inline(always)]`.
+/// Only code that the compiler inlines into the function uses the registers, such as functions with
+/// `#[inline(always)]`.
 macro_rules! vectorised {
     ($(#[$doc:meta])* $visibility:vis fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $body:block) => {
         $(#[$doc])*

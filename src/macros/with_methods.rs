@@ -1,7 +1,7 @@
 //! Macro for the `with_…` methods of options structs.
 
-/// Implements the `with_…` methods of an options struct. Each sets the field that has the name of its argument, to the argument or to
-/// the expression after `=`.
+/// Implements the `with_…` methods of an options struct. Each sets the field that has the name of
+/// its argument, to the argument or to the expression after `=`.
 macro_rules! with_methods {
     ($options:ident { $($method:ident($field:ident: $argument:ty) $(= $value:expr)?),* $(,)? }) => {
         impl $options {

@@ -1,9 +1,10 @@
-//! Symmetric band matrices whose last rows are dense. The Hessian of a trajectory optimisation problem with some global
-//! parameters has this structure.
+//! Symmetric band matrices whose last rows are dense. The Hessian of a trajectory optimisation
+//! problem with some global parameters has this structure.
 //!
-//! A matrix has `ntotal` rows, and the last `ndense` of them are dense. Only the lower triangle is stored: of each band row the
-//! `nband` values up to and including the diagonal, then the dense rows in full length. Storage before the first column and, in
-//! dense rows, after the diagonal is allocated but unused.
+//! A matrix has `ntotal` rows, and the last `ndense` of them are dense. Only the lower triangle is
+//! stored: of each band row the `nband` values up to and including the diagonal, then the dense
+//! rows in full length. Storage before the first column and, in dense rows, after the diagonal is
+//! allocated but unused.
 //!
 //! ```text
 //!  ntotal = 5, nband = 2, ndense = 1            stored as
@@ -30,13 +31,13 @@ pub struct BandShape {
 }
 
 impl BandShape {
-    /// Creates a shape of `ntotal` rows: the last `ndense` rows are dense, the others have `nband` values up to and including the
-    /// diagonal.
+    /// Creates a shape of `ntotal` rows: the last `ndense` rows are dense, the others have `nband`
+    /// values up to and including the diagonal.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if `ndense` exceeds `ntotal`, if the band does not contain the diagonal, or if the size overflows
-    /// `usize`.
+    /// [`Error::Invalid`] if `ndense` exceeds `ntotal`, if the band does not contain the diagonal,
+    /// or if the size overflows `usize`.
     pub fn new(ntotal: usize, nband: usize, ndense: usize) -> Result<Self> {
         let invalid = |what: &str, value: usize, expected: String| {
             Err(Error::Invalid { what: format!("{what} of a band matrix"), value: value.to_string(), expected })
@@ -104,7 +105,8 @@ impl BandShape {
         self.ntotal - self.ndense
     }
 
-    /// Returns the first stored column of a row and the index of its value. The values up to the diagonal follow.
+    /// Returns the first stored column of a row and the index of its value. The values up to the
+    /// diagonal follow.
     #[inline]
     fn row(&self, i: usize) -> (usize, usize) {
         match i.checked_sub(self.nsparse()) {
@@ -125,9 +127,10 @@ fn dot(vec1: &[f64], vec2: &[f64]) -> f64 {
     vec1.iter().zip(vec2).map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// Computes the Cholesky factor of `A + diagadd I + diagmul diag(A)` in place. Returns the smallest pivot (the square of a
-/// diagonal value of the factor), or `None` if the matrix is not positive definite: a pivot is below `1e-15` or NaN. In that case
-/// `mat` is partially factorised. (The engine returns 0 instead of `None`. Version 4 returns the square root of the pivot.)
+/// Computes the Cholesky factor of `A + diagadd I + diagmul diag(A)` in place. Returns the smallest
+/// pivot (the square of a diagonal value of the factor), or `None` if the matrix is not positive
+/// definite: a pivot is below `1e-15` or NaN. In that case `mat` is partially factorised. (The
+/// engine returns 0 instead of `None`. Version 4 returns the square root of the pivot.)
 ///
 /// # Errors
 ///
@@ -152,7 +155,8 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
         let (first_i, start_i) = shape.row(i);
         let (above, below) = mat.split_at_mut(start_i);
         let row_i = &mut below[..=i - first_i];
-        // Row i of L Lᵀ = A, from left to right. Each value follows from the previous ones and the rows above.
+        // Row i of L Lᵀ = A, from left to right. Each value follows from the previous ones and the
+        // rows above.
         for j in first_i..i {
             let (first_j, start_j) = shape.row(j);
             let row_j = &above[start_j..=start_j + j - first_j];
@@ -175,7 +179,8 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of both vectors is `ntotal`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of both vectors
+/// is `ntotal`.
 pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandShape) -> Result<()> {
     Error::check_length("the result of chol_solve_band", res.len(), shape.ntotal)?;
     Error::check_length("vec of chol_solve_band", vec.len(), shape.ntotal)?;
@@ -188,7 +193,8 @@ pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandSha
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of `vec` is `ntotal`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of `vec` is
+/// `ntotal`.
 pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) -> Result<()> {
     shape.check_matrix("mat of chol_solve_band_in_place", mat)?;
     Error::check_length("vec of chol_solve_band_in_place", vec.len(), shape.ntotal)?;
@@ -219,7 +225,8 @@ pub enum BandKind {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape `(ntotal, ntotal)`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape
+/// `(ntotal, ntotal)`.
 pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, kind: BandKind) -> Result<()> {
     let mut res = res.into();
     let n = shape.ntotal;
@@ -239,12 +246,13 @@ pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: Ban
     Ok(())
 }
 
-/// Converts from the lower triangle of a dense matrix `(ntotal, ntotal)`. Values outside the band are ignored, and the unused
-/// storage of `res` does not change.
+/// Converts from the lower triangle of a dense matrix `(ntotal, ntotal)`. Values outside the band
+/// are ignored, and the unused storage of `res` does not change.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `res` is that of the shape, and `mat` has the shape `(ntotal, ntotal)`.
+/// [`Error::Shape`] unless the length of `res` is that of the shape, and `mat` has the shape
+/// `(ntotal, ntotal)`.
 pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: BandShape) -> Result<()> {
     let mat = mat.into();
     shape.check_matrix("the result of dense2band", res)?;
@@ -256,11 +264,13 @@ pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: Ba
     Ok(())
 }
 
-/// Multiplies a band matrix by vectors: each row of `res` is the matrix times the same row of `vec`. `res` and `vec` have the shape `(nvec, ntotal)`, one vector per row.
+/// Multiplies a band matrix by vectors: each row of `res` is the matrix times the same row of
+/// `vec`. `res` and `vec` have the shape `(nvec, ntotal)`, one vector per row.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, `vec` has `ntotal` columns, and `res` has the shape of `vec`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, `vec` has `ntotal` columns,
+/// and `res` has the shape of `vec`.
 pub fn band_mul_mat_vec<'a, 'b>(
     res: impl Into<MatrixViewMut<'a>>,
     mat: &[f64],

@@ -1,8 +1,9 @@
 //! Box-constrained quadratic programs: `½ xᵀH x + gᵀx → min`, `lower ≤ x ≤ upper`.
 //!
-//! The method is the projected Newton iteration of Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic
-//! programming", ICRA 2014, section III. Coordinates on a bound whose gradient points outwards are clamped. The free coordinates
-//! take a Newton step that is projected onto the box, with an Armijo line search.
+//! The method is the projected Newton iteration of Y. Tassa, N. Mansard, E. Todorov,
+//! "Control-limited differential dynamic programming", ICRA 2014, section III. Coordinates on a
+//! bound whose gradient points outwards are clamped. The free coordinates take a Newton step that
+//! is projected onto the box, with an Armijo line search.
 
 use mujoco_sys::mjMINVAL;
 
@@ -27,11 +28,13 @@ const MIN_STEP: f64 = 1e-22;
 pub enum BoxQpStatus {
     /// Converged to the minimum.
     Solved,
-    /// The line search found no decrease although the gradient exceeds the tolerance. `x` is the minimum up to rounding.
+    /// The line search found no decrease although the gradient exceeds the tolerance. `x` is the
+    /// minimum up to rounding.
     Stalled,
     /// Did not converge within 100 iterations.
     IterationLimit,
-    /// The block of H for the free coordinates is not positive definite, so a minimum may not exist. `x` is the last iterate.
+    /// The block of H for the free coordinates is not positive definite, so a minimum may not
+    /// exist. `x` is the last iterate.
     NotPositiveDefinite,
 }
 
@@ -44,8 +47,8 @@ pub struct BoxQpSolution<'a> {
     pub iterations: u32,
     /// The `nfree` free coordinates, which no bound clamps, in increasing order.
     pub index: &'a [usize],
-    /// Cholesky factor of the block of H for the free coordinates, `(nfree, nfree)`, in the lower triangle. Invalid after
-    /// [`BoxQpStatus::NotPositiveDefinite`].
+    /// Cholesky factor of the block of H for the free coordinates, `(nfree, nfree)`, in the lower
+    /// triangle. Invalid after [`BoxQpStatus::NotPositiveDefinite`].
     pub factor: MatrixView<'a>,
 }
 
@@ -105,13 +108,14 @@ impl BoxQp {
         self.n
     }
 
-    /// Solves for `x`, starting from its present value. The start may be infeasible; a start close to the solution converges
-    /// faster. `h` is symmetric with the shape `(n, n)`; all vectors have the length `n`. `None` or an infinite value means no bound.
+    /// Solves for `x`, starting from its present value. The start may be infeasible; a start close
+    /// to the solution converges faster. `h` is symmetric with the shape `(n, n)`; all vectors have
+    /// the length `n`. `None` or an infinite value means no bound.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::Invalid`] if `x` or `g` is not finite, or a lower bound exceeds the upper
-    /// bound.
+    /// [`Error::Shape`] for a wrong shape, [`Error::Invalid`] if `x` or `g` is not finite, or a
+    /// lower bound exceeds the upper bound.
     #[doc(alias = "mju_boxQP")]
     pub fn solve<'a>(
         &mut self,
@@ -168,14 +172,16 @@ impl BoxQp {
         Ok((BoxQpStatus::IterationLimit, MAX_ITERATIONS))
     }
 
-    /// Advances `x` along the projected step by an Armijo line search. Returns `false` if no step length decreases the objective.
+    /// Advances `x` along the projected step by an Armijo line search. Returns `false` if no step
+    /// length decreases the objective.
     fn advance(&mut self, x: &mut [f64], h: MatrixView<'_>, bounds: Bounds<'_>) -> bool {
         let mut length = 1.0;
         while length >= MIN_STEP {
             for (i, projected) in self.projected.iter_mut().enumerate() {
                 *projected = bounds.clamp(i, x[i] + length * self.step[i]) - x[i];
             }
-            // Change of the objective, computed without the cancellation of a difference of two objectives.
+            // Change of the objective, computed without the cancellation of a difference of two
+            // objectives.
             let slope = dot_of_equals(&self.gradient, &self.projected);
             let curvature: f64 =
                 h.rows().zip(&self.projected).map(|(row, step)| step * dot_of_equals(row, &self.projected)).sum();
@@ -205,11 +211,13 @@ impl BoxQp {
         unchanged
     }
 
-    /// Factorises the block of H for the free coordinates. Returns `false` if it is not positive definite.
+    /// Factorises the block of H for the free coordinates. Returns `false` if it is not positive
+    /// definite.
     fn factorise(&mut self, h: MatrixView<'_>) -> Result<bool> {
         let nfree = self.index.len();
         let factor = &mut self.factor[..nfree * nfree];
-        // `chunks_exact_mut` panics for a chunk size of 0; without free coordinates there are no rows.
+        // `chunks_exact_mut` panics for a chunk size of 0; without free coordinates there are no
+        // rows.
         for (&i, target) in self.index.iter().zip(factor.chunks_exact_mut(nfree.max(1))) {
             let row = h.row(i);
             target.iter_mut().zip(&self.index).for_each(|(target, &j)| *target = row[j]);
@@ -219,7 +227,8 @@ impl BoxQp {
         Ok(rank == nfree && factor.last().is_none_or(|last| last.is_finite()))
     }
 
-    /// Returns `true` if the gradient of the free coordinates is zero, up to the rounding errors of its terms.
+    /// Returns `true` if the gradient of the free coordinates is zero, up to the rounding errors of
+    /// its terms.
     fn is_stationary(&self, x: &[f64], h: MatrixView<'_>, g: &[f64]) -> bool {
         let squares: f64 = self.index.iter().map(|&i| self.gradient[i] * self.gradient[i]).sum();
         squares.sqrt() < MIN_GRADIENT

@@ -1,7 +1,8 @@
-//! Dense row-major matrices, and their Cholesky factorisation `A = L Lᵀ` with L in the lower triangle.
+//! Dense row-major matrices, and their Cholesky factorisation `A = L Lᵀ` with L in the lower
+//! triangle.
 //!
-//! An input is a [`Matrix`](crate::Matrix), a [`MatrixView`], or rows of a fixed length, such as `data.cdof()`. An output is a
-//! `&mut Matrix` or a [`MatrixViewMut`], and is overwritten.
+//! An input is a [`Matrix`](crate::Matrix), a [`MatrixView`], or rows of a fixed length, such as
+//! `data.cdof()`. An output is a `&mut Matrix` or a [`MatrixViewMut`], and is overwritten.
 
 use mujoco_sys as sys;
 
@@ -15,7 +16,8 @@ use crate::matrix::{MatrixView, MatrixViewMut};
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `vec` is the number of columns of `mat`, and that of `res` its number of rows.
+/// [`Error::Shape`] unless the length of `vec` is the number of columns of `mat`, and that of `res`
+/// its number of rows.
 ///
 /// ```
 /// use mujoco_safe::{Matrix, math};
@@ -40,7 +42,8 @@ pub fn mul_mat_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `vec` is the number of rows of `mat`, and that of `res` its number of columns.
+/// [`Error::Shape`] unless the length of `vec` is the number of rows of `mat`, and that of `res`
+/// its number of columns.
 pub fn mul_mat_t_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f64]) -> Result<()> {
     let mat = mat.into();
     Error::check_length("the result of mul_mat_t_vec", res.len(), mat.ncols())?;
@@ -127,7 +130,8 @@ pub fn eye<'a>(mat: impl Into<MatrixViewMut<'a>>) -> Result<()> {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the number of rows of `mat2` is the number of columns of `mat1`, and `res` has the shape of the product.
+/// [`Error::Shape`] unless the number of rows of `mat2` is the number of columns of `mat1`, and
+/// `res` has the shape of the product.
 pub fn mul_mat_mat<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -140,7 +144,8 @@ pub fn mul_mat_mat<'a, 'b, 'c>(
     let (_, c2) = entries("mat2 of mul_mat_mat", mat2.shape())?;
     entries("the result of mul_mat_mat", res.shape())?;
     let (res, mat1, mat2) = (res.as_mut_slice().as_mut_ptr(), mat1.as_slice().as_ptr(), mat2.as_slice().as_ptr());
-    // SAFETY: the result has r1 × c2 values, the matrices r1 × c1 and c1 × c2, and the result overlaps neither.
+    // SAFETY: the result has r1 × c2 values, the matrices r1 × c1 and c1 × c2, and the result
+    // overlaps neither.
     unsafe { sys::mju_mulMatMat(res, mat1, mat2, r1, c1, c2) };
     Ok(())
 }
@@ -149,7 +154,8 @@ pub fn mul_mat_mat<'a, 'b, 'c>(
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat1` and `mat2` have the same number of columns, and `res` has the shape of the product.
+/// [`Error::Shape`] unless `mat1` and `mat2` have the same number of columns, and `res` has the
+/// shape of the product.
 pub fn mul_mat_mat_t<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -162,7 +168,8 @@ pub fn mul_mat_mat_t<'a, 'b, 'c>(
     let (r2, _) = entries("mat2 of mul_mat_mat_t", mat2.shape())?;
     entries("the result of mul_mat_mat_t", res.shape())?;
     let (res, mat1, mat2) = (res.as_mut_slice().as_mut_ptr(), mat1.as_slice().as_ptr(), mat2.as_slice().as_ptr());
-    // SAFETY: the result has r1 × r2 values, the matrices r1 × c1 and r2 × c1, and the result overlaps neither.
+    // SAFETY: the result has r1 × r2 values, the matrices r1 × c1 and r2 × c1, and the result
+    // overlaps neither.
     unsafe { sys::mju_mulMatMatT(res, mat1, mat2, r1, c1, r2) };
     Ok(())
 }
@@ -171,7 +178,8 @@ pub fn mul_mat_mat_t<'a, 'b, 'c>(
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat1` and `mat2` have the same number of rows, and `res` has the shape of the product.
+/// [`Error::Shape`] unless `mat1` and `mat2` have the same number of rows, and `res` has the shape
+/// of the product.
 pub fn mul_mat_t_mat<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -184,17 +192,19 @@ pub fn mul_mat_t_mat<'a, 'b, 'c>(
     let (_, c2) = entries("mat2 of mul_mat_t_mat", mat2.shape())?;
     entries("the result of mul_mat_t_mat", res.shape())?;
     let (res, mat1, mat2) = (res.as_mut_slice().as_mut_ptr(), mat1.as_slice().as_ptr(), mat2.as_slice().as_ptr());
-    // SAFETY: the result has c1 × c2 values, the matrices r1 × c1 and r1 × c2, and the result overlaps neither.
+    // SAFETY: the result has c1 × c2 values, the matrices r1 × c1 and r1 × c2, and the result
+    // overlaps neither.
     unsafe { sys::mju_mulMatTMat(res, mat1, mat2, r1, c1, c2) };
     Ok(())
 }
 
-/// Computes `res = matᵀ diag(diag) mat`, or `matᵀ mat` without a diagonal. The result is exactly symmetric.
+/// Computes `res = matᵀ diag(diag) mat`, or `matᵀ mat` without a diagonal. The result is exactly
+/// symmetric.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `res` is square with the number of columns of `mat`, and the length of `diag` is the number of rows of
-/// `mat`.
+/// [`Error::Shape`] unless `res` is square with the number of columns of `mat`, and the length of
+/// `diag` is the number of rows of `mat`.
 ///
 /// ```
 /// use mujoco_safe::{Matrix, math};
@@ -228,9 +238,11 @@ pub(super) fn check_square(what: &'static str, (nrows, ncols): (usize, usize)) -
     Error::check_shape(what, (nrows, ncols), (nrows, nrows))
 }
 
-/// Computes the Cholesky factor of `mat` in place and returns the rank: the number of pivots of at least `mindiag`. Smaller
-/// pivots are replaced by `mindiag`, so that the factor exists (with `mindiag` of 0 or less it may contain infinities or NaN).
-/// Since 4.0 pivots that are NaN are replaced too. Only the lower triangle is read and written; the values above the diagonal do not change.
+/// Computes the Cholesky factor of `mat` in place and returns the rank: the number of pivots of at
+/// least `mindiag`. Smaller pivots are replaced by `mindiag`, so that the factor exists (with
+/// `mindiag` of 0 or less it may contain infinities or NaN). Since 4.0 pivots that are NaN are
+/// replaced too. Only the lower triangle is read and written; the values above the diagonal do not
+/// change.
 ///
 /// # Errors
 ///
@@ -281,7 +293,8 @@ pub fn chol_solve_in_place<'a>(mat: impl Into<MatrixView<'a>>, vec: &mut [f64]) 
     Error::check_length("vec of chol_solve_in_place", vec.len(), mat.nrows())?;
     let (n, _) = entries("mat of chol_solve_in_place", mat.shape())?;
     let vec = vec.as_mut_ptr();
-    // SAFETY: the matrix has n × n values, the vector n. The engine solves in place if both vectors are the same.
+    // SAFETY: the matrix has n × n values, the vector n. The engine solves in place if both vectors
+    // are the same.
     unsafe { sys::mju_cholSolve(vec, mat.as_slice().as_ptr(), vec, n) };
     Ok(())
 }
@@ -295,7 +308,8 @@ pub enum RankOneUpdate {
     Subtract,
 }
 
-/// Updates the factor of A to that of `A + x xᵀ` or `A − x xᵀ` in O(n²). Returns the rank: the number of pivots that were not raised to `1e-15`. `x` is overwritten.
+/// Updates the factor of A to that of `A + x xᵀ` or `A − x xᵀ` in O(n²). Returns the rank: the
+/// number of pivots that were not raised to `1e-15`. `x` is overwritten.
 ///
 /// # Errors
 ///

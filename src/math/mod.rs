@@ -1,7 +1,8 @@
 //! The engine's utility mathematics (`mju_*`), with checked sizes.
 //!
-//! The engine's `mju_mulMatVec` is [`mul_mat_vec`] here; a search of this documentation also finds the C names. As in the engine,
-//! output parameters come first. No function allocates, except for error messages.
+//! The engine's `mju_mulMatVec` is [`mul_mat_vec`] here; a search of this documentation also finds
+//! the C names. As in the engine, output parameters come first. No function allocates, except for
+//! error messages.
 //!
 //! ```
 //! use mujoco_safe::{Data, Matrix, math, sample};
@@ -23,9 +24,10 @@
 //!
 //! # Arrays and slices
 //!
-//! Functions of vectors in space and of quaternions take arrays, `&[f64; 3]` and `&[f64; 4]`, so their sizes need no check. Fields with
-//! rows of a fixed length give arrays: `data.xquat()[body]`, `data.body("torso")?.xquat()`, `data.joint("root")?.quat()`. A part of a
-//! slice, for example of `qpos` or of the reading of a sensor, becomes an array by `try_into` or `first_chunk`:
+//! Functions of vectors in space and of quaternions take arrays, `&[f64; 3]` and `&[f64; 4]`, so
+//! their sizes need no check. Fields with rows of a fixed length give arrays: `data.xquat()[body]`,
+//! `data.body("torso")?.xquat()`, `data.joint("root")?.quat()`. A part of a slice, for example of
+//! `qpos` or of the reading of a sensor, becomes an array by `try_into` or `first_chunk`:
 //!
 //! ```
 //! use mujoco_safe::{Data, math, sample};
@@ -39,8 +41,9 @@
 //!
 //! # Functions in place
 //!
-//! In C, the output of some functions may alias an argument. The borrow checker forbids this, so separate functions work in place:
-//! [`scl_in_place`], [`chol_solve_in_place`], [`chol_solve_band_in_place`], [`symmetrize_in_place`], [`add_to`] and [`sub_from`].
+//! In C, the output of some functions may alias an argument. The borrow checker forbids this, so
+//! separate functions work in place: [`scl_in_place`], [`chol_solve_in_place`],
+//! [`chol_solve_band_in_place`], [`symmetrize_in_place`], [`add_to`] and [`sub_from`].
 //!
 //! ```compile_fail,E0502
 //! # use mujoco_safe::{Matrix, math};
@@ -194,7 +197,8 @@ fn count(what: &'static str, size: usize) -> Result<c_int> {
     c_int::try_from(size).map_err(|_| Error::Unsupported(format!("{what}: {size} numbers exceed the range of a C int")))
 }
 
-/// Converts the shape of a matrix to the engine's C `int`s. The engine also computes the total number of values in an `int`.
+/// Converts the shape of a matrix to the engine's C `int`s. The engine also computes the total
+/// number of values in an `int`.
 #[inline]
 fn entries(what: &'static str, (nrows, ncols): (usize, usize)) -> Result<(c_int, c_int)> {
     count(what, nrows.saturating_mul(ncols))?;

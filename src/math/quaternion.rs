@@ -1,25 +1,28 @@
-//! Quaternions `[w, x, y, z]` and rotations. A unit quaternion and its negative represent the same rotation. Functions do not
-//! normalise their arguments unless stated otherwise.
+//! Quaternions `[w, x, y, z]` and rotations. A unit quaternion and its negative represent the same
+//! rotation. Functions do not normalise their arguments unless stated otherwise.
 //!
 //! Rotation matrices are row-major arrays of nine numbers, like a row of `data.xmat()`.
 //!
-//! The derivatives of [`sub_quat`] and [`quat_integrate`] use rotation vectors in the quaternion's own frame as tangent vectors: a
-//! perturbation δ maps `q` to `q quat(δ)`. They follow from the right Jacobian of the exponential map of rotations,
+//! The derivatives of [`sub_quat`] and [`quat_integrate`] use rotation vectors in the quaternion's
+//! own frame as tangent vectors: a perturbation δ maps `q` to `q quat(δ)`. They follow from the
+//! right Jacobian of the exponential map of rotations,
 //!
 //! ```text
 //! exp(φ + δ) ≈ exp(φ) exp(Jr(φ) δ),      Jr(φ)  = I − (1 − cos θ)/θ² [φ]× + (θ − sin θ)/θ³ [φ]×²,
 //!                                        Jr⁻¹(φ) = I + ½ [φ]× + (1 − ½θ cot ½θ)/θ² [φ]×²,      θ = |φ|
 //! ```
 //!
-//! (J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, equations 143 and 144.) The
-//! engine provides these derivatives since version 2.3.7. This module implements them in Rust.
+//! (J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018,
+//! equations 143 and 144.) The engine provides these derivatives since version 2.3.7. This module
+//! implements them in Rust.
 
 use mujoco_sys as sys;
 
 use super::{array, rot_vec_mat_t};
 use crate::error::{Error, Result};
 
-/// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes `[1, 0, 0, 0]`.
+/// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes
+/// `[1, 0, 0, 0]`.
 #[inline]
 pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
     // SAFETY: the engine reads and writes four numbers.
@@ -36,7 +39,8 @@ pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
 /// assert!((turned[1] - 1.0).abs() < 1e-15); // x has become y
 /// ```
 ///
-/// The orientation of a body or a site needs no conversion. The reading of a sensor is a slice, which `first_chunk` converts:
+/// The orientation of a body or a site needs no conversion. The reading of a sensor is a slice,
+/// which `first_chunk` converts:
 ///
 /// ```
 /// use mujoco_safe::{Data, Model, math};
@@ -93,15 +97,17 @@ pub fn axis_angle2quat(axis: &[f64; 3], angle: f64) -> [f64; 4] {
     array(|res| unsafe { sys::mju_axisAngle2Quat(res, axis.as_ptr(), angle) })
 }
 
-/// Returns the constant angular velocity (rad/s, in the rotated frame) that produces the rotation `quat` within the time `dt` (s),
-/// along the shorter arc. With `dt` of 1 it is the rotation vector.
+/// Returns the constant angular velocity (rad/s, in the rotated frame) that produces the rotation
+/// `quat` within the time `dt` (s), along the shorter arc. With `dt` of 1 it is the rotation
+/// vector.
 #[inline]
 pub fn quat2vel(quat: &[f64; 4], dt: f64) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_quat2Vel(res, quat.as_ptr(), dt) })
 }
 
-/// Returns the rotation vector (rad, in the frame of `qb`) from `qb` to `qa`: `qb quat(res) = qa`, along the shorter arc.
+/// Returns the rotation vector (rad, in the frame of `qb`) from `qb` to `qa`: `qb quat(res) = qa`,
+/// along the shorter arc.
 ///
 /// [`sub_quat_derivative`] computes its derivatives.
 #[inline]
@@ -131,7 +137,8 @@ pub fn deriv_quat(quat: &[f64; 4], vel: &[f64; 3]) -> [f64; 4] {
     array(|res| unsafe { sys::mju_derivQuat(res, quat.as_ptr(), vel.as_ptr()) })
 }
 
-/// Integrates `quat` with the angular velocity `vel` (rad/s, in the rotated frame) over the time `scale` (s), and normalises it.
+/// Integrates `quat` with the angular velocity `vel` (rad/s, in the rotated frame) over the time
+/// `scale` (s), and normalises it.
 ///
 /// [`quat_integrate_derivative`] computes its derivatives.
 ///
@@ -150,16 +157,17 @@ pub fn quat_integrate(quat: &mut [f64; 4], vel: &[f64; 3], scale: f64) {
     unsafe { sys::mju_quatIntegrate(quat.as_mut_ptr(), vel.as_ptr(), scale) };
 }
 
-/// Returns the shortest rotation from the z axis to the direction of `vec`; the identity for a zero `vec`.
+/// Returns the shortest rotation from the z axis to the direction of `vec`; the identity for a zero
+/// `vec`.
 #[inline]
 pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|quat| unsafe { sys::mju_quatZ2Vec(quat, vec.as_ptr()) })
 }
 
-/// Converts Euler angles (rad) to a quaternion. `seq` names the axes of the successive rotations: `x`, `y`, `z` are axes of the
-/// rotated frame (intrinsic), `X`, `Y`, `Z` are fixed axes (extrinsic). The default of MJCF is `"xyz"`. (Newer engines provide it
-/// in C.)
+/// Converts Euler angles (rad) to a quaternion. `seq` names the axes of the successive rotations:
+/// `x`, `y`, `z` are axes of the rotated frame (intrinsic), `X`, `Y`, `Z` are fixed axes
+/// (extrinsic). The default of MJCF is `"xyz"`. (Newer engines provide it in C.)
 ///
 /// # Errors
 ///
@@ -190,11 +198,13 @@ pub fn euler2quat(euler: &[f64; 3], seq: &str) -> Result<[f64; 4]> {
     Ok(quat)
 }
 
-/// Angle below which the coefficients are computed by their Taylor series. The truncated terms are of fourth order in the angle.
+/// Angle below which the coefficients are computed by their Taylor series. The truncated terms are
+/// of fourth order in the angle.
 const SMALL_ANGLE: f64 = 1e-3;
 
-/// Derivatives of [`sub_quat`]: row-major `(3, 3)` matrices. The element in row `i` and column `j` is the derivative of `res[i]`
-/// with respect to a rotation of the argument about axis `j` of its own frame.
+/// Derivatives of [`sub_quat`]: row-major `(3, 3)` matrices. The element in row `i` and column `j`
+/// is the derivative of `res[i]` with respect to a rotation of the argument about axis `j` of its
+/// own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubQuatDerivative {
     /// Derivative with respect to `qa`.
@@ -205,8 +215,9 @@ pub struct SubQuatDerivative {
     pub db: [f64; 9],
 }
 
-/// Computes the derivatives of [`sub_quat`]`(qa, qb)`. The function is not differentiable if the arguments are half a turn apart,
-/// because the shorter arc changes. The result is then the derivative along the chosen arc.
+/// Computes the derivatives of [`sub_quat`]`(qa, qb)`. The function is not differentiable if the
+/// arguments are half a turn apart, because the shorter arc changes. The result is then the
+/// derivative along the chosen arc.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -228,14 +239,16 @@ pub fn sub_quat_derivative(qa: &[f64; 4], qb: &[f64; 4]) -> SubQuatDerivative {
     SubQuatDerivative { da, db: transposed(&da).map(|value| -value) }
 }
 
-/// Derivatives of [`quat_integrate`], as rotation vectors in the frame of the result. The matrices are row-major `(3, 3)`: the
-/// element in row `i` and column `j` is the derivative of component `i` with respect to component `j` of the argument.
+/// Derivatives of [`quat_integrate`], as rotation vectors in the frame of the result. The matrices
+/// are row-major `(3, 3)`: the element in row `i` and column `j` is the derivative of component `i`
+/// with respect to component `j` of the argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuatIntegrateDerivative {
     /// Derivative with respect to a rotation of `quat` in its own frame.
     #[doc(alias = "Dquat")]
     pub dquat: [f64; 9],
-    /// Derivative with respect to `scale · vel`, as in the engine. The derivative with respect to `vel` is `scale · dvel`.
+    /// Derivative with respect to `scale · vel`, as in the engine. The derivative with respect to
+    /// `vel` is `scale · dvel`.
     #[doc(alias = "Dvel")]
     pub dvel: [f64; 9],
     /// Derivative with respect to `scale`.
@@ -243,7 +256,8 @@ pub struct QuatIntegrateDerivative {
     pub dscale: [f64; 3],
 }
 
-/// Computes the derivatives of [`quat_integrate`]`(quat, vel, scale)`. They do not depend on `quat`.
+/// Computes the derivatives of [`quat_integrate`]`(quat, vel, scale)`. They do not depend on
+/// `quat`.
 pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDerivative {
     let phi = vel.map(|value| scale * value);
     let angle = length(&phi);

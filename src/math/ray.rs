@@ -1,7 +1,7 @@
 //! Intersections of rays with single shapes, without a simulation.
 //!
-//! A ray starts at `pnt` in the direction `vec`, both in metres in the world frame. Distances are multiples of the length of `vec`:
-//! the intersection is `pnt + distance · vec`.
+//! A ray starts at `pnt` in the direction `vec`, both in metres in the world frame. Distances are
+//! multiples of the length of `vec`: the intersection is `pnt + distance · vec`.
 
 use std::ffi::c_int;
 
@@ -11,13 +11,14 @@ use super::count;
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 
-/// Returns the distance along a ray to a geom at the position `pos` with the rotation matrix `mat` and the engine's three sizes;
-/// `None` without an intersection. Planes are one-sided: rays intersect them only from the front.
+/// Returns the distance along a ray to a geom at the position `pos` with the rotation matrix `mat`
+/// and the engine's three sizes; `None` without an intersection. Planes are one-sided: rays
+/// intersect them only from the front.
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for a mesh or a height field, whose size does not define the shape, for a zero direction, and for a ray that
-/// is not finite.
+/// [`Error::Invalid`] for a mesh or a height field, whose size does not define the shape, for a
+/// zero direction, and for a ray that is not finite.
 ///
 /// ```
 /// use mujoco_safe::enums::GeomType;
@@ -69,12 +70,13 @@ pub struct SkinHit {
     pub vertex: usize,
 }
 
-/// Returns the first intersection of a ray with the triangles `face`, each of three indices into `vert` (m, world frame), if any.
+/// Returns the first intersection of a ray with the triangles `face`, each of three indices into
+/// `vert` (m, world frame), if any.
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for an index out of bounds, for a zero direction, and for a ray that is not finite,
-/// [`Error::Unsupported`] for more faces or vertices than a C `int` counts.
+/// [`Error::Invalid`] for an index out of bounds, for a zero direction, and for a ray that is not
+/// finite, [`Error::Unsupported`] for more faces or vertices than a C `int` counts.
 pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64; 3]) -> Result<Option<SkinHit>> {
     check_ray(pnt, vec)?;
     let (faces, vertices) = (face.as_flattened(), vert.as_flattened());
@@ -103,7 +105,8 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
     Ok(usize::try_from(vertex).ok().filter(|_| distance >= 0.0).map(|vertex| SkinHit { distance, vertex }))
 }
 
-/// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process, and a non-finite ray.
+/// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process,
+/// and a non-finite ray.
 pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
     let invalid =
         |what: &str, value: &[f64; 3], expected: &str| Err(Error::invalid(what, format!("{value:?}"), expected));

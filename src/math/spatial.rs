@@ -1,11 +1,12 @@
 //! Vectors in space, spatial vectors, poses and contact forces.
 //!
-//! Spatial vectors have six components: angular, then linear. `(3, 3)` matrices are row-major arrays of nine numbers, like a row of
-//! `data.xmat()`.
+//! Spatial vectors have six components: angular, then linear. `(3, 3)` matrices are row-major
+//! arrays of nine numbers, like a row of `data.xmat()`.
 //!
-//! A contact of dimension `dim` has one normal force and `dim − 1` friction components, each with a coefficient `mu`. Its friction
-//! pyramid has two edges per friction component, `normal ± mu[i] tangent[i]`, and the force is a sum of the edges with non-negative
-//! coefficients. A frictionless contact (`dim` of 1) has a single number in both representations.
+//! A contact of dimension `dim` has one normal force and `dim − 1` friction components, each with a
+//! coefficient `mu`. Its friction pyramid has two edges per friction component,
+//! `normal ± mu[i] tangent[i]`, and the force is a sum of the edges with non-negative coefficients.
+//! A frictionless contact (`dim` of 1) has a single number in both representations.
 
 use mujoco_sys as sys;
 
@@ -19,7 +20,8 @@ pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     array(|res| unsafe { sys::mju_cross(res, a.as_ptr(), b.as_ptr()) })
 }
 
-/// Returns `mat vec`: transforms from the local frame of the rotation matrix, for instance from a body to the world.
+/// Returns `mat vec`: transforms from the local frame of the rotation matrix, for instance from a
+/// body to the world.
 #[inline]
 pub fn rot_vec_mat(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -42,9 +44,10 @@ pub enum SpatialKind {
     Force,
 }
 
-/// Transforms a spatial velocity `[ω; v]`, or a spatial force `[torque; force]`, to another reference point
-/// and another frame: from `oldpos` to `newpos`, both in the old frame, then by the transpose of `rotnew2old`, the rotation matrix
-/// from the new frame to the old. `None` means no rotation.
+/// Transforms a spatial velocity `[ω; v]`, or a spatial force `[torque; force]`, to another
+/// reference point and another frame: from `oldpos` to `newpos`, both in the old frame, then by the
+/// transpose of `rotnew2old`, the rotation matrix from the new frame to the old. `None` means no
+/// rotation.
 ///
 /// ```
 /// use mujoco_safe::math::{self, SpatialKind};
@@ -82,9 +85,10 @@ pub struct Eig3 {
     pub iterations: u32,
 }
 
-/// Computes the eigenvalues and eigenvectors of a symmetric matrix by Jacobi's method. The iteration stops when the off-diagonal
-/// elements are below `1e-12`, so scale matrices of this magnitude. It also stops when the next rotation would be below
-/// 1.5 · 10⁻⁶ rad, which limits the accuracy of the eigenvectors. The error of the eigenvalues is of second order in this angle.
+/// Computes the eigenvalues and eigenvectors of a symmetric matrix by Jacobi's method. The
+/// iteration stops when the off-diagonal elements are below `1e-12`, so scale matrices of this
+/// magnitude. It also stops when the next rotation would be below 1.5 · 10⁻⁶ rad, which limits the
+/// accuracy of the eigenvectors. The error of the eigenvalues is of second order in this angle.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -94,7 +98,8 @@ pub struct Eig3 {
 /// ```
 pub fn eig3(mat: &[f64; 9]) -> Eig3 {
     let mut res = Eig3 { eigval: [0.0; 3], eigvec: [0.0; 9], quat: [0.0; 4], iterations: 0 };
-    // SAFETY: three, nine and four numbers to write, nine to read. The engine ends after 500 rotations at the latest.
+    // SAFETY: three, nine and four numbers to write, nine to read. The engine ends after 500
+    // rotations at the latest.
     let iterations =
         unsafe { sys::mju_eig3(res.eigval.as_mut_ptr(), res.eigvec.as_mut_ptr(), res.quat.as_mut_ptr(), mat.as_ptr()) };
     res.iterations = iterations.unsigned_abs();
@@ -117,8 +122,8 @@ impl Default for Pose {
     }
 }
 
-/// Composes two poses: `pose2` followed by `pose1`. If `pose2` is given in the frame with the pose `pose1`, the result is the same
-/// pose in the outer frame. Its quaternion is normalised.
+/// Composes two poses: `pose2` followed by `pose1`. If `pose2` is given in the frame with the pose
+/// `pose1`, the result is the same pose in the outer frame. Its quaternion is normalised.
 ///
 /// ```
 /// use mujoco_safe::math::{self, Pose};
@@ -130,7 +135,8 @@ impl Default for Pose {
 /// ```
 pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
     let mut res = Pose::default();
-    // SAFETY: each position has three numbers, each quaternion four, and the result aliases neither input.
+    // SAFETY: each position has three numbers, each quaternion four, and the result aliases neither
+    // input.
     unsafe {
         sys::mju_mulPose(
             res.pos.as_mut_ptr(),
@@ -160,13 +166,14 @@ pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
     array(|res| unsafe { sys::mju_trnVecPose(res, pose.pos.as_ptr(), pose.quat.as_ptr(), vec.as_ptr()) })
 }
 
-/// Converts a contact force of length `dim` (normal, then tangential) to the coefficients of the pyramid edges, of length
-/// `2 (dim − 1)` or 1. Friction outside the pyramid is truncated on one side, so [`decode_pyramid`] recovers only forces inside.
+/// Converts a contact force of length `dim` (normal, then tangential) to the coefficients of the
+/// pyramid edges, of length `2 (dim − 1)` or 1. Friction outside the pyramid is truncated on one
+/// side, so [`decode_pyramid`] recovers only forces inside.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of `pyramid` twice that of `mu` (one if
-/// `mu` is empty).
+/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of
+/// `pyramid` twice that of `mu` (one if `mu` is empty).
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -193,20 +200,20 @@ pub fn encode_pyramid(pyramid: &mut [f64], force: &[f64], mu: &[f64]) -> Result<
     Ok(())
 }
 
-/// Converts the coefficients of the pyramid edges, of length `2 (dim − 1)` or 1, to a contact force of length `dim`: normal, then
-/// tangential.
+/// Converts the coefficients of the pyramid edges, of length `2 (dim − 1)` or 1, to a contact force
+/// of length `dim`: normal, then tangential.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of `pyramid` twice that of `mu` (one if
-/// `mu` is empty).
+/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of
+/// `pyramid` twice that of `mu` (one if `mu` is empty).
 pub fn decode_pyramid(force: &mut [f64], pyramid: &[f64], mu: &[f64]) -> Result<()> {
     Error::check_length("the pyramid of decode_pyramid", pyramid.len(), edges(mu))?;
     Error::check_length("the force of decode_pyramid", force.len(), mu.len().saturating_add(1))?;
     let dim = count("decode_pyramid", force.len())?;
     count("decode_pyramid", pyramid.len())?;
-    // SAFETY: dim numbers to write, 2 (dim − 1) and dim − 1 to read; with dim of 1 the engine reads one number of the pyramid,
-    // which has at least one.
+    // SAFETY: dim numbers to write, 2 (dim − 1) and dim − 1 to read; with dim of 1 the engine reads
+    // one number of the pyramid, which has at least one.
     unsafe { sys::mju_decodePyramid(force.as_mut_ptr(), pyramid.as_ptr(), mu.as_ptr(), dim) };
     Ok(())
 }

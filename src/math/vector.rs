@@ -1,6 +1,7 @@
 //! Vectors of any length, and insertion sort.
 //!
-//! The engine counts with a C `int`. Longer vectors, of 16 GiB and more, are passed to it in chunks.
+//! The engine counts with a C `int`. Longer vectors, of 16 GiB and more, are passed to it in
+//! chunks.
 
 use std::ffi::c_int;
 
@@ -16,7 +17,8 @@ const CHUNK: usize = 1 << 30;
 #[inline]
 fn sum_over_chunks(vec: &[f64], function: unsafe extern "C" fn(*const f64, c_int) -> f64) -> f64 {
     vec.chunks(CHUNK).fold(0.0, |sum, chunk| {
-        // SAFETY: the functions passed here read the given number of values, the length of the chunk.
+        // SAFETY: the functions passed here read the given number of values, the length of the
+        // chunk.
         sum + unsafe { function(chunk.as_ptr(), chunk.len() as c_int) }
     })
 }
@@ -54,7 +56,8 @@ pub fn fill(res: &mut [f64], val: f64) {
     res.fill(val);
 }
 
-/// Copies `res = data`. The engine's number type is `f64`, so this covers `mju_d2n` and `mju_n2d` too.
+/// Copies `res = data`. The engine's number type is `f64`, so this covers `mju_d2n` and `mju_n2d`
+/// too.
 ///
 /// # Errors
 ///
@@ -136,8 +139,9 @@ pub(super) fn dot_of_equals(vec1: &[f64], vec2: &[f64]) -> f64 {
     })
 }
 
-/// Divides `vec` by its Euclidean norm and returns the original norm. A vector with a norm below `1e-15` becomes `(1, 0, 0, …)`.
-/// (An empty vector stays empty; the engine would write out of bounds.)
+/// Divides `vec` by its Euclidean norm and returns the original norm. A vector with a norm below
+/// `1e-15` becomes `(1, 0, 0, …)`. (An empty vector stays empty; the engine would write out of
+/// bounds.)
 pub fn normalize(vec: &mut [f64]) -> f64 {
     let length = norm(vec);
     if length < mjMINVAL {
@@ -266,10 +270,11 @@ pub fn is_bad(x: f64) -> bool {
     x.is_nan() || x.abs() > sys::mjMAXVAL
 }
 
-/// Sorts in increasing order by insertion. The sort is stable. With a NaN among the values, the order is unspecified.
+/// Sorts in increasing order by insertion. The sort is stable. With a NaN among the values, the
+/// order is unspecified.
 ///
-/// Insertion sort is fast for nearly sorted lists and O(n²) otherwise. For longer lists, or lists that may contain NaN, use
-/// `sort_by(f64::total_cmp)`.
+/// Insertion sort is fast for nearly sorted lists and O(n²) otherwise. For longer lists, or lists
+/// that may contain NaN, use `sort_by(f64::total_cmp)`.
 ///
 /// # Errors
 ///
@@ -283,7 +288,8 @@ pub fn is_bad(x: f64) -> bool {
 /// ```
 pub fn insertion_sort(list: &mut [f64]) -> Result<()> {
     let n = count("insertion_sort", list.len())?;
-    // SAFETY: the list has n values. A false comparison, as with NaN, only ends the search for the insertion point.
+    // SAFETY: the list has n values. A false comparison, as with NaN, only ends the search for the
+    // insertion point.
     unsafe { sys::mju_insertionSort(list.as_mut_ptr(), n) };
     Ok(())
 }

@@ -1,10 +1,11 @@
 //! Row-major matrices in the engine's layout, and nalgebra views of them.
 //!
-//! The engine is row-major, nalgebra's own matrices are column-major. Passing the memory of one to the other silently gives
-//! a scrambled result. Therefore the engine only writes into a [`Matrix`].
+//! The engine is row-major, nalgebra's own matrices are column-major. Passing the memory of one to
+//! the other silently gives a scrambled result. Therefore the engine only writes into a [`Matrix`].
 //!
-//! Row-major memory of a matrix is column-major memory of its transpose. [`Matrix::transposed`] borrows it as a nalgebra view
-//! without a copy, and nalgebra's `tr_mul` multiplies by the transpose of its receiver, so no explicit transposition is needed:
+//! Row-major memory of a matrix is column-major memory of its transpose. [`Matrix::transposed`]
+//! borrows it as a nalgebra view without a copy, and nalgebra's `tr_mul` multiplies by the
+//! transpose of its receiver, so no explicit transposition is needed:
 //!
 //! ```
 //! use mujoco_safe::Matrix;
@@ -19,8 +20,9 @@
 //! assert_eq!(Matrix::from(&gram)[(0, 1)], 22.0);
 //! ```
 //!
-//! (A view of the matrix itself would need a row stride. Nalgebra up to 0.35 reads and writes out of bounds when it multiplies
-//! such a view by a vector: <https://github.com/dimforge/nalgebra/issues/1616>.)
+//! (A view of the matrix itself would need a row stride. Nalgebra up to 0.35 reads and writes out
+//! of bounds when it multiplies such a view by a vector:
+//! <https://github.com/dimforge/nalgebra/issues/1616>.)
 //!
 //! Functions of the engine do not accept a column-major matrix as output:
 //!
@@ -50,8 +52,8 @@ pub use self::view::{MatrixView, MatrixViewMut};
 /// Number of values, 128 MiB, beyond which [`Matrix::zeros`] checks the available memory first.
 const LARGE: usize = 1 << 24;
 
-/// Returns the number of values. The product must not overflow: nalgebra checks the size of a view with wrapping arithmetic, and
-/// would read out of bounds.
+/// Returns the number of values. The product must not overflow: nalgebra checks the size of a view
+/// with wrapping arithmetic, and would read out of bounds.
 #[track_caller]
 fn count(nrows: usize, ncols: usize) -> usize {
     nrows.checked_mul(ncols).unwrap_or_else(|| panic!("a matrix of {nrows} rows and {ncols} columns is too large"))
@@ -82,8 +84,9 @@ impl Matrix {
     #[doc(alias = "mj_zeros")]
     pub fn zeros(nrows: usize, ncols: usize) -> Self {
         let count = count(nrows, ncols);
-        // `vec!` aborts the process if memory is exhausted, so large sizes are probed first. `vec!` is kept for the allocation
-        // itself, because it gets its zeros from fresh pages, unlike a reserved vector.
+        // `vec!` aborts the process if memory is exhausted, so large sizes are probed first. `vec!`
+        // is kept for the allocation itself, because it gets its zeros from fresh pages, unlike a
+        // reserved vector.
         if count > LARGE {
             let probe = Vec::<f64>::new().try_reserve_exact(count);
             assert!(probe.is_ok(), "there is not enough memory for a matrix of {nrows} rows and {ncols} columns");

@@ -9,8 +9,8 @@ const TOO_LONG: &str = "ndarray has no arrays with more than isize::MAX rows or 
 
 /// # Views of ndarray
 ///
-/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods panic if a matrix without values has
-/// more than `isize::MAX` rows or columns.
+/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods
+/// panic if a matrix without values has more than `isize::MAX` rows or columns.
 impl<'a> MatrixView<'a> {
     /// Returns the matrix as an array of ndarray, without a copy.
     ///
@@ -31,8 +31,8 @@ impl<'a> MatrixView<'a> {
 
 /// # Views of ndarray
 ///
-/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods panic if a matrix without values has
-/// more than `isize::MAX` rows or columns.
+/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods
+/// panic if a matrix without values has more than `isize::MAX` rows or columns.
 impl MatrixViewMut<'_> {
     /// Returns the matrix as a mutable array of ndarray, without a copy.
     ///
@@ -55,8 +55,8 @@ impl MatrixViewMut<'_> {
 
 /// # Views of ndarray
 ///
-/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods panic if a matrix without values has
-/// more than `isize::MAX` rows or columns.
+/// These methods need the feature `ndarray`. The arrays are contiguous and row-major. The methods
+/// panic if a matrix without values has more than `isize::MAX` rows or columns.
 impl Matrix {
     /// Returns the matrix as an array of ndarray, without a copy.
     pub fn as_ndarray(&self) -> ArrayView2<'_, f64> {

@@ -1,4 +1,5 @@
-//! Views of row-major matrices, and the conversions for parameters of type `impl Into<MatrixView>` or `impl Into<MatrixViewMut>`.
+//! Views of row-major matrices, and the conversions for parameters of type `impl Into<MatrixView>`
+//! or `impl Into<MatrixViewMut>`.
 
 use std::fmt;
 use std::ops::Index;
@@ -24,7 +25,8 @@ impl<'a> MatrixView<'a> {
     /// As for [`ffi::array`], with `nrows * ncols` values.
     #[inline]
     pub(crate) unsafe fn from_raw(array: *const f64, nrows: usize, ncols: usize) -> Self {
-        // SAFETY: the caller's promise. An array that the engine has not allocated is NULL and has no rows here.
+        // SAFETY: the caller's promise. An array that the engine has not allocated is NULL and has
+        // no rows here.
         let values = unsafe { ffi::array(array, nrows * ncols) };
         Self { nrows, ncols, values }
     }
@@ -90,7 +92,8 @@ impl<'a> MatrixView<'a> {
         self.transposed().transpose()
     }
 
-    /// Rounds all values to single precision, in row-major order, as most neural networks expect them.
+    /// Rounds all values to single precision, in row-major order, as most neural networks expect
+    /// them.
     ///
     /// ```
     /// use mujoco_safe::{Batch, sample};
@@ -137,8 +140,8 @@ impl fmt::Debug for MatrixView<'_> {
 }
 
 impl fmt::Display for MatrixView<'_> {
-    /// Writes one line per row. The precision defaults to eight digits after the point, as in `mju_printMat`. A width aligns the
-    /// columns.
+    /// Writes one line per row. The precision defaults to eight digits after the point, as in
+    /// `mju_printMat`. A width aligns the columns.
     ///
     /// ```
     /// use mujoco_safe::Matrix;

@@ -1,8 +1,9 @@
 //! Floating-point values from which newer engines compute addresses.
 //!
-//! The data of a strain constraint contain the indices of a cell. Some parameters of PID controllers and DC motors add an activation to
-//! those that a step reads and writes, if they are positive. The arrays also contain plain numbers, so they are writable, and the values
-//! are checked when a model is loaded and before a simulation uses an edited model.
+//! The data of a strain constraint contain the indices of a cell. Some parameters of PID
+//! controllers and DC motors add an activation to those that a step reads and writes, if they are
+//! positive. The arrays also contain plain numbers, so they are writable, and the values are
+//! checked when a model is loaded and before a simulation uses an edited model.
 
 use mujoco_sys::{mjBIAS_DCMOTOR, mjDYN_DCMOTOR, mjDYN_PID, mjEQ_FLEXSTRAIN, mjGAIN_DCMOTOR, mjGAIN_PID};
 
@@ -26,11 +27,13 @@ impl Model {
                 || has(self.actuator_biastype(), &[mjBIAS_DCMOTOR]))
     }
 
-    /// Checks that the engine finds the cells of strain constraints and the activations of actuators inside the model's arrays.
+    /// Checks that the engine finds the cells of strain constraints and the activations of
+    /// actuators inside the model's arrays.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] with the first value that would lead outside, [`Error::Unsupported`] if the rules of the engine are not known.
+    /// [`Error::Invalid`] with the first value that would lead outside, [`Error::Unsupported`] if
+    /// the rules of the engine are not known.
     pub(crate) fn check_addresses(&self) -> Result<()> {
         if !self.has_addresses {
             return Ok(());
@@ -118,8 +121,8 @@ struct Saved {
     gains: Vec<[f64; 10]>,
 }
 
-/// Edit of a model that belongs to a simulation. Undoes changes of addresses that would lead outside of the model's arrays, also if the
-/// closure of the edit panics.
+/// Edit of a model that belongs to a simulation. Undoes changes of addresses that would lead
+/// outside of the model's arrays, also if the closure of the edit panics.
 pub(crate) struct CheckedEdit<'m> {
     edit: ModelMut<'m>,
     /// Empty, without allocation, for a model without such values.

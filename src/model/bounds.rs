@@ -1,5 +1,5 @@
-//! Bounds by which the engine skips pairs of geoms in collision detection: bounding spheres and boxes of geoms, and the hierarchies
-//! of boxes, the margins and the masks of bodies.
+//! Bounds by which the engine skips pairs of geoms in collision detection: bounding spheres and
+//! boxes of geoms, and the hierarchies of boxes, the margins and the masks of bodies.
 //!
 //! The compiler computes the bounds, and the engine detects no contact outside of them, even if the
 //! values that they depend on have changed. Mutable access to such values therefore makes the
@@ -15,7 +15,8 @@ use crate::ffi;
 #[cfg(engine_since = "3.5.0")]
 use crate::math;
 
-/// Radius and half the edges of loose bounds, m. The engine uses this length in its boxes of planes.
+/// Radius and half the edges of loose bounds, m. The engine uses this length in its boxes of
+/// planes.
 const LOOSE: f64 = 1e10;
 
 /// Writes a value to an array that the generated accessors do not write.
@@ -24,14 +25,16 @@ macro_rules! write {
     ($edit:ident.$array:ident[$index:expr] = $value:expr) => {{
         let (index, length) = ($index, $edit.$array().len());
         let array = $edit.raw_mut().$array;
-        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively.
         let array = unsafe { ffi::array_mut(array.cast(), length) };
         array[index] = $value;
     }};
 }
 
 impl ModelMut<'_> {
-    /// Makes the bounds so large that they contain everything. Mutable access to a value that bounds depend on calls this first.
+    /// Makes the bounds so large that they contain everything. Mutable access to a value that
+    /// bounds depend on calls this first.
     pub(crate) fn loosen_bounds(&mut self) {
         if std::mem::replace(&mut self.inner().has_loose_bounds, true) {
             return;
@@ -86,7 +89,8 @@ impl ModelMut<'_> {
         }
     }
 
-    /// Declares that the arrays of bounds have been overwritten, so that the next edit must loosen them again.
+    /// Declares that the arrays of bounds have been overwritten, so that the next edit must loosen
+    /// them again.
     pub(crate) fn forget_loose_bounds(&mut self) {
         self.inner().has_loose_bounds = false;
     }
@@ -113,14 +117,15 @@ impl ModelMut<'_> {
         let _ = half;
     }
 
-    /// Computes the boxes in the hierarchy of a body, in its inertial frame, from the leaves to the root.
+    /// Computes the boxes in the hierarchy of a body, in its inertial frame, from the leaves to the
+    /// root.
     #[cfg(engine_since = "3.5.0")]
     fn update_hierarchy(&mut self, body: usize) {
         let nodes = self.nodes(body);
         // A child follows its parent.
         for node in nodes.clone().rev() {
-            // Nodes of bodies that contain fused ones have the geom of an earlier hierarchy in 3.5.0, so
-            // that only a leaf's is valid.
+            // Nodes of bodies that contain fused ones have the geom of an earlier hierarchy in
+            // 3.5.0, so that only a leaf's is valid.
             let aabb = match self.bvh_child()[node] {
                 [-1, -1] => self.box_of(ffi::size(self.bvh_nodeid()[node])),
                 children => {
@@ -139,7 +144,8 @@ impl ModelMut<'_> {
 }
 
 impl Model {
-    /// Returns half the edges of the bounding box and the radius of the bounding sphere of a geom, if they are determined by its size.
+    /// Returns half the edges of the bounding box and the radius of the bounding sphere of a geom,
+    /// if they are determined by its size.
     fn extent(&self, geom: usize) -> Option<([f64; 3], f64)> {
         let size @ [a, b, c] = self.geom_size()[geom];
         Some(match GeomType::of_field(self.geom_type()[geom]) {
@@ -170,12 +176,14 @@ impl Model {
     /// Returns the distance from a geom at which it has contacts.
     #[cfg(engine_since = "3.0.0")]
     fn reach(&self, geom: usize) -> f64 {
-        // A later release measures the gap outwards. Until its number is known, the larger distance is correct for both.
+        // A later release measures the gap outwards. Until its number is known, the larger distance
+        // is correct for both.
         let gap = if cfg!(engine_since = "3.6.0") { self.geom_gap()[geom] } else { 0.0 };
         self.geom_margin()[geom] + gap
     }
 
-    /// Returns the bounding box of a geom in the inertial frame of its body: centre and half the edges.
+    /// Returns the bounding box of a geom in the inertial frame of its body: centre and half the
+    /// edges.
     #[cfg(engine_since = "3.5.0")]
     fn box_of(&self, geom: usize) -> [f64; 6] {
         let body = ffi::size(self.geom_bodyid()[geom]);
@@ -189,7 +197,8 @@ impl Model {
         [centre[0], centre[1], centre[2], half[0], half[1], half[2]]
     }
 
-    /// Returns the geoms of a body that collide, but are not in its hierarchy because the compiler excludes geoms that do not collide.
+    /// Returns the geoms of a body that collide, but are not in its hierarchy because the compiler
+    /// excludes geoms that do not collide.
     fn geoms_without_box(&self, body: usize) -> Vec<usize> {
         let nodes = self.nodes(body);
         let collides = |geom: usize| self.geom_contype()[geom] != 0 || self.geom_conaffinity()[geom] != 0;
@@ -205,7 +214,8 @@ impl Model {
         geoms.filter(|&geom| collides(geom) && !leaves.contains(&(geom as i32))).collect()
     }
 
-    /// Sets the masks of these geoms to zero and returns the masks, because newer engines raise an error for them in `mj_setConst`.
+    /// Sets the masks of these geoms to zero and returns the masks, because newer engines raise an
+    /// error for them in `mj_setConst`.
     #[cfg(engine_since = "3.0.0")]
     pub(super) fn hide_geoms_without_box(&mut self) -> Vec<(usize, [i32; 2])> {
         let geoms = (0..self.nbody()).flat_map(|body| self.geoms_without_box(body));
@@ -224,8 +234,8 @@ impl Model {
         }
     }
 
-    /// Disables the phase of collision detection that uses the hierarchies if it would skip a geom: see
-    /// [`DisableFlags::MIDPHASE`](super::DisableFlags::MIDPHASE).
+    /// Disables the phase of collision detection that uses the hierarchies if it would skip a geom:
+    /// see [`DisableFlags::MIDPHASE`](super::DisableFlags::MIDPHASE).
     pub(super) fn disable_unsafe_midphase(&mut self) {
         if (0..self.nbody()).any(|body| !self.geoms_without_box(body).is_empty()) {
             self.raw_mut().opt.disableflags |= mujoco_sys::mjDSBL_MIDPHASE as i32;

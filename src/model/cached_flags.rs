@@ -1,9 +1,11 @@
-//! Cached flags by which the engine skips computations: the flags of coinciding frames (`*_sameframe`), and those of bodies that
-//! move independently, whose part of the inertia matrix is diagonal and constant (`body_simple`, `dof_simplenum`, `dof_M0`).
+//! Cached flags by which the engine skips computations: the flags of coinciding frames
+//! (`*_sameframe`), and those of bodies that move independently, whose part of the inertia matrix
+//! is diagonal and constant (`body_simple`, `dof_simplenum`, `dof_M0`).
 //!
-//! The compiler computes the flags, and the engine trusts them even if the values that they depend on have changed. It would
-//! then keep a geom at its old pose, or combine the old inertia of a body with its new weight. Mutable access to such values
-//! therefore clears the flags that depend on them, which is always correct and a little slower.
+//! The compiler computes the flags, and the engine trusts them even if the values that they depend
+//! on have changed. It would then keep a geom at its old pose, or combine the old inertia of a body
+//! with its new weight. Mutable access to such values therefore clears the flags that depend on
+//! them, which is always correct and a little slower.
 //! [`update_constants`](ModelMut::update_constants) recomputes the flags.
 
 use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE, mjSAMEFRAME_INERTIAROT};
@@ -32,7 +34,8 @@ macro_rules! flags {
     ($edit:ident.$array:ident) => {{
         let length = $edit.$array().len();
         let array = $edit.raw_mut().$array;
-        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively.
         unsafe { ffi::array_mut(array, length) }
     }};
 }
@@ -53,7 +56,8 @@ impl ModelMut<'_> {
     pub(crate) fn clear_inertial_frame_flags(&mut self) {
         // The bounding boxes of a body are in its inertial frame.
         self.loosen_boxes();
-        // No engine computes the inertial frame of the world, and newer ones do not restore its flag.
+        // No engine computes the inertial frame of the world, and newer ones do not restore its
+        // flag.
         flags!(self.body_sameframe)[1..].fill(NEITHER);
         for frames in [flags!(self.geom_sameframe), flags!(self.site_sameframe)] {
             for frame in frames.iter_mut().filter(|frame| INERTIAL.contains(frame)) {
@@ -63,8 +67,9 @@ impl ModelMut<'_> {
         self.clear_simple_body_flags();
     }
 
-    /// Clears the flags that depend on the inertia matrix. In newer engines the sparsity of the matrix depends on them, so they stay, and
-    /// an edit of a body that moves independently takes effect with [`update_constants`](Self::update_constants).
+    /// Clears the flags that depend on the inertia matrix. In newer engines the sparsity of the
+    /// matrix depends on them, so they stay, and an edit of a body that moves independently takes
+    /// effect with [`update_constants`](Self::update_constants).
     pub(crate) fn clear_simple_body_flags(&mut self) {
         if cfg!(engine_since = "2.3.0") {
             return;
@@ -73,7 +78,8 @@ impl ModelMut<'_> {
         flags!(self.dof_simplenum).fill(0);
     }
 
-    /// Computes all flags by the compiler's rules. The caller must then update `dof_M0`, the inertias of simple bodies.
+    /// Computes all flags by the compiler's rules. The caller must then update `dof_M0`, the
+    /// inertias of simple bodies.
     pub(super) fn compute_flags(&mut self) {
         // Engines since 3.11 compute the flags of frames themselves. With those between, cleared
         // flags stay cleared. The other flags determine the sparsity of matrices.
@@ -106,7 +112,8 @@ impl ModelMut<'_> {
         self.count_simple_dofs();
     }
 
-    /// Corrects an error of the compiler, which marks a body with two slides along one axis as simple.
+    /// Corrects an error of the compiler, which marks a body with two slides along one axis as
+    /// simple.
     pub(super) fn clear_wrong_simple_bodies(&mut self) {
         // In newer engines the matrix has no space for the other elements: such a model is
         // rejected.
@@ -136,8 +143,9 @@ impl ModelMut<'_> {
         }
     }
 
-    /// Rejects a body whose part of the inertia matrix was diagonal and constant when the model was compiled, but is not any more. In newer
-    /// engines the matrix has no space for the other elements.
+    /// Rejects a body whose part of the inertia matrix was diagonal and constant when the model was
+    /// compiled, but is not any more. In newer engines the matrix has no space for the other
+    /// elements.
     #[cfg(engine_since = "2.3.0")]
     pub(super) fn check_simple_bodies(&self) -> crate::Result<()> {
         match self.first_wrong_simple_body() {
@@ -153,7 +161,8 @@ impl ModelMut<'_> {
         }
     }
 
-    /// Computes `dof_simplenum`: numbers the degrees of freedom of simple bodies in runs, backwards.
+    /// Computes `dof_simplenum`: numbers the degrees of freedom of simple bodies in runs,
+    /// backwards.
     fn count_simple_dofs(&mut self) {
         let mut run = 0;
         for dof in (0..self.nv()).rev() {
@@ -191,7 +200,8 @@ impl Model {
         }
     }
 
-    /// Returns `true` if the body is independent of all other moving bodies, and moves along and about the axes of its inertia.
+    /// Returns `true` if the body is independent of all other moving bodies, and moves along and
+    /// about the axes of its inertia.
     fn is_simple(&self, body: usize) -> bool {
         let parent = |body: usize| ffi::size(self.body_parentid()[body]);
         let is_fixed = |body: usize| self.body_dofnum()[body] == 0;

@@ -1,4 +1,5 @@
-//! Differences of edited copies from the model that they were copied from, in memory proportional to the edit.
+//! Differences of edited copies from the model that they were copied from, in memory proportional
+//! to the edit.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,7 +9,8 @@ use super::{CheckedEdit, Model, ModelMut, Options, Statistics, Visual};
 use crate::error::Result;
 use crate::ffi;
 
-/// Number of bytes that are compared at a time, which is faster than the comparison of single words.
+/// Number of bytes that are compared at a time, which is faster than the comparison of single
+/// words.
 const BLOCK: usize = 4096;
 const WORD: usize = size_of::<f64>();
 
@@ -24,7 +26,8 @@ pub(crate) struct ModelDifference {
 }
 
 impl ModelDifference {
-    /// Sets this to the difference of a copy of the model. Allocates only if the difference exceeds the earlier ones.
+    /// Sets this to the difference of a copy of the model. Allocates only if the difference exceeds
+    /// the earlier ones.
     pub(crate) fn update(&mut self, model: &Model, copy: &Model) {
         assert!(copy.is_same_structure(model), "Bug: the difference of two models of different structures");
         self.places.clear();
@@ -57,7 +60,8 @@ impl ModelDifference {
         self.places.is_empty() && self.settings.is_none() && self.visual.is_none()
     }
 
-    /// Writes the difference to a copy of `model` that differs from it at most in the places of this difference, and in its settings.
+    /// Writes the difference to a copy of `model` that differs from it at most in the places of
+    /// this difference, and in its settings.
     pub(crate) fn write(&self, model: &Model, copy: &mut ModelMut<'_>) {
         assert!(copy.is_same_structure(model), "Bug: the difference of a model of another structure");
         let (to, mut from) = (arrays_mut(copy), &self.bytes[..]);
@@ -131,7 +135,8 @@ fn store<T: PartialEq>(place: &mut Option<Box<T>>, value: T, original: &T) {
 
 /// Returns the memory of all arrays of a model.
 fn arrays(model: &Model) -> &[u8] {
-    // SAFETY: the engine allocated the buffer with this size and filled it with zeros before it wrote the arrays. The model is borrowed.
+    // SAFETY: the engine allocated the buffer with this size and filled it with zeros before it
+    // wrote the arrays. The model is borrowed.
     unsafe { ffi::array(model.raw().buffer.cast_const().cast(), model.nbuffer()) }
 }
 
@@ -153,7 +158,8 @@ impl EditedModel {
         Ok(Self { copy: Arc::new(model.try_clone()?), places: Vec::new() })
     }
 
-    /// Makes the copy of the model differ by exactly this difference. Creates the copy if there is none.
+    /// Makes the copy of the model differ by exactly this difference. Creates the copy if there is
+    /// none.
     pub(crate) fn set<'e>(
         edited: &'e mut Option<Self>,
         model: &Model,
@@ -192,7 +198,8 @@ impl EditedModel {
         result
     }
 
-    /// Returns the copy, which the caller may exchange for another model until [`put_back`](Self::put_back).
+    /// Returns the copy, which the caller may exchange for another model until
+    /// [`put_back`](Self::put_back).
     pub(crate) fn model_mut(&mut self) -> &mut Arc<Model> {
         &mut self.copy
     }

@@ -11,21 +11,26 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::kind::Kind;
 
-/// Mutable access to a model: from [`Model::edit`] before it is shared, from [`Data::edit_model`](crate::Data::edit_model)
-/// afterwards. It dereferences to [`Model`].
+/// Mutable access to a model: from [`Model::edit`] before it is shared, from
+/// [`Data::edit_model`](crate::Data::edit_model) afterwards. It dereferences to [`Model`].
 ///
-/// The floating-point arrays of 2.2.2 are writable (`body_mass_mut`, `dof_damping_mut`, …), because no value in them makes the engine
-/// access memory out of bounds. The exceptions are `wrap_prm`, `hfield_size` and `mesh_vert`, which determine the addresses that
-/// the engine reads. Arrays that only newer engines have are read-only. Sizes, addresses, ids and types are read-only too. Switches and
-/// masks are set through [named access](crate::element): `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
+/// The floating-point arrays of 2.2.2 are writable (`body_mass_mut`, `dof_damping_mut`, …), because
+/// no value in them makes the engine access memory out of bounds. The exceptions are `wrap_prm`,
+/// `hfield_size` and `mesh_vert`, which determine the addresses that the engine reads. Arrays that
+/// only newer engines have are read-only. Sizes, addresses, ids and types are read-only too.
+/// Switches and masks are set through [named access](crate::element):
+/// `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
 ///
-/// Newer engines compute addresses from some values in writable arrays. These are `eq_data` of strain constraints, and for PID controllers and
-/// DC motors those parameters in `actuator_dynprm` and `actuator_gainprm` that add an activation if they are positive. They are checked when the
-/// edit of a simulation ends, by [`update_constants`](Self::update_constants), and by [`Data::new`](crate::Data::new).
+/// Newer engines compute addresses from some values in writable arrays. These are `eq_data` of
+/// strain constraints, and for PID controllers and DC motors those parameters in `actuator_dynprm`
+/// and `actuator_gainprm` that add an activation if they are positive. They are checked when the
+/// edit of a simulation ends, by [`update_constants`](Self::update_constants), and by
+/// [`Data::new`](crate::Data::new).
 ///
-/// The compiler derived other quantities from these values: each accessor lists them. Bounds for collision detection are updated
-/// automatically, and masks of geoms take effect at once. All others need a call of [`update_constants`](Self::update_constants) after
-/// changes of masses, inertias, positions or gears, and of sizes of geoms that tendons wrap around.
+/// The compiler derived other quantities from these values: each accessor lists them. Bounds for
+/// collision detection are updated automatically, and masks of geoms take effect at once. All
+/// others need a call of [`update_constants`](Self::update_constants) after changes of masses,
+/// inertias, positions or gears, and of sizes of geoms that tendons wrap around.
 ///
 /// The access is exclusive:
 ///
@@ -68,9 +73,11 @@ impl<'m> ModelMut<'m> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values, [`Error::Unsupported`](crate::Error::Unsupported)
-    /// for [`EnableFlags::MULTICCD`] in a binary model in which a polygon of a mesh has more than 8 vertices, and with some engines for more
-    /// than 170 iterations of the convex collider in a model with sensors of distances. The model is then unchanged.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values,
+    /// [`Error::Unsupported`](crate::Error::Unsupported) for [`EnableFlags::MULTICCD`] in a binary
+    /// model in which a polygon of a mesh has more than 8 vertices, and with some engines for more
+    /// than 170 iterations of the convex collider in a model with sensors of distances. The model
+    /// is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -130,31 +137,36 @@ impl<'m> ModelMut<'m> {
             return Err(crate::error::Error::invalid("the total mass", mass, "positive and finite"));
         }
         self.clear_simple_body_flags();
-        // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.
+        // SAFETY: a model that is borrowed exclusively; the function scales its masses and
+        // inertias.
         unsafe { sys::mj_setTotalmass(self.model.raw.as_ptr(), mass) };
         Ok(())
     }
 
-    /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
-    /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
-    /// frames (`body_sameframe` and the like), and with 2.2.2 those of bodies that move
-    /// independently (`body_simple`), which speed up the engine. With engines from 2.3 to 3.10 an
-    /// edit clears the flags of frames for good, which is correct and a little slower.
-    /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`, except
-    /// values of the user, and `meaninertia` of a model with armature of tendons. `meansize`, `extent` and `center` keep their values.
-    /// Trees that an edited stiffness or damping of a tendon couples do not sleep afterwards, unless the user has set their policy.
+    /// Recomputes the quantities that the compiler derived from masses, inertias, positions and
+    /// `qpos0`: subtree masses, inverse weights, reference lengths, statistics and all fields with
+    /// a `0` in their names. Also recomputes the flags of coinciding frames (`body_sameframe` and
+    /// the like), and with 2.2.2 those of bodies that move independently (`body_simple`), which
+    /// speed up the engine. With engines from 2.3 to 3.10 an edit clears the flags of frames for
+    /// good, which is correct and a little slower. Since 3.17 the engine leaves the statistics to
+    /// the compiler. With these engines the call recomputes `meanmass` and `meaninertia`, except
+    /// values of the user, and `meaninertia` of a model with armature of tendons. `meansize`,
+    /// `extent` and `center` keep their values. Trees that an edited stiffness or damping of a
+    /// tendon couples do not sleep afterwards, unless the user has set their policy.
     ///
-    /// Computes the bounds by which the engine skips pairs of geoms in collision detection, for spheres, capsules, cylinders, ellipsoids and
-    /// boxes: bounding spheres and boxes, and with newer engines the hierarchies of boxes, margins and masks of bodies. Until this call the
-    /// bounds of an edited model contain everything, which finds all contacts, but slowly. A simulation's own model gets its bounds at
-    /// the end of [`Data::edit_model`](crate::Data::edit_model).
+    /// Computes the bounds by which the engine skips pairs of geoms in collision detection, for
+    /// spheres, capsules, cylinders, ellipsoids and boxes: bounding spheres and boxes, and with
+    /// newer engines the hierarchies of boxes, margins and masks of bodies. Until this call the
+    /// bounds of an edited model contain everything, which finds all contacts, but slowly. A
+    /// simulation's own model gets its bounds at the end of
+    /// [`Data::edit_model`](crate::Data::edit_model).
     ///
-    /// Quantities that only the compiler computes keep their values: masses of bodies from geoms, `qpos0` of free joints from the poses
-    /// of their bodies, the virtual masses in `geom_fluid` (newer engines, from 3.17, compute them
-    /// from the sizes, also if they were edited), `actuator_lengthrange` (see
-    /// [`set_length_range`](crate::ModelMut::set_length_range)), relative poses of welds, lengths
-    /// of springs of tendons without a `springlength`, and parameters of actuators with a damping
-    /// ratio.
+    /// Quantities that only the compiler computes keep their values: masses of bodies from geoms,
+    /// `qpos0` of free joints from the poses of their bodies, the virtual masses in `geom_fluid`
+    /// (newer engines, from 3.17, compute them from the sizes, also if they were edited),
+    /// `actuator_lengthrange` (see [`set_length_range`](crate::ModelMut::set_length_range)),
+    /// relative poses of welds, lengths of springs of tendons without a `springlength`, and
+    /// parameters of actuators with a damping ratio.
     ///
     /// # Errors
     ///
@@ -165,12 +177,15 @@ impl<'m> ModelMut<'m> {
     /// Also for values from which the engine would compute addresses outside of the model's arrays;
     /// see [`ModelMut`].
     ///
-    /// [`Error::Unsupported`](crate::Error::Unsupported) with engines since 2.3 for a body with several degrees of freedom whose part of the
-    /// inertia matrix was diagonal when it was compiled (`body_simple`), but is not any more, because its centre of mass, its axes of inertia
-    /// or its joints have moved. The matrix has no space for the other elements. The model is then unchanged.
+    /// [`Error::Unsupported`](crate::Error::Unsupported) with engines since 2.3 for a body with
+    /// several degrees of freedom whose part of the inertia matrix was diagonal when it was
+    /// compiled (`body_simple`), but is not any more, because its centre of mass, its axes of
+    /// inertia or its joints have moved. The matrix has no space for the other elements. The model
+    /// is then unchanged.
     ///
-    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the memory for a scratch
-    /// simulation is exhausted, or its stack is too small. The derived quantities may then be partly updated.
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
+    /// if the memory for a scratch simulation is exhausted, or its stack is too small. The derived
+    /// quantities may then be partly updated.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -199,9 +214,9 @@ impl<'m> ModelMut<'m> {
         if scratch.is_null() {
             return Err(crate::error::Error::OutOfMemory { function: "mj_makeData" });
         }
-        // SAFETY: created above, and nothing else owns it. A counter above zero prevents the engine from formatting a warning in a
-        // buffer that all threads share. No warning is lost: every step with the model repeats it, for example the warning
-        // about a singular inertia matrix.
+        // SAFETY: created above, and nothing else owns it. A counter above zero prevents the engine
+        // from formatting a warning in a buffer that all threads share. No warning is lost: every
+        // step with the model repeats it, for example the warning about a singular inertia matrix.
         silence_warnings(unsafe { &mut *scratch });
         self.compute_flags();
         self.update_bounds();
@@ -254,15 +269,17 @@ impl<'m> ModelMut<'m> {
         }
     }
 
-    /// Keeps trees awake that a tendon with stiffness or damping connects, as the compiler does if the user sets no policy. The compiler
-    /// does not let the trees of a tendon along more than two trees sleep in any case.
+    /// Keeps trees awake that a tendon with stiffness or damping connects, as the compiler does if
+    /// the user sets no policy. The compiler does not let the trees of a tendon along more than two
+    /// trees sleep in any case.
     #[cfg(engine_since = "3.5.0")]
     fn keep_coupled_trees_awake(&mut self) {
         let acts = |tendon: &usize| self.tendon_stiffness()[*tendon] != 0.0 || self.tendon_damping()[*tendon] != 0.0;
         let pairs = (0..self.ntendon()).filter(|&tendon| self.tendon_treenum()[tendon] == 2);
         let trees: Vec<i32> = pairs.filter(acts).flat_map(|tendon| self.tendon_treeid()[tendon]).collect();
         let (length, policies) = (self.ntree(), self.raw_mut().tree_sleep_policy);
-        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively.
         let policies = unsafe { ffi::array_mut(policies, length) };
         for tree in trees {
             let policy = &mut policies[ffi::size(tree)];
@@ -272,15 +289,17 @@ impl<'m> ModelMut<'m> {
         }
     }
 
-    /// Returns the means of masses and inertias that the last computation of constants left, if there are bodies and degrees of freedom.
+    /// Returns the means of masses and inertias that the last computation of constants left, if
+    /// there are bodies and degrees of freedom.
     #[cfg(engine_since = "3.17.0")]
     fn means(&self) -> [Option<f64>; 2] {
         let mean = |sum: f64, count: usize| (count > 0).then(|| sum / count as f64);
         [mean(self.body_subtreemass()[0], self.nbody() - 1), mean(self.dof_M0().iter().sum(), self.nv())]
     }
 
-    /// Recomputes the means of masses and inertias, because newer engines leave the statistics to the compiler. A statistic that was not
-    /// the mean before is that of the user, or contains the armature of tendons, and stays.
+    /// Recomputes the means of masses and inertias, because newer engines leave the statistics to
+    /// the compiler. A statistic that was not the mean before is that of the user, or contains the
+    /// armature of tendons, and stays.
     #[cfg(engine_since = "3.17.0")]
     fn update_means(&mut self, before: [Option<f64>; 2]) {
         let new = |old: f64, [before, mean]: [Option<f64>; 2]| match (before, mean) {
@@ -326,7 +345,8 @@ impl<'m> ModelMut<'m> {
     /// Sets the tracking modes of all cameras and lights.
     fn set_tracking_modes(&mut self, cameras: &[i32], lights: &[i32]) {
         let raw = self.raw_mut();
-        // SAFETY: the engine allocated both arrays with these lengths, and the model is borrowed exclusively.
+        // SAFETY: the engine allocated both arrays with these lengths, and the model is borrowed
+        // exclusively.
         unsafe {
             ffi::array_mut(raw.cam_mode, cameras.len()).copy_from_slice(cameras);
             ffi::array_mut(raw.light_mode, lights.len()).copy_from_slice(lights);
@@ -385,7 +405,8 @@ impl Deref for ModelMut<'_> {
 mod tests {
     use crate::{Error, Model};
 
-    /// Sets the size of the engine's stack. Newer engines have an arena in bytes instead, which contains the stack.
+    /// Sets the size of the engine's stack. Newer engines have an arena in bytes instead, which
+    /// contains the stack.
     fn set_stack(model: &mut Model, numbers: i32) {
         #[cfg(not(engine_since = "2.3.0"))]
         (model.raw_mut().nstack = numbers);
@@ -404,8 +425,8 @@ mod tests {
         .unwrap();
         let modes = (model.cam_mode().to_vec(), model.light_mode().to_vec());
         let mut failures = 0;
-        // With 75 numbers, 2.2.2 has stack space for the Jacobians, which it allocates first, but not for the allocations after it has
-        // changed the cameras.
+        // With 75 numbers, 2.2.2 has stack space for the Jacobians, which it allocates first, but
+        // not for the allocations after it has changed the cameras.
         for numbers in (3..1000).step_by(8) {
             set_stack(&mut model, numbers);
             if let Err(error) = model.edit().update_constants() {

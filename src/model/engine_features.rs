@@ -1,4 +1,5 @@
-//! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
+//! Features of newer engines that this crate does not support yet. A model that uses one is
+//! rejected when it is loaded.
 
 use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjTRN_SLIDERCRANK, mjWRAP_JOINT};
 
@@ -12,15 +13,16 @@ use crate::ffi;
 use crate::version::built_against;
 
 impl Model {
-    /// Returns the reason why a compiled model is not supported. Applies the rules for binary models to it, if they are known for the engine.
+    /// Returns the reason why a compiled model is not supported. Applies the rules for binary
+    /// models to it, if they are known for the engine.
     pub(super) fn validate(&self) -> Result<(), String> {
         #[cfg(validates_binaries)]
         self.validate_binary()?;
         self.validate_features()
     }
 
-    /// Returns the reason why a model is not supported. The types of all elements are known afterwards, and actuators have at least one control
-    /// and one force.
+    /// Returns the reason why a model is not supported. The types of all elements are known
+    /// afterwards, and actuators have at least one control and one force.
     pub(super) fn validate_features(&self) -> Result<(), String> {
         let version = built_against();
         let unsupported =
@@ -30,7 +32,8 @@ impl Model {
             return unsupported("the option ipc is enabled".to_owned());
         }
         self.unsafe_sleep().map_or(Ok(()), unsupported)?;
-        // Between these versions the controls of an actuator are in places that no test has examined.
+        // Between these versions the controls of an actuator are in places that no test has
+        // examined.
         if cfg!(not(engine_since = "3.17.0")) && self.actuator_length0().len() != self.nu() {
             return unsupported("an actuator has several controls".to_owned());
         }
@@ -40,7 +43,8 @@ impl Model {
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
         self.coupled_slides().map_or(Ok(()), unsupported)?;
-        // The engine reads the length of a crank at the index of the force instead of that of the actuator.
+        // The engine reads the length of a crank at the index of the force instead of that of the
+        // actuator.
         let is_misread = |&actuator: &usize| {
             let is_crank = self.actuator_trntype()[actuator] as u32 == mjTRN_SLIDERCRANK;
             is_crank && self.outputs_of(actuator).start != actuator
@@ -55,7 +59,8 @@ impl Model {
         self.check_limits()
     }
 
-    /// Checks the rules for 2.2.2 that do not depend on the layout of a binary model: a step terminates, and stays within its arrays.
+    /// Checks the rules for 2.2.2 that do not depend on the layout of a binary model: a step
+    /// terminates, and stays within its arrays.
     fn check_limits(&self) -> Result<(), String> {
         let opt = &self.raw().opt;
         if !(opt.timestep.is_finite() && opt.timestep > 0.0) {
@@ -84,7 +89,8 @@ impl Model {
                 options.mpr_iterations
             ));
         }
-        // The collision functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
+        // The collision functions for signed distance fields write a contact for each point, at
+        // least one, into arrays of this length.
         let points = 1..=mjMAXCONPAIR as usize;
         if self.geom_type().contains(&(mjGEOM_SDF as i32)) && !points.contains(&options.sdf_initpoints) {
             return Err(format!("sdf_initpoints is {}; it must be from 1 to {mjMAXCONPAIR}", options.sdf_initpoints));
@@ -109,7 +115,8 @@ impl Model {
         self.check_flexes()
     }
 
-    /// Checks that the faces of skins refer to vertices of the skin, which the visualiser assumes and compilers before 4.0 do not check.
+    /// Checks that the faces of skins refer to vertices of the skin, which the visualiser assumes
+    /// and compilers before 4.0 do not check.
     fn check_skins(&self) -> Result<(), String> {
         for skin in 0..self.nskin() {
             let vertices = self.skin_vertnum()[skin];

@@ -1,4 +1,5 @@
-//! Validation of compiled models, and properties of a model for which the engine's own checks are insufficient.
+//! Validation of compiled models, and properties of a model for which the engine's own checks are
+//! insufficient.
 
 use std::ops::RangeInclusive;
 
@@ -16,14 +17,16 @@ use crate::stage::PipelineFeatures;
 /// Sizes of a height field whose sums, squares and quotients are finite.
 const RAY_SAFE_SIZES: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// Largest number of vertices of a polygon of a mesh in a binary model with the option `multiccd`. The engine clips a polygon of one geom by
-/// the edges of one of another, in an array of 300 vertices, and assumes that both are convex. A clip of a polygon that is not convex
-/// multiplies its vertices by up to 1.5, and 8 clips of 8 vertices give at most 202.
+/// Largest number of vertices of a polygon of a mesh in a binary model with the option `multiccd`.
+/// The engine clips a polygon of one geom by the edges of one of another, in an array of 300
+/// vertices, and assumes that both are convex. A clip of a polygon that is not convex multiplies
+/// its vertices by up to 1.5, and 8 clips of 8 vertices give at most 202.
 #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
 pub(super) const MOST_SAFE_POLYGON: i32 = 8;
 
-/// Limit on the iterations of the convex collider in a model with sensors of distances, in some engines. For more iterations the collider
-/// allocates memory by a function that its caller names, and `mj_geomDistance` names none.
+/// Limit on the iterations of the convex collider in a model with sensors of distances, in some
+/// engines. For more iterations the collider allocates memory by a function that its caller names,
+/// and `mj_geomDistance` names none.
 const MOST_DISTANCE_ITERATIONS: Option<usize> =
     if cfg!(all(engine_since = "3.3.3", not(engine_since = "3.8.0"))) { Some(170) } else { None };
 
@@ -32,7 +35,8 @@ const MOST_DISTANCE_ITERATIONS: Option<usize> =
 const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
 impl Model {
-    /// Returns the reason why the model's sensors cannot be computed with this number of iterations of the convex collider.
+    /// Returns the reason why the model's sensors cannot be computed with this number of iterations
+    /// of the convex collider.
     pub(super) fn check_distances(&self, iterations: usize) -> Result<(), String> {
         let measures = |&kind: &i32| [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32));
         match MOST_DISTANCE_ITERATIONS {
@@ -43,9 +47,9 @@ impl Model {
         }
     }
 
-    /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its body, the engine accesses the
-    /// constraints and assumes that they exist. For a contact without room in the constraint buffer it writes before the start of
-    /// an array.
+    /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its
+    /// body, the engine accesses the constraints and assumes that they exist. For a contact without
+    /// room in the constraint buffer it writes before the start of an array.
     #[inline]
     pub(crate) fn has_adhesion(&self) -> bool {
         self.features.contains(PipelineFeatures::ADHESION_ACTUATOR)
@@ -69,9 +73,10 @@ impl Model {
         self.nhfield() > 0 && self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
     }
 
-    /// Reserves space for the moments of an actuator on all degrees of freedom, except with a joint, as older engines do. Newer ones reserve
-    /// the elements that are not zero in the compiled model, and write those that are not zero in the present one. With a NaN in a pose these
-    /// are all elements, and the last row would end outside of its array.
+    /// Reserves space for the moments of an actuator on all degrees of freedom, except with a
+    /// joint, as older engines do. Newer ones reserve the elements that are not zero in the
+    /// compiled model, and write those that are not zero in the present one. With a NaN in a pose
+    /// these are all elements, and the last row would end outside of its array.
     #[cfg(engine_since = "3.6.0")]
     pub(super) fn reserve_moments(&mut self) {
         let is_sparse = |kind: i32| [mjTRN_JOINT, mjTRN_JOINTINPARENT].contains(&(kind as u32));
@@ -87,14 +92,17 @@ impl Model {
         self.compiled_moments = compiled;
     }
 
-    /// Returns a copy of the engine's struct with the same arrays, for calls that read the model with
-    /// another value of a field. The arrays are those of this model, which must outlive the calls.
+    /// Returns a copy of the engine's struct with the same arrays, for calls that read the model
+    /// with another value of a field. The arrays are those of this model, which must outlive the
+    /// calls.
     fn copy_of_struct(&self) -> mjModel {
-        // SAFETY: a valid model, and plain data: numbers, and pointers that nothing frees with the copy.
+        // SAFETY: a valid model, and plain data: numbers, and pointers that nothing frees with the
+        // copy.
         unsafe { std::ptr::read(self.as_ptr()) }
     }
 
-    /// Passes the model to the engine with the sizes that its compiler chose, which the writer of XML compares.
+    /// Passes the model to the engine with the sizes that its compiler chose, which the writer of
+    /// XML compares.
     #[allow(clippy::unused_self, reason = "older engines have no other sizes")]
     pub(super) fn with_compiled_sizes<T>(&self, call: impl FnOnce(*const mjModel) -> T) -> T {
         #[cfg(engine_since = "3.6.0")]
@@ -154,17 +162,18 @@ impl Model {
         call(&raw const copy)
     }
 
-    /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of polygons may write beyond an array, unless the
-    /// polygon is convex. The compiler merges faces of convex hulls, but a binary model may have any polygons. Without the option `multiccd` the
+    /// Returns `true` if a polygon of a mesh has so many vertices that the engine's clipping of
+    /// polygons may write beyond an array, unless the polygon is convex. The compiler merges faces
+    /// of convex hulls, but a binary model may have any polygons. Without the option `multiccd` the
     /// engine clips none.
     #[cfg(all(validates_binaries, engine_since = "3.5.0"))]
     pub(super) fn find_unsafe_polygons(&self) -> bool {
         self.mesh_polyvertnum().iter().any(|&count| count > MOST_SAFE_POLYGON)
     }
 
-    /// Returns `true` if this geom is a height field on which the engine's ray functions may read out of bounds. They read beyond
-    /// the grid if its shape is unsuitable. They also compute a row or a column from a quotient of two lengths, which is NaN if
-    /// both are infinite or zero.
+    /// Returns `true` if this geom is a height field on which the engine's ray functions may read
+    /// out of bounds. They read beyond the grid if its shape is unsuitable. They also compute a row
+    /// or a column from a quotient of two lengths, which is NaN if both are infinite or zero.
     pub(crate) fn is_unsafe_for_rays(&self, geom: usize) -> bool {
         if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
             return false;
@@ -186,8 +195,9 @@ pub(super) fn are_ray_safe_sizes(sizes: &[f64]) -> bool {
     sizes.iter().all(|size| RAY_SAFE_SIZES.contains(size))
 }
 
-/// Returns `true` if the engine reads beyond a grid of this shape for rays that hit the sides of a height field: it uses the
-/// number of rows as the length of a row, and reads two neighbours in each direction.
+/// Returns `true` if the engine reads beyond a grid of this shape for rays that hit the sides of a
+/// height field: it uses the number of rows as the length of a row, and reads two neighbours in
+/// each direction.
 pub(super) fn rays_overrun_grid(rows: u64, columns: u64) -> bool {
     rows > columns || rows < 2 || columns < 2
 }

@@ -1,9 +1,9 @@
-//! The model of a simulated system: bodies, joints, geoms and other elements, compiled from MJCF or URDF and constant during the
-//! simulation.
+//! The model of a simulated system: bodies, joints, geoms and other elements, compiled from MJCF or
+//! URDF and constant during the simulation.
 //!
-//! A [`Model`] is loaded from XML or from the binary format, and can be saved in both. Before the engine reads such input, this
-//! module rejects all inputs that are known to crash it. [`ModelMut`] is the checked interface for changes after
-//! compilation.
+//! A [`Model`] is loaded from XML or from the binary format, and can be saved in both. Before the
+//! engine reads such input, this module rejects all inputs that are known to crash it. [`ModelMut`]
+//! is the checked interface for changes after compilation.
 
 // The page of `Model` in the documentation has the methods in the order of the modules.
 mod load;
@@ -78,8 +78,9 @@ with_aliases! {
 
 /// A compiled model.
 ///
-/// A model is constant once it is shared: a [`Data`](crate::Data) holds it in an [`Arc`](std::sync::Arc), and any number of
-/// threads may use it concurrently. [`edit`](Model::edit) changes a model before it is shared, and
+/// A model is constant once it is shared: a [`Data`](crate::Data) holds it in an
+/// [`Arc`](std::sync::Arc), and any number of threads may use it concurrently.
+/// [`edit`](Model::edit) changes a model before it is shared, and
 /// [`Data::edit_model`](crate::Data::edit_model) afterwards.
 ///
 /// ```
@@ -107,19 +108,22 @@ pub struct Model {
     features: PipelineFeatures,
     /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
     has_rangefinder_and_height_field: bool,
-    /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8 vertices (`find_unsafe_polygons`).
+    /// `true` for a binary model in which a polygon of a mesh may not be convex and has more than 8
+    /// vertices (`find_unsafe_polygons`).
     has_unsafe_polygons: bool,
-    /// `true` if the engine computes addresses from writable values ([`check_addresses`](Model::check_addresses)).
+    /// `true` if the engine computes addresses from writable values
+    /// ([`check_addresses`](Model::check_addresses)).
     has_addresses: bool,
-    /// `true` if bounds for collision detection are larger than necessary because an edit could have changed them (`loosen_bounds`).
+    /// `true` if bounds for collision detection are larger than necessary because an edit could
+    /// have changed them (`loosen_bounds`).
     has_loose_bounds: bool,
     /// Size `nJmom` of the compiled model ([`reserve_moments`](Model::reserve_moments)).
     #[cfg(engine_since = "3.6.0")]
     compiled_moments: i64,
 }
 
-// SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
-// affinity. This crate writes to a model only through `&mut Model`.
+// SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its
+// structures have no thread affinity. This crate writes to a model only through `&mut Model`.
 unsafe impl Send for Model {}
 // SAFETY: as above: `&Model` only reads.
 unsafe impl Sync for Model {}
@@ -130,7 +134,8 @@ impl Model {
     ///
     /// # Safety
     ///
-    /// `raw` is a model of this engine that nothing else owns, and that the engine compiled or this crate validated.
+    /// `raw` is a model of this engine that nothing else owns, and that the engine compiled or this
+    /// crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
         let mut model = Self {
             raw,
@@ -165,7 +170,8 @@ impl Model {
     #[doc(alias = "mj_copyModel")]
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
-        // SAFETY: if the destination is NULL, the engine allocates a new model; `self` is a valid source.
+        // SAFETY: if the destination is NULL, the engine allocates a new model; `self` is a valid
+        // source.
         ffi::check_without_data("mj_copyModel", unsafe {
             guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy)
         })?;
@@ -186,14 +192,15 @@ impl Model {
         &self.warnings
     }
 
-    /// Returns a pointer to the engine's structure, for calls to functions that this crate does not wrap.
+    /// Returns a pointer to the engine's structure, for calls to functions that this crate does not
+    /// wrap.
     #[inline]
     pub fn as_ptr(&self) -> *const mjModel {
         self.raw.as_ptr()
     }
 
-    /// Returns `true` if ids and data of one model are valid for the other: they are the same model, or one is a clone of the
-    /// other.
+    /// Returns `true` if ids and data of one model are valid for the other: they are the same
+    /// model, or one is a clone of the other.
     pub fn is_same_structure(&self, other: &Self) -> bool {
         self.lineage == other.lineage
     }
@@ -228,8 +235,8 @@ impl Clone for Model {
 
 impl Drop for Model {
     fn drop(&mut self) {
-        // SAFETY: `self` owns the model, and nothing else holds the pointer. The function only frees memory and cannot raise an
-        // error.
+        // SAFETY: `self` owns the model, and nothing else holds the pointer. The function only
+        // frees memory and cannot raise an error.
         unsafe { sys::mj_deleteModel(self.raw.as_ptr()) }
     }
 }

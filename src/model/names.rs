@@ -13,8 +13,9 @@ use crate::kind::{ElementKind, Kind};
 
 /// # Names and counts
 impl Model {
-    /// Returns the number of actuators. It is the number of controls [`nu`](Self::nu) unless actuators have several controls, which those
-    /// of the types `pid` and `orientation` have in newer engines.
+    /// Returns the number of actuators. It is the number of controls [`nu`](Self::nu) unless
+    /// actuators have several controls, which those of the types `pid` and `orientation` have in
+    /// newer engines.
     #[cfg(not(engine_since = "3.17.0"))]
     #[inline]
     pub fn nactuator(&self) -> usize {
@@ -60,7 +61,8 @@ impl Model {
         self.name_at(K::KIND, id.index())
     }
 
-    /// Returns the name of an element by kind and index, or `None` if it has none or the index is out of bounds.
+    /// Returns the name of an element by kind and index, or `None` if it has none or the index is
+    /// out of bounds.
     pub(crate) fn name_at(&self, kind: Kind, index: usize) -> Option<&str> {
         let index = i32::try_from(index).ok()?;
         // SAFETY: the engine checks type and index, and returns NULL or a string inside the model.
@@ -77,11 +79,11 @@ impl Model {
         (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
     }
 
-    /// Returns the contents of all custom texts, each NUL-terminated, at the positions `text_adr` with the lengths `text_size`.
-    /// [`Model::text`] returns a single text.
+    /// Returns the contents of all custom texts, each NUL-terminated, at the positions `text_adr`
+    /// with the lengths `text_size`. [`Model::text`] returns a single text.
     pub fn text_data(&self) -> &[u8] {
-        // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a
-        // borrowed model.
+        // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char,
+        // and nothing writes to a borrowed model.
         unsafe { ffi::array(self.raw().text_data.cast::<u8>(), self.ntextdata()) }
     }
 

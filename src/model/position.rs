@@ -1,5 +1,6 @@
-//! Differentiation and integration of positions. A position contains quaternions, so it can have more components than degrees
-//! of freedom. The difference of two positions is a velocity in the tangent space, not the difference of the vectors.
+//! Differentiation and integration of positions. A position contains quaternions, so it can have
+//! more components than degrees of freedom. The difference of two positions is a velocity in the
+//! tangent space, not the difference of the vectors.
 
 use mujoco_sys as sys;
 
@@ -8,8 +9,9 @@ use crate::error::{Error, Result};
 
 /// # Differences and integrals of positions
 impl Model {
-    /// Computes the constant velocity `qvel` (`nv`) that leads from `qpos1` to `qpos2` (`nq` each) in the time `dt` in seconds. If
-    /// `dt` is 1, the result is the difference of the positions in the tangent space, which is the state error of a controller.
+    /// Computes the constant velocity `qvel` (`nv`) that leads from `qpos1` to `qpos2` (`nq` each)
+    /// in the time `dt` in seconds. If `dt` is 1, the result is the difference of the positions in
+    /// the tangent space, which is the state error of a controller.
     ///
     /// # Errors
     ///
@@ -34,12 +36,14 @@ impl Model {
         Error::check_length("qpos1 of differentiate_pos_into", qpos1.len(), self.nq())?;
         Error::check_length("qpos2 of differentiate_pos_into", qpos2.len(), self.nq())?;
         check_interval(dt, dt != 0.0, "finite and not zero")?;
-        // SAFETY: the lengths are those that the engine writes and reads; no value is used as an index or address.
+        // SAFETY: the lengths are those that the engine writes and reads; no value is used as an
+        // index or address.
         unsafe { sys::mj_differentiatePos(self.as_ptr(), qvel.as_mut_ptr(), dt, qpos1.as_ptr(), qpos2.as_ptr()) }
         Ok(())
     }
 
-    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to `qpos` (`nq`).
+    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to
+    /// `qpos` (`nq`).
     ///
     /// # Errors
     ///

@@ -10,9 +10,9 @@ use crate::engine;
 use crate::error::{Error, Result};
 use crate::ffi;
 
-/// Returns the elements and attributes of MJCF that the engine's compiler supports, as indented text. Each element has its
-/// attributes and the number of times that it may occur: `!` once, `?` at most once, `*` any number of times, `R` any number of
-/// times and recursively.
+/// Returns the elements and attributes of MJCF that the engine's compiler supports, as indented
+/// text. Each element has its attributes and the number of times that it may occur: `!` once, `?`
+/// at most once, `*` any number of times, `R` any number of times and recursively.
 ///
 /// # Errors
 ///

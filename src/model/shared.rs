@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::Model;
 use crate::id::sealed::Sealed;
 
-/// Model that a simulation can share: a [`Model`], an `Arc<Model>`, or an `&Arc<Model>`, whose clone is cheap.
+/// Model that a simulation can share: a [`Model`], an `Arc<Model>`, or an `&Arc<Model>`, whose
+/// clone is cheap.
 ///
 /// Several simulations of one model share it in an [`Arc`]:
 ///

@@ -25,7 +25,8 @@ pub(crate) struct TexturePixels<'m> {
 }
 
 impl Model {
-    /// Returns the pixels of a texture. Engines from 3.17 leave the pixels of a texture in its file if the MJCF asks for it; they are decoded here.
+    /// Returns the pixels of a texture. Engines from 3.17 leave the pixels of a texture in its file
+    /// if the MJCF asks for it; they are decoded here.
     ///
     /// # Errors
     ///
@@ -46,7 +47,8 @@ impl Model {
         let (mut data, mut size, mut colorspace) = (ptr::null_mut(), [0; 2], 0);
         let (mut message, mut failure) = ([0; 1000], 0);
         let mut xml = XmlState::enter()?;
-        // SAFETY: a valid model and texture, places for all results, and a buffer of the given length.
+        // SAFETY: a valid model and texture, places for all results, and a buffer of the given
+        // length.
         let status = unsafe {
             guard::mj_load_texture(
                 self.as_ptr(),

@@ -1,7 +1,8 @@
 //! NumPy archives (`.npz`) of named arrays of any shape, which Python reads with `numpy.load`.
 //!
-//! [`Trajectory::save_npz`](crate::Trajectory::save_npz) and [`RolloutResult::save_npz`](crate::rollout::RolloutResult::save_npz) write
-//! such files. [`save`] writes any other results:
+//! [`Trajectory::save_npz`](crate::Trajectory::save_npz) and
+//! [`RolloutResult::save_npz`](crate::rollout::RolloutResult::save_npz) write such files. [`save`]
+//! writes any other results:
 //!
 //! ```
 //! use mujoco_safe::npz::{self, Array};
@@ -62,7 +63,8 @@ const LONGEST_NAME: usize = 251;
 /// Characters that a file name must not contain, on some system.
 const RESERVED: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 
-/// Array of an archive: a name, a shape, and values in row-major order. Borrows the name and the values.
+/// Array of an archive: a name, a shape, and values in row-major order. Borrows the name and the
+/// values.
 #[derive(Clone)]
 pub struct Array<'a> {
     name: &'a str,
@@ -71,8 +73,9 @@ pub struct Array<'a> {
 }
 
 impl<'a> Array<'a> {
-    /// Creates an array from its values in row-major order, of one of the types that implement [`Element`]. An empty shape is
-    /// that of a single number. [`save`] checks the name and the shape.
+    /// Creates an array from its values in row-major order, of one of the types that implement
+    /// [`Element`]. An empty shape is that of a single number. [`save`] checks the name and the
+    /// shape.
     pub fn new<T: Element>(name: &'a str, shape: &[usize], values: &'a [T]) -> Self {
         Self { name, shape: shape.to_vec(), values: T::values(values) }
     }
@@ -142,13 +145,14 @@ impl fmt::Debug for Array<'_> {
     }
 }
 
-/// Writes arrays to a NumPy archive (`.npz`), uncompressed like `numpy.savez`. The [module](self) has an example.
+/// Writes arrays to a NumPy archive (`.npz`), uncompressed like `numpy.savez`. The [module](self)
+/// has an example.
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] if a name occurs twice or is not a file name, if the values of an array do not fill its shape, or if an array has
-/// more than 32 dimensions; nothing is written then. [`Error::File`] if the file cannot be written; an existing file is then
-/// unchanged.
+/// [`Error::Invalid`] if a name occurs twice or is not a file name, if the values of an array do
+/// not fill its shape, or if an array has more than 32 dimensions; nothing is written then.
+/// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
 ///
 /// ```
 /// use mujoco_safe::npz::{self, Array};

@@ -1,7 +1,8 @@
 //! Reading of the archives of trajectories.
 //!
-//! The crate `zip` reads the archive. The arrays, a text header followed by the values, are parsed here: existing crates allocate
-//! the size in the header without a limit, or multiply its dimensions unchecked, so a damaged file could abort the program.
+//! The crate `zip` reads the archive. The arrays, a text header followed by the values, are parsed
+//! here: existing crates allocate the size in the header without a limit, or multiply its
+//! dimensions unchecked, so a damaged file could abort the program.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -18,8 +19,8 @@ const MAX_HEADER: u32 = 1 << 16;
 
 /// Unpacked size of all arrays that is allowed for a file of any size, bytes.
 const MIN_LIMIT: u64 = 64 << 20;
-/// Ratio of unpacked size to file size that is always allowed. Simulation data rarely compress to less than a tenth; a file that
-/// expands a thousandfold is a decompression bomb.
+/// Ratio of unpacked size to file size that is always allowed. Simulation data rarely compress to
+/// less than a tenth; a file that expands a thousandfold is a decompression bomb.
 const MAX_EXPANSION: u64 = 100;
 
 /// Error text for an array whose length disagrees with its shape.
@@ -49,7 +50,8 @@ impl Archive {
         self.archive.index_for_name(&format!("{name}.npy")).is_some()
     }
 
-    /// Reads an array. `length` returns the number of values for a shape, or the expected shape if the given one is wrong.
+    /// Reads an array. `length` returns the number of values for a shape, or the expected shape if
+    /// the given one is wrong.
     pub(crate) fn array(
         &mut self,
         name: &str,

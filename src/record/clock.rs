@@ -4,8 +4,9 @@ use crate::error::{Error, Result};
 
 /// Converts simulation times to frame numbers.
 ///
-/// Frame `n` shows the first image at or after `n` intervals from the start, so that rounding errors do not accumulate. If
-/// images are further apart than one interval, the previous image is repeated.
+/// Frame `n` shows the first image at or after `n` intervals from the start, so that rounding
+/// errors do not accumulate. If images are further apart than one interval, the previous image is
+/// repeated.
 #[derive(Debug)]
 pub(super) struct Clock {
     /// Simulation time between two frames, s.
@@ -25,7 +26,8 @@ struct Accepted {
 impl Clock {
     /// Tolerance as a fraction of an interval. Sums of timesteps have rounding errors.
     const TOLERANCE: f64 = 1e-3;
-    /// Longest accepted gap between two images, in frames. A longer gap is treated as an error of the caller.
+    /// Longest accepted gap between two images, in frames. A longer gap is treated as an error of
+    /// the caller.
     const MAX_GAP: f64 = 100_000.0;
 
     pub(super) fn new(interval: f64) -> Self {
@@ -53,7 +55,8 @@ impl Clock {
         Ok(shown)
     }
 
-    /// Returns the number of frames that show the last image if the recording ends at this time: at least one.
+    /// Returns the number of frames that show the last image if the recording ends at this time: at
+    /// least one.
     pub(super) fn until(&self, time: f64) -> Result<u64> {
         match self.last {
             Some(last) if time >= last.time => Ok(self.gap(last, time)?.max(1)),

@@ -21,7 +21,8 @@ pub(super) struct Rectangle {
 }
 
 impl Rectangle {
-    /// Returns the bounding rectangle of all pixels for which `differs` returns `true`, or one pixel if there are none.
+    /// Returns the bounding rectangle of all pixels for which `differs` returns `true`, or one
+    /// pixel if there are none.
     pub(super) fn bounding(width: usize, height: usize, differs: impl Fn(usize) -> bool) -> Self {
         let (mut left, mut right, mut top, mut bottom) = (width, 0, height, 0);
         for row in 0..height {
@@ -37,7 +38,8 @@ impl Rectangle {
         Self { left, top, width: right - left + 1, height: bottom - top + 1 }
     }
 
-    /// Iterates over the rows of the region, as index ranges into the pixels of an image of this width.
+    /// Iterates over the rows of the region, as index ranges into the pixels of an image of this
+    /// width.
     pub(super) fn rows(self, image_width: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         (self.top..self.top + self.height).map(move |row| {
             let start = row * image_width + self.left;
@@ -46,8 +48,8 @@ impl Rectangle {
     }
 }
 
-/// Converts frame counts to the time unit of a file format, such as hundredths of a second. The rounding error of each delay is
-/// carried over to the next.
+/// Converts frame counts to the time unit of a file format, such as hundredths of a second. The
+/// rounding error of each delay is carried over to the next.
 #[derive(Debug)]
 pub(super) struct Delays {
     ticks_per_frame: f64,
@@ -60,7 +62,8 @@ impl Delays {
         Self { ticks_per_frame: ticks_per_second / frames_per_second, frames: 0, ticks: 0 }
     }
 
-    /// Returns the delay for `frames` more frames, in ticks, split into parts that fit into 16 bits.
+    /// Returns the delay for `frames` more frames, in ticks, split into parts that fit into 16
+    /// bits.
     pub(super) fn next(&mut self, frames: u64) -> impl Iterator<Item = u16> + use<> {
         self.frames += frames;
         let until = (self.frames as f64 * self.ticks_per_frame).round() as u64;

@@ -21,7 +21,8 @@ pub(super) struct Ffmpeg {
 }
 
 impl Ffmpeg {
-    /// Checks that the program can be started, so that a missing program is reported before the simulation runs.
+    /// Checks that the program can be started, so that a missing program is reported before the
+    /// simulation runs.
     pub(super) fn check(path: &Path, options: &RecorderOptions) -> Result<()> {
         let mut command = Command::new(&options.ffmpeg);
         command.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -38,7 +39,8 @@ impl Ffmpeg {
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y"]);
         command.args(["-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &format!("{width}x{height}")]);
         command.args(["-framerate", &options.frames_per_second.to_string(), "-i", "pipe:0", "-an"]);
-        // Without an explicit colour matrix and range, players decode large frames with the wrong colours.
+        // Without an explicit colour matrix and range, players decode large frames with the wrong
+        // colours.
         command.args(["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"]);
         command.args([
             "-colorspace",
@@ -51,8 +53,8 @@ impl Ffmpeg {
             "tv",
         ]);
         command.args(&options.ffmpeg_arguments);
-        // The temporary file has no extension, so the container is given explicitly. For MP4, `faststart` places the index first,
-        // so that browsers can start before the download ends.
+        // The temporary file has no extension, so the container is given explicitly. For MP4,
+        // `faststart` places the index first, so that browsers can start before the download ends.
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         command.args(match &*extension {
             "mkv" => &["-f", "matroska"][..],
@@ -98,7 +100,8 @@ impl Encoder for Ffmpeg {
 struct Process {
     child: Child,
     input: Option<BufWriter<ChildStdin>>,
-    /// Error output of the process. A file, because a pipe that is never read would block the process.
+    /// Error output of the process. A file, because a pipe that is never read would block the
+    /// process.
     messages: File,
 }
 
@@ -106,7 +109,8 @@ impl Process {
     fn start(mut command: Command) -> io::Result<Self> {
         let messages = tempfile::tempfile()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
-        // In a separate process group, the child does not receive Ctrl-C from the terminal. This crate terminates it.
+        // In a separate process group, the child does not receive Ctrl-C from the terminal. This
+        // crate terminates it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn()?;
@@ -162,7 +166,8 @@ fn failed(path: &Path, message: &str) -> Error {
     Error::Recording { path: path.to_owned(), reason: format!("ffmpeg failed: {message}{advice}") }
 }
 
-/// Pads an image to even width and height by repeating its last column and row, as 4:2:0 chroma subsampling requires.
+/// Pads an image to even width and height by repeating its last column and row, as 4:2:0 chroma
+/// subsampling requires.
 fn make_even(rgb: &[u8], [width, height]: [usize; 2], even: &mut Vec<u8>) {
     even.clear();
     for row in (0..height).chain((height % 2 == 1).then(|| height - 1)) {

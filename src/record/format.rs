@@ -19,7 +19,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format for a path, by the table in [`Recorder::create`](super::Recorder::create).
+    /// Returns the format for a path, by the table in
+    /// [`Recorder::create`](super::Recorder::create).
     ///
     /// # Errors
     ///

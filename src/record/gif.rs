@@ -12,8 +12,8 @@ use super::palette::Palette;
 use crate::error::{Error, Result};
 use crate::file::Replacement;
 
-/// Encoder of one GIF file. Every frame but the first contains only the bounding rectangle of the changed pixels. Unchanged
-/// pixels inside the rectangle are transparent, which compresses well.
+/// Encoder of one GIF file. Every frame but the first contains only the bounding rectangle of the
+/// changed pixels. Unchanged pixels inside the rectangle are transparent, which compresses well.
 pub(super) struct AnimatedGif {
     file: Replacement,
     size: [u16; 2],
@@ -32,7 +32,8 @@ pub(super) struct AnimatedGif {
 }
 
 impl AnimatedGif {
-    /// GIF delays are in hundredths of a second, and viewers replace delays of less than two by ten.
+    /// GIF delays are in hundredths of a second, and viewers replace delays of less than two by
+    /// ten.
     pub(super) const MAX_FRAMES_PER_SECOND: f64 = 50.0;
 
     pub(super) fn new(

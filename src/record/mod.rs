@@ -1,7 +1,8 @@
-//! Recording of video and animations: numbered PNG files, animated PNG and GIF, and video through the program `ffmpeg`.
+//! Recording of video and animations: numbered PNG files, animated PNG and GIF, and video through
+//! the program `ffmpeg`.
 //!
-//! A [`Recorder`] samples images by simulation time, independently of the time that rendering takes. Check
-//! [`is_due`](Recorder::is_due) before rendering an image:
+//! A [`Recorder`] samples images by simulation time, independently of the time that rendering
+//! takes. Check [`is_due`](Recorder::is_due) before rendering an image:
 //!
 //! ```
 //! use mujoco_safe::record::{Recorder, RecorderOptions};

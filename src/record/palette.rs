@@ -6,13 +6,16 @@ use color_quant::NeuQuant;
 
 type Rgb = [u8; 3];
 
-/// Palette of at most 255 colours, plus one index for transparency, with ordered dithering (Bayer, ICC 1973).
+/// Palette of at most 255 colours, plus one index for transparency, with ordered dithering (Bayer,
+/// ICC 1973).
 ///
-/// The dither pattern is fixed to the pixel grid, so static regions neither flicker nor need to be written again.
+/// The dither pattern is fixed to the pixel grid, so static regions neither flicker nor need to be
+/// written again.
 #[derive(Debug, Default)]
 pub(super) struct Palette {
     colors: Vec<Rgb>,
-    /// Amplitude of the dither pattern, in channel steps: the typical distance between two colours of the palette.
+    /// Amplitude of the dither pattern, in channel steps: the typical distance between two colours
+    /// of the palette.
     strength: f32,
     /// Mean square error of the image for which the palette was computed.
     error: f64,
@@ -24,7 +27,8 @@ impl Palette {
     const MAX_COLORS: usize = 255;
     const CACHE_BITS: u32 = 16;
 
-    /// Computes the palette of an image. If the image has few colours, the palette contains exactly these.
+    /// Computes the palette of an image. If the image has few colours, the palette contains exactly
+    /// these.
     pub(super) fn of(pixels: &[Rgb], width: usize) -> Self {
         // For a large image, a sample of every tenth pixel is sufficient.
         const LARGE: usize = 40_000;
@@ -60,7 +64,8 @@ impl Palette {
         error as f64 / pixels.len() as f64
     }
 
-    /// Returns `true` if this error is not much larger than that of the image for which the palette was computed.
+    /// Returns `true` if this error is not much larger than that of the image for which the palette
+    /// was computed.
     pub(super) fn fits(&self, error: f64) -> bool {
         error <= 1.5 * self.error + 1.0
     }
@@ -112,7 +117,8 @@ fn square_distance(a: Rgb, b: Rgb) -> u32 {
     a.into_iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// Returns an element of the 8 × 8 Bayer matrix: each of 64 values from -1/2 to 1/2 occurs once, with similar values far apart.
+/// Returns an element of the 8 × 8 Bayer matrix: each of 64 values from -1/2 to 1/2 occurs once,
+/// with similar values far apart.
 fn bayer(row: usize, column: usize) -> f32 {
     let mixed = row ^ column;
     let bits = [mixed & 1, row & 1, mixed >> 1 & 1, row >> 1 & 1, mixed >> 2 & 1, row >> 2 & 1];

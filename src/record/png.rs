@@ -46,7 +46,8 @@ impl Encoder for Sequence {
     }
 }
 
-/// Encoder of one animated PNG. Every frame but the first contains only the bounding rectangle of the changed pixels.
+/// Encoder of one animated PNG. Every frame but the first contains only the bounding rectangle of
+/// the changed pixels.
 pub(super) struct AnimatedPng {
     file: Replacement,
     png: png::Writer<BufWriter<File>>,
@@ -98,7 +99,8 @@ impl AnimatedPng {
             for row in region.rows(width) {
                 self.region.extend_from_slice(current[row].as_flattened());
             }
-            // Resets the position first: the previous size could exceed the image at the new position.
+            // Resets the position first: the previous size could exceed the image at the new
+            // position.
             self.png.reset_frame_position()?;
             self.png.set_frame_dimension(region.width as u32, region.height as u32)?;
             self.png.set_frame_position(region.left as u32, region.top as u32)?;

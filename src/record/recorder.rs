@@ -14,11 +14,13 @@ use crate::file::Replacement;
 use crate::macros::with_methods;
 use crate::render::RgbImage;
 
-/// Options of a recording. The default is 30 frames per second, in real time, played in an endless loop.
+/// Options of a recording. The default is 30 frames per second, in real time, played in an endless
+/// loop.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RecorderOptions {
-    /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow down faster animations.
+    /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow
+    /// down faster animations.
     pub frames_per_second: f64,
     /// Simulation time per second of the recording: 0.1 is slow motion, 2 is double speed.
     pub speed: f64,
@@ -26,7 +28,8 @@ pub struct RecorderOptions {
     pub plays: u16,
     /// Name or path of the program that encodes video.
     pub ffmpeg: PathBuf,
-    /// Encoding arguments of the program. Default: `-c:v libx264 -preset veryfast -crf 18`, visually lossless H.264.
+    /// Encoding arguments of the program. Default: `-c:v libx264 -preset veryfast -crf 18`,
+    /// visually lossless H.264.
     pub ffmpeg_arguments: Vec<String>,
 }
 
@@ -81,9 +84,9 @@ pub struct Summary {
 
 /// Records images together with the simulation times that they show. See the [module](super).
 ///
-/// The file appears at its path when the recording is [finished](Self::finish): complete or not at all. The files of a sequence
-/// appear one by one. Dropping a recorder finishes the recording, so the frames recorded so far are kept if the program
-/// ends early by an error or a panic.
+/// The file appears at its path when the recording is [finished](Self::finish): complete or not at
+/// all. The files of a sequence appear one by one. Dropping a recorder finishes the recording, so
+/// the frames recorded so far are kept if the program ends early by an error or a panic.
 pub struct Recorder {
     path: PathBuf,
     format: Format,
@@ -116,13 +119,13 @@ impl Recorder {
     /// | `walk/frame_%05d.png` | PNG files | `%05d` is replaced by the number, with at least five digits, starting at 0 |
     /// | `walk`, `walk/` | PNG files | `frame_%05d.png` in this folder |
     ///
-    /// For a sequence, the folder is created if necessary. New files replace those of the same name. Other files remain,
-    /// including the surplus files of an earlier and longer recording.
+    /// For a sequence, the folder is created if necessary. New files replace those of the same
+    /// name. Other files remain, including the surplus files of an earlier and longer recording.
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for an unknown extension, or for a video without `ffmpeg`. [`Error::File`] if the file cannot be
-    /// written, [`Error::Invalid`] for options out of range.
+    /// [`Error::Recording`] for an unknown extension, or for a video without `ffmpeg`.
+    /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for options out of range.
     pub fn create(path: impl AsRef<Path>, options: RecorderOptions) -> Result<Self> {
         let path = path.as_ref();
         let format = Format::of(path)?;
@@ -159,35 +162,36 @@ impl Recorder {
         self.frames
     }
 
-    /// Returns `true` if [`push`](Self::push) would accept an image at this time, s: always for the first image, then every
-    /// `speed / frames_per_second` seconds of simulation time. After a reset of the simulation to an earlier time, the next
-    /// image is due.
+    /// Returns `true` if [`push`](Self::push) would accept an image at this time, s: always for the
+    /// first image, then every `speed / frames_per_second` seconds of simulation time. After a
+    /// reset of the simulation to an earlier time, the next image is due.
     pub fn is_due(&self, time: f64) -> bool {
         time.is_finite() && self.clock.is_due(time)
     }
 
-    /// Adds an image of the simulation at this time, s, if [one is due](Self::is_due). Returns `true` if the image was
-    /// accepted.
+    /// Adds an image of the simulation at this time, s, if [one is due](Self::is_due). Returns
+    /// `true` if the image was accepted.
     ///
     /// If images are further apart than frames, the previous image is repeated.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for an empty image, for a change of size, and for a time that is not finite or more than 100,000
-    /// frames after the previous image. The recording can continue.
+    /// [`Error::Invalid`] for an empty image, for a change of size, and for a time that is not
+    /// finite or more than 100,000 frames after the previous image. The recording can continue.
     ///
-    /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then ends without a file,
-    /// except for the files of a sequence.
+    /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then
+    /// ends without a file, except for the files of a sequence.
     pub fn push(&mut self, picture: &RgbImage, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
     }
 
-    /// Adds an image as [`push`](Self::push) does, from an array of red, green and blue for each pixel, row-major from the
-    /// top, `(height, width, 3)`.
+    /// Adds an image as [`push`](Self::push) does, from an array of red, green and blue for each
+    /// pixel, row-major from the top, `(height, width, 3)`.
     ///
     /// # Errors
     ///
-    /// As for [`push`](Self::push), and [`Error::Shape`] if the length of `rgb` is not `3 * width * height`.
+    /// As for [`push`](Self::push), and [`Error::Shape`] if the length of `rgb` is not
+    /// `3 * width * height`.
     pub fn push_rgb(&mut self, width: usize, height: usize, rgb: &[u8], time: f64) -> Result<bool> {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
@@ -224,15 +228,16 @@ impl Recorder {
         self.finish_after(1)
     }
 
-    /// Completes the file as [`finish`](Self::finish) does, and shows the last image until the given simulation time, s. The
-    /// duration of the file then matches the simulation, even if images were added rarely.
+    /// Completes the file as [`finish`](Self::finish) does, and shows the last image until the
+    /// given simulation time, s. The duration of the file then matches the simulation, even if
+    /// images were added rarely.
     ///
     /// A time before that of the last image has no effect.
     ///
     /// # Errors
     ///
-    /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more than 100,000 frames after the
-    /// last image; the file then ends with this image.
+    /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more
+    /// than 100,000 frames after the last image; the file then ends with this image.
     pub fn finish_at(self, time: f64) -> Result<Summary> {
         if !time.is_finite() {
             return Err(Error::invalid("the end time of a recording", time, "finite"));

@@ -1,4 +1,5 @@
-//! Bounding spheres of geoms, for frustum culling, mirror culling, shadow culling and the order of transparent geoms.
+//! Bounding spheres of geoms, for frustum culling, mirror culling, shadow culling and the order of
+//! transparent geoms.
 
 use crate::element::HeightField;
 use crate::id::HeightFieldId;
@@ -88,7 +89,8 @@ impl AssetBounds {
 /// Ratio of the radius of an arrowhead to the radius of the shaft.
 pub(crate) const ARROWHEAD_SCALE: f32 = 1.75;
 
-/// Returns the radius that the engine subtracts from the distance of a transparent geom before sorting.
+/// Returns the radius that the engine subtracts from the distance of a transparent geom before
+/// sorting.
 #[doc(alias = "mjv_rbound")]
 pub(crate) fn sorting_radius(geom: SceneGeom<'_>) -> f32 {
     if matches!(geom.object(), Some(SceneObject::Geom(_))) {
@@ -113,7 +115,8 @@ fn centred_sphere(radius: f32) -> Sphere {
     Sphere { centre: [0.0; 3], radius }
 }
 
-/// Returns the bounding sphere of the finite points, centred on their bounding box; `None` if no point is finite.
+/// Returns the bounding sphere of the finite points, centred on their bounding box; `None` if no
+/// point is finite.
 fn bounding_sphere(points: impl Iterator<Item = [f32; 3]> + Clone) -> Option<Sphere> {
     let points = points.filter(|point| point.iter().all(|coordinate| coordinate.is_finite()));
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
@@ -163,13 +166,14 @@ fn height_field_sphere(field: HeightField<'_>) -> Option<Sphere> {
     bounding_sphere([[-x, -y, -depth], [x, y, -depth], [-x, -y, low], [x, y, high]].into_iter())
 }
 
-/// Transforms a bounding sphere to the world frame. The radius is increased slightly to allow for rounding.
+/// Transforms a bounding sphere to the world frame. The radius is increased slightly to allow for
+/// rounding.
 fn to_world(Sphere { centre, radius }: Sphere, pos: [f32; 3], mat: [f32; 9]) -> BoundingVolume {
     const ROUNDING: f32 = 1.0 + 1e-4;
     let rows = [0, 3, 6].map(|row| [mat[row], mat[row + 1], mat[row + 2]]);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    // A matrix from the user need not be a rotation. Its Frobenius norm bounds the scale; for a rotation the norm exceeds
-    // the scale, which is 1.
+    // A matrix from the user need not be a rotation. Its Frobenius norm bounds the scale; for a
+    // rotation the norm exceeds the scale, which is 1.
     let is_rotation =
         (0..3).all(|i| (0..3).all(|j| (dot(rows[i], rows[j]) - if i == j { 1.0 } else { 0.0 }).abs() < ROUNDING - 1.0));
     let scale = if is_rotation { 1.0 } else { rows.map(|row| dot(row, row)).iter().sum::<f32>().sqrt() };

@@ -48,8 +48,8 @@ pub enum RenderError {
     #[error("the graphics adapter is out of memory: use smaller images, smaller shadow maps or fewer samples")]
     OutOfMemory,
 
-    /// The graphics device is lost: its driver was reset, or the adapter was removed. All objects created with it are
-    /// unusable.
+    /// The graphics device is lost: its driver was reset, or the adapter was removed. All objects
+    /// created with it are unusable.
     #[error("the graphics device is lost ({message}): open a new one with Gpu::new, and create new renderers with it")]
     Lost {
         /// Message of the driver.

@@ -10,16 +10,17 @@ use crate::model::Model;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Lighting {
-    /// Per vertex, with interpolation between vertices (Gouraud shading), as in the engine's renderer. Images are equal
-    /// to the engine's up to rounding.
+    /// Per vertex, with interpolation between vertices (Gouraud shading), as in the engine's
+    /// renderer. Images are equal to the engine's up to rounding.
     #[default]
     PerVertex,
     /// Per pixel (Phong shading): round highlights, and spotlights with sharp edges.
     PerPixel,
 }
 
-/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::model::Visual), which
-/// the renderer copies at construction, and in the scene's [`RenderFlags`](crate::scene::RenderFlags).
+/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's
+/// [`Visual`](crate::model::Visual), which the renderer copies at construction, and in the scene's
+/// [`RenderFlags`](crate::scene::RenderFlags).
 ///
 /// ```
 /// use mujoco_safe::render::{Lighting, RendererOptions};
@@ -31,17 +32,19 @@ pub enum Lighting {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RendererOptions {
-    /// MSAA samples per pixel: 1, 2, 4 or 8, subject to the adapter's support. `None` selects the model's
-    /// [`offsamples`](crate::model::VisualQuality::offsamples).
+    /// MSAA samples per pixel: 1, 2, 4 or 8, subject to the adapter's support. `None` selects the
+    /// model's [`offsamples`](crate::model::VisualQuality::offsamples).
     pub samples: Option<u32>,
     /// Width and height of shadow maps, texels; 0 disables shadows. `None` selects the model's
-    /// [`shadowsize`](crate::model::VisualQuality::shadowsize). Maps are rendered with fewer texels for small images: see the
-    /// [differences from the engine](crate::render#differences-from-the-engines-renderer).
+    /// [`shadowsize`](crate::model::VisualQuality::shadowsize). Maps are rendered with fewer texels
+    /// for small images: see the [differences from the
+    /// engine](crate::render#differences-from-the-engines-renderer).
     pub shadow_size: Option<u32>,
     /// Frequency of the lighting computation.
     pub lighting: Lighting,
-    /// Number of active lights: the first lights of the scene, of which the first is the headlight, if it is active. `Some(8)` imitates the
-    /// engine's renderer, in which OpenGL ignores the others. `None` selects all, of which the engine allows 100.
+    /// Number of active lights: the first lights of the scene, of which the first is the headlight,
+    /// if it is active. `Some(8)` imitates the engine's renderer, in which OpenGL ignores the
+    /// others. `None` selects all, of which the engine allows 100.
     pub max_lights: Option<usize>,
 }
 
@@ -52,8 +55,9 @@ with_methods!(RendererOptions {
     with_max_lights(max_lights: usize) = Some(max_lights),
 });
 
-/// Both faces of a triangle cast shadows, as in the renderer of engines from 3.3, so that a transparent solid casts a shadow on its contents. With
-/// other engines only back faces do, if back faces are culled.
+/// Both faces of a triangle cast shadows, as in the renderer of engines from 3.3, so that a
+/// transparent solid casts a shadow on its contents. With other engines only back faces do, if back
+/// faces are culled.
 pub(crate) const ALL_FACES_CAST_SHADOWS: bool = cfg!(engine_since = "3.3.0");
 
 /// Largest magnitude of a value that can be rendered. Its square is finite in single precision.
@@ -91,7 +95,8 @@ pub(crate) struct VisualSettings {
 }
 
 impl VisualSettings {
-    /// Copies the settings, converts multiples of the model's extent to metres, and clamps invalid values.
+    /// Copies the settings, converts multiples of the model's extent to metres, and clamps invalid
+    /// values.
     pub(crate) fn new(model: &Model) -> Self {
         let visual = model.visual();
         let extent = model.statistics().extent;

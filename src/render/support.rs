@@ -1,8 +1,9 @@
 //! Statement of the fields and constants of the engine that the renderer knows.
 //!
-//! `support.tsv` decides about each field of the structs of a scene, each constant of their enums, and each field of materials, textures, lights,
-//! cameras and quality settings of all engine versions. What a newer engine adds is unknown until the table has a row for it, and a renderer logs
-//! its name. So does a renderer for values of the model that it does not draw.
+//! `support.tsv` decides about each field of the structs of a scene, each constant of their enums,
+//! and each field of materials, textures, lights, cameras and quality settings of all engine
+//! versions. What a newer engine adds is unknown until the table has a row for it, and a renderer
+//! logs its name. So does a renderer for values of the model that it does not draw.
 
 use std::sync::Once;
 
@@ -13,14 +14,15 @@ use crate::model::Model;
 /// Reason, group, and names. The group of a field is its struct; other groups are titles.
 const TABLE: &str = include_str!("support.tsv");
 
-/// Members of the visualiser's structs and constants of its enums in the headers of the linked engine: `mjvGeom.type`, `mjGEOM_BOX`. Empty in a
-/// documentation build without an engine.
+/// Members of the visualiser's structs and constants of its enums in the headers of the linked
+/// engine: `mjvGeom.type`, `mjGEOM_BOX`. Empty in a documentation build without an engine.
 const DECLARED: &[&str] = &include!(concat!(env!("OUT_DIR"), "/drawn.rs"));
 
 /// Beginnings of the fields of a model that a renderer reads.
 const OF_MODEL: [&str; 6] = ["mat_", "tex_", "light_", "cam_", "quality.", "map."];
 
-/// Logs what the linked engine has and the renderer does not know, once per process, and what it does not draw of a model.
+/// Logs what the linked engine has and the renderer does not know, once per process, and what it
+/// does not draw of a model.
 pub(crate) fn log(model: &Model) {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

@@ -1,7 +1,8 @@
 //! Parallel simulations of one model.
 //!
-//! [`Rollout`] runs each simulation from its initial state to the end: for sampling, statistics and predictive control. [`Batch`]
-//! steps all simulations together under a common policy: for reinforcement learning.
+//! [`Rollout`] runs each simulation from its initial state to the end: for sampling, statistics and
+//! predictive control. [`Batch`] steps all simulations together under a common policy: for
+//! reinforcement learning.
 //!
 //! ```
 //! use mujoco_safe::rollout::Rollout;
@@ -20,14 +21,16 @@
 //!
 //! # Threads
 //!
-//! Both use the current [rayon] pool, which is the global one unless the call is inside `ThreadPool::install`. Each thread has
-//! its own [`Data`] and takes a chunk of simulations at a time. Each simulation starts with a full reset, so the results equal
-//! those of a loop over [`Data::step`], bit for bit, for any number of threads and any chunk size.
+//! Both use the current [rayon] pool, which is the global one unless the call is inside
+//! `ThreadPool::install`. Each thread has its own [`Data`] and takes a chunk of simulations at a
+//! time. Each simulation starts with a full reset, so the results equal those of a loop over
+//! [`Data::step`], bit for bit, for any number of threads and any chunk size.
 //!
 //! # Errors and panics
 //!
-//! An error of the engine or of a closure ends the simulation in which it occurs and is reported with its step; other simulations
-//! continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain usable.
+//! An error of the engine or of a closure ends the simulation in which it occurs and is reported
+//! with its step; other simulations continue. If a closure panics, the call panics after all
+//! threads have stopped. All arguments of the call remain usable.
 
 mod batch;
 mod forward;
@@ -78,15 +81,16 @@ enum Controls<'a> {
     From(Box<MakeController<'a>>),
 }
 
-/// Builder for simulations of one model, each from its initial state over the same number of steps. The
-/// [module](crate::rollout) documents threads, errors and panics.
+/// Builder for simulations of one model, each from its initial state over the same number of steps.
+/// The [module](crate::rollout) documents threads, errors and panics.
 ///
 /// Each rollout
 ///
 /// 1. applies [`edit_model`](Self::edit_model), and resets the simulation;
 /// 2. sets the initial state, and records it as row 0;
-/// 3. in each step sets the controls, calls [`Data::step`], and records sensor readings, outputs and the new state.
-///    [`forward_after_step`](Self::forward_after_step) updates the quantities that the outputs are computed from.
+/// 3. in each step sets the controls, calls [`Data::step`], and records sensor readings, outputs
+///    and the new state. [`forward_after_step`](Self::forward_after_step) updates the quantities
+///    that the outputs are computed from.
 ///
 /// ```
 /// use mujoco_safe::rollout::Rollout;
@@ -125,8 +129,9 @@ pub struct Rollout<'a> {
 }
 
 impl<'a> Rollout<'a> {
-    /// Creates a builder for `nroll` simulations of `nstep` steps, by default from the reference position and with zero controls.
-    /// Takes a [`Model`](crate::Model), an `Arc<Model>` or an `&Arc<Model>`.
+    /// Creates a builder for `nroll` simulations of `nstep` steps, by default from the reference
+    /// position and with zero controls. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
+    /// `&Arc<Model>`.
     pub fn new(model: impl IntoModel, nroll: usize, nstep: usize) -> Self {
         Self::on(&Workers::new(model), nroll, nstep)
     }
@@ -148,14 +153,16 @@ impl<'a> Rollout<'a> {
         }
     }
 
-    /// Sets the common initial state `(nstate)`: the components in `spec`; the others have their values after a reset. Inputs,
-    /// such as [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in all steps.
+    /// Sets the common initial state `(nstate)`: the components in `spec`; the others have their
+    /// values after a reset. Inputs, such as [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in
+    /// all steps.
     pub fn initial_state(mut self, spec: StateSpec, state: &'a [f64]) -> Self {
         self.initial = Initial::Shared(spec, state);
         self
     }
 
-    /// Sets the initial state of each rollout `(nroll, nstate)`, as [`initial_state`](Self::initial_state) does for all.
+    /// Sets the initial state of each rollout `(nroll, nstate)`, as
+    /// [`initial_state`](Self::initial_state) does for all.
     pub fn initial_states(mut self, spec: StateSpec, states: &'a [f64]) -> Self {
         self.initial = Initial::Each(spec, states);
         self
@@ -173,7 +180,8 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// Sets a closure that creates the controller of each rollout from its index, when the rollout starts.
+    /// Sets a closure that creates the controller of each rollout from its index, when the rollout
+    /// starts.
     ///
     /// ```
     /// use mujoco_safe::rollout::Rollout;
@@ -198,8 +206,9 @@ impl<'a> Rollout<'a> {
 
     /// Sets a closure that edits the model for each rollout, given its index.
     ///
-    /// The edit applies to one rollout only; other rollouts and the shared model are unaffected. Parts of the model that an edit
-    /// cannot change are not copied. The closure returns nothing or a [`Result`]; an error fails the rollout at step 0.
+    /// The edit applies to one rollout only; other rollouts and the shared model are unaffected.
+    /// Parts of the model that an edit cannot change are not copied. The closure returns nothing or
+    /// a [`Result`]; an error fails the rollout at step 0.
     pub fn edit_model<O: Outcome<Value = ()>>(
         mut self,
         edit: impl Fn(usize, &mut ModelMut<'_>) -> O + Send + Sync + 'a,
@@ -214,22 +223,26 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// Records `noutput` additional values after each step, which the closure writes to a row of zeros. At that point, as always
-    /// after [`Data::step`], the simulation is in the new state and its computed quantities are those of the old state.
+    /// Records `noutput` additional values after each step, which the closure writes to a row of
+    /// zeros. At that point, as always after [`Data::step`], the simulation is in the new state and
+    /// its computed quantities are those of the old state.
     /// [`forward_after_step`](Self::forward_after_step) computes them for the new state first.
     pub fn outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
         self
     }
 
-    /// Calls [`Data::forward`] after each step, so that all quantities that the closure of [`outputs`](Self::outputs) reads, such as
-    /// poses, contacts and sensor readings, are those of the new state.
+    /// Calls [`Data::forward`] after each step, so that all quantities that the closure of
+    /// [`outputs`](Self::outputs) reads, such as poses, contacts and sensor readings, are those of
+    /// the new state.
     ///
-    /// The recorded states and sensor readings are bit for bit the same with and without this call, unless a controller reads
-    /// computed quantities: these too are then those of the present state, except in the first step. An error of this call ends the
-    /// rollout after the step, and the outputs of that step are NaN.
+    /// The recorded states and sensor readings are bit for bit the same with and without this call,
+    /// unless a controller reads computed quantities: these too are then those of the present
+    /// state, except in the first step. An error of this call ends the rollout after the step, and
+    /// the outputs of that step are NaN.
     ///
-    /// It costs one evaluation of forward dynamics per step. With the integrator `Euler`, this nearly doubles the time of a step.
+    /// It costs one evaluation of forward dynamics per step. With the integrator `Euler`, this
+    /// nearly doubles the time of a step.
     ///
     /// ```
     /// use mujoco_safe::rollout::Rollout;
@@ -253,8 +266,9 @@ impl<'a> Rollout<'a> {
 
     /// Sets a hook that is called after each rollout with the number of completed rollouts.
     ///
-    /// Several threads may call the hook concurrently, possibly not in the order of these numbers. [`ControlFlow::Break`] ends
-    /// the run; rollouts that are not complete end with [`RolloutError::Cancelled`].
+    /// Several threads may call the hook concurrently, possibly not in the order of these numbers.
+    /// [`ControlFlow::Break`] ends the run; rollouts that are not complete end with
+    /// [`RolloutError::Cancelled`].
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -274,8 +288,8 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// Sets the number of rollouts that a thread takes at a time, at least one. The result does not depend on it. If it is `nroll`
-    /// or more, all rollouts run in the calling thread.
+    /// Sets the number of rollouts that a thread takes at a time, at least one. The result does not
+    /// depend on it. If it is `nroll` or more, all rollouts run in the calling thread.
     pub fn chunk(mut self, rollouts: usize) -> Self {
         self.chunk = Some(rollouts.max(1));
         self
@@ -285,8 +299,9 @@ impl<'a> Rollout<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for initial states or controls of a wrong length, [`Error::Invalid`] if memory does not suffice for the
-    /// result. Errors in a rollout are in its [`outcome`](RolloutResult::outcomes).
+    /// [`Error::Shape`] for initial states or controls of a wrong length, [`Error::Invalid`] if
+    /// memory does not suffice for the result. Errors in a rollout are in its
+    /// [`outcome`](RolloutResult::outcomes).
     ///
     /// # Panics
     ///
@@ -306,12 +321,13 @@ impl<'a> Rollout<'a> {
         Ok(RolloutResult { sizes, states, sensordata, outputs, outcomes })
     }
 
-    /// Runs all rollouts, and writes the recorded values to the caller's buffers. Steps do not allocate.
+    /// Runs all rollouts, and writes the recorded values to the caller's buffers. Steps do not
+    /// allocate.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for initial states, controls or buffers of a wrong length. Errors in a rollout are in its entry of the
-    /// returned list.
+    /// [`Error::Shape`] for initial states, controls or buffers of a wrong length. Errors in a
+    /// rollout are in its entry of the returned list.
     ///
     /// # Panics
     ///

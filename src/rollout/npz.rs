@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::npz::{self, Array};
 
 impl RolloutResult {
-    /// Writes the results as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It contains the arrays
+    /// Writes the results as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It
+    /// contains the arrays
     ///
     /// | name | shape | values |
     /// |---|---|---|
@@ -17,14 +18,15 @@ impl RolloutResult {
     /// | `completed` | `(nroll)` | `True` if the [outcome](Self::outcomes) of the rollout is `Ok` |
     /// | `steps` | `(nroll)` | number of steps taken: `nstep` if completed, else that of the [error](super::RolloutError::step) |
     ///
-    /// All numbers have double precision, except for `completed` (`bool`) and `steps` (`int64`). The rows after the last step of a
-    /// rollout are NaN.
+    /// All numbers have double precision, except for `completed` (`bool`) and `steps` (`int64`).
+    /// The rows after the last step of a rollout are NaN.
     ///
     /// Requires the feature `npz`.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written; an existing file is then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written; an existing file is then
+    /// unchanged.
     ///
     /// ```
     /// use mujoco_safe::rollout::Rollout;

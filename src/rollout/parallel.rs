@@ -1,7 +1,8 @@
 //! Parallel work on chunks of simulations.
 //!
-//! The outputs are split recursively until the parts are small, and the halves run in parallel on the current rayon pool. Each
-//! part depends only on its own inputs, so the result does not depend on threads or on the splits.
+//! The outputs are split recursively until the parts are small, and the halves run in parallel on
+//! the current rayon pool. Each part depends only on its own inputs, so the result does not depend
+//! on threads or on the splits.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,14 +15,15 @@ pub(super) trait Split: Sized + Send {
     fn split(self, first: usize) -> (Self, Self);
 }
 
-/// Returns the default number of simulations that a thread takes at a time. It yields several chunks for each thread, which
-/// balances the load.
+/// Returns the default number of simulations that a thread takes at a time. It yields several
+/// chunks for each thread, which balances the load.
 pub(super) fn default_chunk(count: usize) -> usize {
     const PARTS_PER_THREAD: usize = 8;
     count.div_ceil(PARTS_PER_THREAD * rayon::current_num_threads()).max(1)
 }
 
-/// Calls `work` with parts of up to `chunk` simulations and the index of the first simulation of each.
+/// Calls `work` with parts of up to `chunk` simulations and the index of the first simulation of
+/// each.
 pub(super) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(impl Fn(usize, T) + Sync)) {
     let count = all.count();
     if count <= chunk {
@@ -37,7 +39,8 @@ pub(super) fn split_rows(values: &mut [f64], first: usize, width: usize) -> (&mu
     values.split_at_mut(first * width)
 }
 
-/// Guard that sets a stop flag when a panic drops it. Without a panic, the owner must [`disarm`](Self::disarm) it.
+/// Guard that sets a stop flag when a panic drops it. Without a panic, the owner must
+/// [`disarm`](Self::disarm) it.
 pub(super) struct StopOnPanic<'s>(&'s AtomicBool);
 
 impl<'s> StopOnPanic<'s> {

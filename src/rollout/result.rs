@@ -8,12 +8,12 @@ use crate::memory::no_room;
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RolloutError {
-    /// A step, its controller, the call of [`forward`](crate::Data::forward) after the previous step, or the edit of the model before
-    /// the first step failed. Other rollouts continue.
+    /// A step, its controller, the call of [`forward`](crate::Data::forward) after the previous
+    /// step, or the edit of the model before the first step failed. Other rollouts continue.
     #[error("step {step}: {error}")]
     Failed {
-        /// Index of the failed step, counted from 0. This is also the number of steps taken. `nstep` if `forward` failed after the
-        /// last step.
+        /// Index of the failed step, counted from 0. This is also the number of steps taken.
+        /// `nstep` if `forward` failed after the last step.
         step: usize,
         /// The error.
         #[source]
@@ -39,9 +39,11 @@ impl RolloutError {
     }
 }
 
-/// Outputs of [`Rollout::run_into`](super::Rollout::run_into). Buffers that are `None` are not recorded.
+/// Outputs of [`Rollout::run_into`](super::Rollout::run_into). Buffers that are `None` are not
+/// recorded.
 ///
-/// Values are row-major: a rollout is a block, and a step is a row of the block. If a rollout fails, its remaining rows are NaN.
+/// Values are row-major: a rollout is a block, and a step is a row of the block. If a rollout
+/// fails, its remaining rows are NaN.
 #[derive(Debug, Default)]
 pub struct RolloutBuffers<'b> {
     /// `(nroll, nstep + 1, nstate)`: row 0 is the initial state, row `k` the state after `k` steps.
@@ -52,7 +54,8 @@ pub struct RolloutBuffers<'b> {
     pub outputs: Option<&'b mut [f64]>,
 }
 
-/// Recorded states, sensor readings and outputs of all rollouts. If a rollout fails, its remaining rows are NaN.
+/// Recorded states, sensor readings and outputs of all rollouts. If a rollout fails, its remaining
+/// rows are NaN.
 #[derive(Debug)]
 pub struct RolloutResult {
     pub(super) sizes: Sizes,
@@ -83,17 +86,20 @@ impl RolloutResult {
         &self.outcomes
     }
 
-    /// Returns all states `(nroll, nstep + 1, nstate)`: row 0 of a rollout is its initial state, row `k` the state after `k` steps.
+    /// Returns all states `(nroll, nstep + 1, nstate)`: row 0 of a rollout is its initial state,
+    /// row `k` the state after `k` steps.
     pub fn states(&self) -> &[f64] {
         &self.states
     }
 
-    /// Returns all sensor readings `(nroll, nstep, nsensordata)`: row `k` of a rollout is read in step `k`, in the state of row `k`.
+    /// Returns all sensor readings `(nroll, nstep, nsensordata)`: row `k` of a rollout is read in
+    /// step `k`, in the state of row `k`.
     pub fn sensordata(&self) -> &[f64] {
         &self.sensordata
     }
 
-    /// Returns all values of the [`outputs`](super::Rollout::outputs) closure `(nroll, nstep, noutput)`.
+    /// Returns all values of the [`outputs`](super::Rollout::outputs) closure
+    /// `(nroll, nstep, noutput)`.
     pub fn outputs(&self) -> &[f64] {
         &self.outputs
     }
@@ -116,7 +122,8 @@ impl RolloutResult {
         self.block(&self.sensordata, rollout, self.sizes.steps, self.sizes.sensordata)
     }
 
-    /// Returns the values of the [`outputs`](super::Rollout::outputs) closure in one rollout `(nstep, noutput)`.
+    /// Returns the values of the [`outputs`](super::Rollout::outputs) closure in one rollout
+    /// `(nstep, noutput)`.
     ///
     /// # Panics
     ///

@@ -9,10 +9,12 @@ use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::model::{IntoModel, Model, ModelMut};
 
-/// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept for the next run.
+/// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept
+/// for the next run.
 ///
-/// Clones share the pool. The result of a rollout does not depend on the simulation that it runs in. A
-/// [`Rollout`](super::Rollout) creates its own pool by default; a predictive controller, which runs rollouts repeatedly, keeps one:
+/// Clones share the pool. The result of a rollout does not depend on the simulation that it runs
+/// in. A [`Rollout`](super::Rollout) creates its own pool by default; a predictive controller,
+/// which runs rollouts repeatedly, keeps one:
 ///
 /// ```
 /// use mujoco_safe::rollout::{Rollout, Workers};
@@ -40,7 +42,8 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// Creates an empty pool for rollouts of this model. Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`.
+    /// Creates an empty pool for rollouts of this model. Takes a [`Model`], an `Arc<Model>` or an
+    /// `&Arc<Model>`.
     pub fn new(model: impl IntoModel) -> Self {
         Self { model: model.into_model(), idle: Arc::default() }
     }
@@ -64,7 +67,8 @@ impl Workers {
         self.idle().push(data);
     }
 
-    /// Resets a simulation to the state of a new one of the edited model, independently of its earlier use.
+    /// Resets a simulation to the state of a new one of the edited model, independently of its
+    /// earlier use.
     pub(super) fn prepare(&self, data: &mut Data, index: usize, edit: Option<&Edit<'_>>) -> Result<()> {
         let fits = match edit {
             None => Arc::ptr_eq(data.model(), &self.model),
@@ -105,12 +109,14 @@ pub(super) fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
 
 /// Resets a simulation as [`Data::reset`] does, at about the cost of a step.
 ///
-/// The engine's reset clears all memory of a simulation. Even the smallest model uses megabytes, because of the capacity for
-/// hundreds of constraints, so a reset takes as long as some hundred steps of the cart-pole. This function omits the arrays of
-/// constraints and contacts. No code reads a row of these arrays that has not been written since: the accessors end at the rows
-/// in use, and a step that read more rows would depend on the previous step.
+/// The engine's reset clears all memory of a simulation. Even the smallest model uses megabytes,
+/// because of the capacity for hundreds of constraints, so a reset takes as long as some hundred
+/// steps of the cart-pole. This function omits the arrays of constraints and contacts. No code
+/// reads a row of these arrays that has not been written since: the accessors end at the rows in
+/// use, and a step that read more rows would depend on the previous step.
 pub(crate) fn restart(data: &mut Data) -> Result<()> {
-    // The data of newer engines are small, and hold more state than the arrays that are cleared here.
+    // The data of newer engines are small, and hold more state than the arrays that are cleared
+    // here.
     if cfg!(engine_since = "2.3.0") || data.check_usable().is_err() {
         return data.reset();
     }

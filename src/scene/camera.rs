@@ -44,8 +44,9 @@ engine_enum! {
     }
 }
 
-/// Abstract camera. The numeric fields apply to the free and the tracking mode, whose field of view and projection are those of the model:
-/// `fovy` and, with engines from 3.2, `orthographic` of `visual/global` in MJCF.
+/// Abstract camera. The numeric fields apply to the free and the tracking mode, whose field of view
+/// and projection are those of the model: `fovy` and, with engines from 3.2, `orthographic` of
+/// `visual/global` in MJCF.
 ///
 /// ```
 /// use mujoco_safe::sample;
@@ -65,8 +66,8 @@ engine_enum! {
 pub struct Camera {
     /// Mode.
     pub view: CameraView,
-    /// Point at the centre of the view, m, world frame. Each update moves the `lookat` of a tracking camera a fifth of the way to
-    /// the body.
+    /// Point at the centre of the view, m, world frame. Each update moves the `lookat` of a
+    /// tracking camera a fifth of the way to the body.
     pub lookat: [f64; 3],
     /// Distance from the camera to `lookat`, m.
     pub distance: f64,
@@ -85,7 +86,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Creates a free camera that shows the complete model, in the direction given by the model's visual settings.
+    /// Creates a free camera that shows the complete model, in the direction given by the model's
+    /// visual settings.
     #[doc(alias = "mjv_defaultFreeCamera")]
     pub fn free(model: &Model) -> Self {
         let global = &model.raw().vis.global;
@@ -94,8 +96,8 @@ impl Camera {
         camera
     }
 
-    /// Creates a camera as [`free`](Self::free) does, and lets it follow a body. An id or a view yields the camera itself; a name
-    /// or an index yields a [`Result`].
+    /// Creates a camera as [`free`](Self::free) does, and lets it follow a body. An id or a view
+    /// yields the camera itself; a name or an index yields a [`Result`].
     ///
     /// # Panics
     ///
@@ -105,8 +107,8 @@ impl Camera {
         body.find(model, |body| Self { view: CameraView::Tracking(body), ..Self::free(model) })
     }
 
-    /// Creates a camera that reproduces a camera of the model. An id or a view yields the camera itself; a name or an index
-    /// yields a [`Result`].
+    /// Creates a camera that reproduces a camera of the model. An id or a view yields the camera
+    /// itself; a name or an index yields a [`Result`].
     ///
     /// # Panics
     ///
@@ -124,13 +126,15 @@ impl Camera {
         self.distance = 1.5 * stat.extent;
     }
 
-    /// Moves the camera in response to a mouse motion `[dx, dy]`, right and down, as fractions of the window height. Has no
-    /// effect on a camera of the model. A tracking camera cannot be moved off its body.
+    /// Moves the camera in response to a mouse motion `[dx, dy]`, right and down, as fractions of
+    /// the window height. Has no effect on a camera of the model. A tracking camera cannot be moved
+    /// off its body.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a value is not finite or would not be finite
-    /// after the motion, [`Error::Engine`] for a translation in a scene that was never updated, with engines before 3.11.
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a value is not
+    /// finite or would not be finite after the motion, [`Error::Engine`] for a translation in a
+    /// scene that was never updated, with engines before 3.11.
     ///
     /// # Panics
     ///
@@ -175,7 +179,8 @@ impl Camera {
         };
         self.check()?;
         let &Self { lookat, distance, azimuth, elevation, .. } = self;
-        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        // SAFETY: the function sets all fields of the structure, including those that only newer
+        // engines have.
         let mut raw: mjvCamera = unsafe { ffi::made_by(|raw| sys::mjv_defaultCamera(raw)) };
         if matches!(self.view, CameraView::Free | CameraView::Tracking(_)) {
             // SAFETY: a valid camera and a valid model.
@@ -217,8 +222,8 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
 }
 
 impl Scene {
-    /// Moves the viewpoints to a camera without a simulation. A tracking camera keeps its `lookat`. Has no effect for the
-    /// other modes, whose poses depend on a simulation.
+    /// Moves the viewpoints to a camera without a simulation. A tracking camera keeps its `lookat`.
+    /// Has no effect for the other modes, whose poses depend on a simulation.
     #[cfg(feature = "viewer")]
     pub(crate) fn look(&mut self, model: &Model, camera: &Camera) -> Result<()> {
         self.check_model(model, "the model to show")?;
@@ -227,20 +232,22 @@ impl Scene {
         }
         let mut raw = Camera { view: CameraView::Free, ..*camera }.raw(model)?;
         let (model, scene) = (model.as_ptr(), self.raw_mut());
-        // SAFETY: a model that the scene belongs to. For a free camera the function does not dereference the data.
+        // SAFETY: a model that the scene belongs to. For a free camera the function does not
+        // dereference the data.
         let status = unsafe { guard::mjv_update_camera(model, std::ptr::null_mut(), &raw mut raw, scene) };
         ffi::check_without_data("mjv_updateCamera", status)
     }
 
     /// Updates only the viewpoints.
     ///
-    /// [`update`](Self::update) centres an infinite plane near the viewpoints of the previous update. Call this function first
-    /// if there was no previous update, for example to render a single image.
+    /// [`update`](Self::update) centres an infinite plane near the viewpoints of the previous
+    /// update. Call this function first if there was no previous update, for example to render a
+    /// single image.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data of another model,
-    /// [`Error::Invalid`] if the camera contains a value that is not finite.
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data
+    /// of another model, [`Error::Invalid`] if the camera contains a value that is not finite.
     ///
     /// # Panics
     ///
@@ -252,8 +259,8 @@ impl Scene {
         let mut raw = camera.raw(data.model())?;
         let scene = self.raw_mut();
         data.call("mjv_updateCamera", |m, d| {
-            // SAFETY: the model and the data belong together, the positions were computed, and the ids are valid. The
-            // function only reads the data although its pointer is not const.
+            // SAFETY: the model and the data belong together, the positions were computed, and the
+            // ids are valid. The function only reads the data although its pointer is not const.
             unsafe { guard::mjv_update_camera(m, d.cast_mut(), &raw mut raw, scene) }
         })?;
         camera.take(&raw);

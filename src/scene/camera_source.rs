@@ -8,8 +8,10 @@ use crate::model::Model;
 
 /// Camera as an argument.
 ///
-/// - A camera of the model: its name, index, id or view, as for [`Model::camera`](crate::Model::camera).
-/// - `&mut Camera`: a free camera, or any other [`Camera`]. The call moves a tracking camera with its body.
+/// - A camera of the model: its name, index, id or view, as for
+///   [`Model::camera`](crate::Model::camera).
+/// - `&mut Camera`: a free camera, or any other [`Camera`]. The call moves a tracking camera with
+///   its body.
 ///
 /// ```no_run
 /// use mujoco_safe::render::Renderer;

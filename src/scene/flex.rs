@@ -8,7 +8,8 @@ use mujoco_sys::adapted;
 use super::Scene;
 use crate::ffi;
 
-/// Flex in the pose of the last update: a rope, a cloth or a soft body. Engines before 3.0 have none.
+/// Flex in the pose of the last update: a rope, a cloth or a soft body. Engines before 3.0 have
+/// none.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneFlex<'s> {
     /// Index of the flex in the model.
@@ -17,7 +18,8 @@ pub struct SceneFlex<'s> {
     pub vertices: &'s [[f32; 3]],
     /// Two indices of vertices for each edge.
     pub edges: &'s [[i32; 2]],
-    /// Positions of the corners of each face, m, world frame: the outer surface, or the faces of the elements.
+    /// Positions of the corners of each face, m, world frame: the outer surface, or the faces of
+    /// the elements.
     pub faces: &'s [[[f32; 3]; 3]],
     /// Unit normals at the corners of each face.
     pub normals: &'s [[[f32; 3]; 3]],
@@ -30,8 +32,9 @@ pub struct SceneFlex<'s> {
 }
 
 impl Scene {
-    /// Iterates over all flexes of the model. [`update`](Self::update) sets their poses if one of the flags of flexes is set, and the
-    /// faces that [`FLEXFACE`](super::VisualFlags::FLEXFACE) or [`FLEXSKIN`](super::VisualFlags::FLEXSKIN) show.
+    /// Iterates over all flexes of the model. [`update`](Self::update) sets their poses if one of
+    /// the flags of flexes is set, and the faces that [`FLEXFACE`](super::VisualFlags::FLEXFACE) or
+    /// [`FLEXSKIN`](super::VisualFlags::FLEXSKIN) show.
     pub fn flexes(&self) -> impl ExactSizeIterator<Item = SceneFlex<'_>> + '_ {
         // SAFETY: a valid scene, of which the function reads a number.
         let count = unsafe { adapted::scene_flexes(self.as_ptr()) };
@@ -46,8 +49,8 @@ impl Scene {
             raw.assume_init()
         };
         let faces = ffi::size(raw.facenum);
-        // SAFETY: the engine allocated the arrays with these lengths, they were set to zero when the scene was created, and only
-        // `&mut self` writes to them.
+        // SAFETY: the engine allocated the arrays with these lengths, they were set to zero when
+        // the scene was created, and only `&mut self` writes to them.
         unsafe {
             SceneFlex {
                 flex,

@@ -18,7 +18,8 @@ use crate::model::Model;
 engine_enum! {
     /// Shape of a geom in a scene: the shapes of a model, and shapes for decoration only.
     SceneGeomType {
-        /// Plane through its origin, normal along z. `size`: half lengths along x and y, 0 for infinite.
+        /// Plane through its origin, normal along z. `size`: half lengths along x and y, 0 for
+        /// infinite.
         Plane = mjGEOM_PLANE,
         /// Height field.
         HeightField = mjGEOM_HFIELD,
@@ -36,19 +37,21 @@ engine_enum! {
         Mesh = mjGEOM_MESH,
         /// Signed distance field, shown as a triangle mesh. With engines from 3.0.
         Sdf = mjGEOM_SDF,
-        /// Arrow from its origin along z. `size`: the radius of the shaft, twice, and a length. The engine's renderer and this
-        /// crate's draw only half of that length: a third of it as the shaft, a sixth as the head.
+        /// Arrow from its origin along z. `size`: the radius of the shaft, twice, and a length. The
+        /// engine's renderer and this crate's draw only half of that length: a third of it as the
+        /// shaft, a sixth as the head.
         Arrow = mjGEOM_ARROW,
         /// Arrow whose head is no wider than its shaft, with the size of an [`Arrow`](Self::Arrow).
         Arrow1 = mjGEOM_ARROW1,
-        /// Arrow with two heads, with the size of an [`Arrow`](Self::Arrow). Centred at its origin, half its length to either
-        /// side.
+        /// Arrow with two heads, with the size of an [`Arrow`](Self::Arrow). Centred at its origin,
+        /// half its length to either side.
         Arrow2 = mjGEOM_ARROW2,
         /// Line from its origin along z. `size`: the width, twice, and the length.
         Line = mjGEOM_LINE,
         /// Skin.
         Skin = mjGEOM_SKIN,
-        /// Flex: a deformable object of engines from 3.0. `size`: the radius of its vertices and edges.
+        /// Flex: a deformable object of engines from 3.0. `size`: the radius of its vertices and
+        /// edges.
         Flex = mjGEOM_FLEX,
         /// Text label without a shape.
         Label = mjGEOM_LABEL,
@@ -56,7 +59,8 @@ engine_enum! {
         None = mjGEOM_NONE,
         /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.1.1.
         LineBox = mjGEOM_LINEBOX,
-        /// Triangle of its origin and two points, at `size[0]` along x and `size[1]` along y. With engines from 3.0.
+        /// Triangle of its origin and two points, at `size[0]` along x and `size[1]` along y. With
+        /// engines from 3.0.
         Triangle = mjGEOM_TRIANGLE,
     }
 }
@@ -193,8 +197,8 @@ impl<'s> SceneGeom<'s> {
         self.raw.reflectance
     }
 
-    /// Returns `true` if the engine's renderer draws the shadow of the geom: not of decoration, with engines from 3.0.1, and not of geoms with
-    /// `castshadow="false"`, with engines from 4.0.
+    /// Returns `true` if the engine's renderer draws the shadow of the geom: not of decoration,
+    /// with engines from 3.0.1, and not of geoms with `castshadow="false"`, with engines from 4.0.
     #[cfg(feature = "renderer")]
     pub(crate) fn casts_shadow(self) -> bool {
         // SAFETY: a valid geom, of which the function reads numbers.
@@ -206,7 +210,8 @@ impl<'s> SceneGeom<'s> {
         Categories::from_bits_truncate(self.raw.category as u32)
     }
 
-    /// Returns the element that the geom represents; `None` for decoration and for geoms added by the user.
+    /// Returns the element that the geom represents; `None` for decoration and for geoms added by
+    /// the user.
     #[doc(alias = "objtype")]
     #[doc(alias = "objid")]
     pub fn object(self) -> Option<SceneObject> {
@@ -222,20 +227,23 @@ impl<'s> SceneGeom<'s> {
         ffi::size(self.raw.segid)
     }
 
-    /// Returns the index of the material; `None` if there is none, and with engines before 3.2, whose geoms have only the texture.
+    /// Returns the index of the material; `None` if there is none, and with engines before 3.2,
+    /// whose geoms have only the texture.
     #[cfg(feature = "renderer")]
     pub(crate) fn material(self) -> Option<usize> {
         // SAFETY: a valid geom, of which the function reads numbers.
         usize::try_from(unsafe { adapted::scene_geom_texture(self.raw) }.material).ok()
     }
 
-    /// Returns the texture that the engine's OpenGL renderer draws: with engines from 3.2.1 that of the material's base colour.
+    /// Returns the texture that the engine's OpenGL renderer draws: with engines from 3.2.1 that of
+    /// the material's base colour.
     #[doc(alias = "texid")]
     pub fn texture(self) -> Option<TextureId> {
         self.material_texture().texture.map(|texture| Id::new(texture, self.lineage))
     }
 
-    /// Returns the number of repetitions of a two-dimensional texture along x and y; 0 without a material.
+    /// Returns the number of repetitions of a two-dimensional texture along x and y; 0 without a
+    /// material.
     pub fn texrepeat(self) -> [f32; 2] {
         self.material_texture().repeat
     }
@@ -271,7 +279,8 @@ impl<'s> SceneGeom<'s> {
         self.data(SceneGeomType::HeightField).map(|field| Id::new(field, self.lineage))
     }
 
-    /// Returns the index of the plane among the planes of the model; `None` for a plane added by the user.
+    /// Returns the index of the plane among the planes of the model; `None` for a plane added by
+    /// the user.
     #[doc(alias = "dataid")]
     pub fn plane(self) -> Option<usize> {
         self.data(SceneGeomType::Plane)
@@ -282,7 +291,8 @@ impl<'s> SceneGeom<'s> {
         if self.geom_type() == SceneGeomType::Flex { usize::try_from(self.raw.objid).ok() } else { None }
     }
 
-    /// Returns the faces of the flex that the geom shows, if it shows only some: those with one of several materials.
+    /// Returns the faces of the flex that the geom shows, if it shows only some: those with one of
+    /// several materials.
     #[cfg(feature = "renderer")]
     pub(crate) fn flex_faces(self) -> Option<std::ops::Range<usize>> {
         let [_, start, count] = self.raw.size.map(|number| number.max(0.0) as usize);
@@ -299,8 +309,8 @@ impl<'s> SceneGeom<'s> {
         if self.geom_type() == of { usize::try_from(self.raw.dataid).ok() } else { None }
     }
 
-    /// Returns the label, which may be empty. The engine truncates labels to 99 bytes, possibly inside a character; this
-    /// function omits the incomplete character.
+    /// Returns the label, which may be empty. The engine truncates labels to 99 bytes, possibly
+    /// inside a character; this function omits the incomplete character.
     pub fn label(self) -> &'s str {
         let label = &self.raw.label;
         // SAFETY: the array outlives `'s`, and bytes have no invalid values.
@@ -312,7 +322,8 @@ impl<'s> SceneGeom<'s> {
         }
     }
 
-    /// Returns the radius of the bounding sphere of the model's geom, m; 0 for other geoms and for planes.
+    /// Returns the radius of the bounding sphere of the model's geom, m; 0 for other geoms and for
+    /// planes.
     #[doc(alias = "rbound")]
     pub fn modelrbound(self) -> f32 {
         self.raw.modelrbound
@@ -388,12 +399,14 @@ impl fmt::Debug for SceneGeomMut<'_> {
     }
 }
 
-/// Skin in the pose of the last update. Its faces are the model's [`skin_face`](crate::Model::skin_face).
+/// Skin in the pose of the last update. Its faces are the model's
+/// [`skin_face`](crate::Model::skin_face).
 #[derive(Clone, Copy, Debug)]
 pub struct SceneSkin<'s> {
     /// Identifier.
     pub skin: SkinId,
-    /// Vertex positions, m, world frame. Zero before the first update, and while the group of the skin is hidden.
+    /// Vertex positions, m, world frame. Zero before the first update, and while the group of the
+    /// skin is hidden.
     pub vertices: &'s [[f32; 3]],
     /// Unit vertex normals. Zero whenever the vertices are.
     pub normals: &'s [[f32; 3]],
@@ -420,7 +433,8 @@ impl Scene {
         SceneGeom::new(&self.raw_geoms()[index], self.lineage, &self.materials)
     }
 
-    /// Iterates over the geoms with mutable access to their appearance, for example to fade a trail of poses.
+    /// Iterates over the geoms with mutable access to their appearance, for example to fade a trail
+    /// of poses.
     pub fn geoms_mut(&mut self) -> impl ExactSizeIterator<Item = SceneGeomMut<'_>> + '_ {
         let (lineage, materials) = (self.lineage, &*self.materials);
         let (geoms, count) = (self.raw().geoms, self.ngeom());
@@ -429,7 +443,8 @@ impl Scene {
     }
 
     fn raw_geoms(&self) -> &[mjvGeom] {
-        // SAFETY: the complete buffer is initialised, its first `ngeom` entries are in use, and only `&mut self` writes to it.
+        // SAFETY: the complete buffer is initialised, its first `ngeom` entries are in use, and
+        // only `&mut self` writes to it.
         unsafe { ffi::array(self.raw().geoms, self.ngeom()) }
     }
 
@@ -438,10 +453,11 @@ impl Scene {
     pub fn skins(&self) -> impl ExactSizeIterator<Item = SceneSkin<'_>> + '_ {
         let raw = self.raw();
         let count = ffi::size(raw.nskin);
-        // SAFETY: the engine allocated one entry per skin in each array, and filled them when the scene was created.
+        // SAFETY: the engine allocated one entry per skin in each array, and filled them when the
+        // scene was created.
         let (starts, lengths) = unsafe { (ffi::array(raw.skinvertadr, count), ffi::array(raw.skinvertnum, count)) };
-        // SAFETY: allocated for all vertices of the model and zeroed when the scene was created; only `&mut self` writes to
-        // them.
+        // SAFETY: allocated for all vertices of the model and zeroed when the scene was created;
+        // only `&mut self` writes to them.
         let (vertices, normals) =
             unsafe { (ffi::rows(raw.skinvert, self.skin_vertices), ffi::rows(raw.skinnormal, self.skin_vertices)) };
         starts.iter().zip(lengths).enumerate().map(move |(skin, (&start, &length))| {

@@ -32,15 +32,17 @@ pub struct SceneLight {
     pub directional: bool,
     /// Enables shadows of this light.
     pub castshadow: bool,
-    /// `false` for a light that neither the engine's OpenGL renderer nor this crate's draws: a point light or an image light, with engines from
-    /// 3.3.3. Those from 3.5 and before 3.17 draw it as a light without a place, which shines along the view.
+    /// `false` for a light that neither the engine's OpenGL renderer nor this crate's draws: a
+    /// point light or an image light, with engines from 3.3.3. Those from 3.5 and before 3.17 draw
+    /// it as a light without a place, which shines along the view.
     pub drawn: bool,
     /// Marks a light that the engine's renderer neither places nor directs.
     #[cfg(feature = "renderer")]
     pub(crate) shines_along_view: bool,
 }
 
-/// The engine's renderer draws point and image lights, without setting their places and directions: those of OpenGL's initial state remain.
+/// The engine's renderer draws point and image lights, without setting their places and directions:
+/// those of OpenGL's initial state remain.
 const DRAWS_UNPLACED_LIGHTS: bool = cfg!(all(engine_since = "3.5.0", not(engine_since = "3.17.0")));
 
 impl SceneLight {
@@ -68,7 +70,8 @@ impl SceneLight {
 }
 
 impl Scene {
-    /// Iterates over the active lights: first the headlight if it is active, then those of the model.
+    /// Iterates over the active lights: first the headlight if it is active, then those of the
+    /// model.
     ///
     /// ```
     /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
@@ -90,8 +93,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`](crate::Error::NotComputed) if positions have not been computed, [`Error::OtherModel`](crate::Error::OtherModel) for data of another model,
-    /// [`Error::Engine`](crate::Error::Engine) with newer engines before the first update of the camera.
+    /// [`Error::NotComputed`](crate::Error::NotComputed) if positions have not been computed,
+    /// [`Error::OtherModel`](crate::Error::OtherModel) for data of another model,
+    /// [`Error::Engine`](crate::Error::Engine) with newer engines before the first update of the
+    /// camera.
     #[doc(alias = "mjv_makeLights")]
     pub fn update_lights(&mut self, data: &Data) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;

@@ -1,6 +1,8 @@
-//! Abstract visualisation: the geoms, lights, skins and cameras of a simulation as a list that a renderer can draw.
+//! Abstract visualisation: the geoms, lights, skins and cameras of a simulation as a list that a
+//! renderer can draw.
 //!
-//! A [`Scene`] holds no graphics resources. The `render` module draws it; any other renderer can read it through the accessors.
+//! A [`Scene`] holds no graphics resources. The `render` module draws it; any other renderer can
+//! read it through the accessors.
 //!
 //! ```
 //! use mujoco_safe::scene::{Camera, Categories, Scene, SceneObject, SceneOptions, VisualFlags};
@@ -27,14 +29,16 @@
 //!
 //! # Models
 //!
-//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`](crate::Data) created from them. Data of
-//! another model causes [`Error::OtherModel`]; an id of another model causes a panic, as everywhere in this crate.
+//! A scene belongs to the model that it was created for, to clones of that model and to every
+//! [`Data`](crate::Data) created from them. Data of another model causes [`Error::OtherModel`]; an
+//! id of another model causes a panic, as everywhere in this crate.
 //!
 //! # Quirks of the engine
 //!
-//! The engine centres an infinite plane near the viewpoints of the previous update: see [`Scene::update_camera`]. The engine
-//! draws a string between two meaningless points for a limited fixed tendon that couples two joints, has a lower limit of zero,
-//! and has neither stiffness nor damping.
+//! The engine centres an infinite plane near the viewpoints of the previous update: see
+//! [`Scene::update_camera`]. The engine draws a string between two meaningless points for a limited
+//! fixed tendon that couples two joints, has a lower limit of zero, and has neither stiffness nor
+//! damping.
 
 mod camera;
 #[cfg(feature = "renderer")]
@@ -119,19 +123,20 @@ pub struct Scene {
     materials: Box<[MaterialTexture]>,
 }
 
-// SAFETY: the engine's structure is plain memory without thread affinity, and the scene owns all of it.
+// SAFETY: the engine's structure is plain memory without thread affinity, and the scene owns all of
+// it.
 unsafe impl Send for Scene {}
 // SAFETY: as above; only `&mut Scene` writes to it.
 unsafe impl Sync for Scene {}
 
 impl Scene {
-    /// Creates an empty scene for a model, with capacity for `max_geoms` geoms. The operating system commits the memory on
-    /// first use.
+    /// Creates an empty scene for a model, with capacity for `max_geoms` geoms. The operating
+    /// system commits the memory on first use.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if `max_geoms` exceeds the range of a C `int`, [`Error::OutOfMemory`] or [`Error::Engine`] if
-    /// memory is exhausted.
+    /// [`Error::Invalid`] if `max_geoms` exceeds the range of a C `int`, [`Error::OutOfMemory`] or
+    /// [`Error::Engine`] if memory is exhausted.
     ///
     /// ```
     /// use mujoco_safe::{Error, Scene, sample};
@@ -169,12 +174,14 @@ impl Scene {
         let has_convex_hull = model.mesh_graphadr().iter().map(|&address| address >= 0).collect();
         let materials = vec![MaterialTexture::default(); model.nmat()].into();
         let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, has_convex_hull, materials };
-        // SAFETY: a valid model and an empty scene. If the engine raises an error, dropping the scene frees what it allocated.
+        // SAFETY: a valid model and an empty scene. If the engine raises an error, dropping the
+        // scene frees what it allocated.
         let status = unsafe { guard::mjv_make_scene(model.as_ptr(), &raw mut *scene.raw, 0) };
         ffi::check_without_data("mjv_makeScene", status)?;
         let raw = &mut *scene.raw;
         if skin_vertices > 0 {
-            // SAFETY: both arrays have three numbers per vertex. The engine leaves them uninitialised until the first update.
+            // SAFETY: both arrays have three numbers per vertex. The engine leaves them
+            // uninitialised until the first update.
             unsafe {
                 ptr::write_bytes(raw.skinvert, 0, 3 * skin_vertices);
                 ptr::write_bytes(raw.skinnormal, 0, 3 * skin_vertices);
@@ -201,12 +208,14 @@ impl Scene {
         RenderFlags::from_bits_truncate(options::bits(&self.raw().flags))
     }
 
-    /// Enables exactly these rendering effects. Effects that only newer engines have, for their own renderer, are unchanged.
+    /// Enables exactly these rendering effects. Effects that only newer engines have, for their own
+    /// renderer, are unchanged.
     pub fn set_render_flags(&mut self, flags: RenderFlags) {
         options::set_flags(&mut self.raw_mut().flags, flags.bits(), RenderFlags::all().bits());
     }
 
-    /// Returns the engine's structure, for direct calls of the C functions. Those must not create or free the scene.
+    /// Returns the engine's structure, for direct calls of the C functions. Those must not create
+    /// or free the scene.
     #[inline]
     pub fn as_ptr(&self) -> *const mjvScene {
         &raw const *self.raw
@@ -237,7 +246,8 @@ impl Drop for Scene {
     fn drop(&mut self) {
         // This crate allocated these two arrays, and frees them itself.
         (self.raw.geoms, self.raw.geomorder) = (ptr::null_mut(), ptr::null_mut());
-        // SAFETY: every other pointer was allocated by the engine or is NULL, and the function only frees them.
+        // SAFETY: every other pointer was allocated by the engine or is NULL, and the function only
+        // frees them.
         unsafe { sys::mjv_freeScene(&raw mut *self.raw) };
     }
 }
@@ -269,8 +279,9 @@ unsafe impl Plain for c_int {}
 
 /// Zero-initialised array.
 ///
-/// The engine allocates this array with `malloc` and does not initialise it. It then writes labels without a terminator and never
-/// sets the fields that only its renderer uses. Zeroed pages are committed on first use, so a large capacity is cheap.
+/// The engine allocates this array with `malloc` and does not initialise it. It then writes labels
+/// without a terminator and never sets the fields that only its renderer uses. Zeroed pages are
+/// committed on first use, so a large capacity is cheap.
 struct Buffer<T: Plain> {
     start: NonNull<T>,
     layout: Layout,

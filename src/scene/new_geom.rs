@@ -19,13 +19,14 @@ engine_enum! {
         Capsule = mjGEOM_CAPSULE,
         /// Cylinder. The width is its radius.
         Cylinder = mjGEOM_CYLINDER,
-        /// Arrow. The width is the radius of its shaft. It is drawn at [half its length](SceneGeomType::Arrow): to reach a point,
-        /// pass a point at twice the distance.
+        /// Arrow. The width is the radius of its shaft. It is drawn at [half its
+        /// length](SceneGeomType::Arrow): to reach a point, pass a point at twice the distance.
         Arrow = mjGEOM_ARROW,
-        /// Arrow whose head is no wider than its shaft, drawn at half its length as [`Arrow`](Self::Arrow).
+        /// Arrow whose head is no wider than its shaft, drawn at half its length as
+        /// [`Arrow`](Self::Arrow).
         Arrow1 = mjGEOM_ARROW1,
-        /// Arrow with two heads. It is centred at the *first* point and extends [half its length to either
-        /// side](SceneGeomType::Arrow2).
+        /// Arrow with two heads. It is centred at the *first* point and extends [half its length to
+        /// either side](SceneGeomType::Arrow2).
         Arrow2 = mjGEOM_ARROW2,
         /// Line. Its width is that of the model's visual settings.
         Line = mjGEOM_LINE,
@@ -40,7 +41,8 @@ enum Shape {
     HeightField(HeightFieldId),
 }
 
-/// Geom to add to a scene with [`Scene::add_geom`]: shape and appearance. Grey and opaque by default.
+/// Geom to add to a scene with [`Scene::add_geom`]: shape and appearance. Grey and opaque by
+/// default.
 ///
 /// ```
 /// use mujoco_safe::scene::{Connector, NewGeom, Scene};
@@ -100,7 +102,8 @@ impl NewGeom {
         }
     }
 
-    /// Creates a plane through its position, with normal z and these half lengths along x and y, m; 0 for infinite.
+    /// Creates a plane through its position, with normal z and these half lengths along x and y, m;
+    /// 0 for infinite.
     pub fn plane(half_lengths: [f64; 2]) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Plane, [half_lengths[0], half_lengths[1], 0.0]))
     }
@@ -137,7 +140,8 @@ impl NewGeom {
         Self::new(Shape::Mesh { mesh: mesh.into(), hull: false })
     }
 
-    /// Creates an instance of the convex hull of a mesh of the model, or of the mesh itself if the compiler built no hull.
+    /// Creates an instance of the convex hull of a mesh of the model, or of the mesh itself if the
+    /// compiler built no hull.
     pub fn convex_hull(mesh: impl Into<MeshId>) -> Self {
         Self::new(Shape::Mesh { mesh: mesh.into(), hull: true })
     }
@@ -156,7 +160,8 @@ impl NewGeom {
         Self::new(Shape::Simple(SceneGeomType::Label, [0.1; 3])).label(text)
     }
 
-    /// Creates a geom that connects two points, m, world frame. They determine its position and orientation.
+    /// Creates a geom that connects two points, m, world frame. They determine its position and
+    /// orientation.
     #[doc(alias = "mjv_makeConnector")]
     pub fn connector(shape: Connector, width: f64, from: [f64; 3], to: [f64; 3]) -> Self {
         Self::new(Shape::Connector { shape, width, from, to })
@@ -263,7 +268,8 @@ impl NewGeom {
         };
         let size = size.as_ref().map_or(ptr::null(), |size| size.as_ptr());
         let (pos, mat, rgba) = (self.pos.as_ptr(), self.mat.as_ptr(), self.rgba.as_ptr());
-        // SAFETY: three numbers or NULL, then three, nine and four numbers; the function cannot fail.
+        // SAFETY: three numbers or NULL, then three, nine and four numbers; the function cannot
+        // fail.
         unsafe { sys::mjv_initGeom(&raw mut geom, geom_type.raw(), size, pos, mat, rgba) };
         if let Shape::Connector { shape, width, from: [a0, a1, a2], to: [b0, b1, b2] } = self.shape {
             let geom = &raw mut geom;
@@ -309,12 +315,14 @@ pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
 }
 
 impl Scene {
-    /// Adds a geom, which remains until the next [`update`](Self::update) or [`clear`](Self::clear). Returns its index, which is
-    /// also its [`segid`](super::SceneGeom::segid).
+    /// Adds a geom, which remains until the next [`update`](Self::update) or
+    /// [`clear`](Self::clear). Returns its index, which is also its
+    /// [`segid`](super::SceneGeom::segid).
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] if the scene is full, [`Error::Invalid`] for values that cannot be drawn.
+    /// [`Error::SceneFull`] if the scene is full, [`Error::Invalid`] for values that cannot be
+    /// drawn.
     ///
     /// # Panics
     ///

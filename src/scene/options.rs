@@ -122,7 +122,8 @@ bitflags! {
         const STATIC = 1 << sys::mjVIS_STATIC;
         /// Skins.
         const SKIN = 1 << sys::mjVIS_SKIN;
-        /// Vertices of flexes, as spheres. As all flags of flexes, without effect in engines before 3.0.
+        /// Vertices of flexes, as spheres. As all flags of flexes, without effect in engines before
+        /// 3.0.
         const FLEXVERT = 1 << sys::mjVIS_FLEXVERT;
         /// Edges of flexes, as cylinders.
         const FLEXEDGE = 1 << sys::mjVIS_FLEXEDGE;
@@ -130,7 +131,8 @@ bitflags! {
         const FLEXFACE = 1 << sys::mjVIS_FLEXFACE;
         /// Smooth surfaces of flexes, instead of the other parts. One-dimensional flexes have none.
         const FLEXSKIN = 1 << sys::mjVIS_FLEXSKIN;
-        /// Colours of constraint islands, for bodies and contacts. As all following flags, without effect in engines before 3.0.
+        /// Colours of constraint islands, for bodies and contacts. As all following flags, without
+        /// effect in engines before 3.0.
         const ISLAND = 1 << sys::mjVIS_ISLAND;
         /// Bounding volumes of bodies, at the depth [`SceneOptions::bvh_depth`].
         const BODYBVH = 1 << sys::mjVIS_BODYBVH;
@@ -162,7 +164,8 @@ bitflags! {
         const HAZE = 1 << sys::mjRND_HAZE;
         /// A random flat colour for each geom.
         const SEGMENT = 1 << sys::mjRND_SEGMENT;
-        /// With [`SEGMENT`](Self::SEGMENT): the colour encodes the geom's [`segid`](super::SceneGeom::segid) plus 1.
+        /// With [`SEGMENT`](Self::SEGMENT): the colour encodes the geom's
+        /// [`segid`](super::SceneGeom::segid) plus 1.
         const IDCOLOR = 1 << sys::mjRND_IDCOLOR;
         /// Back-face culling.
         const CULL_FACE = 1 << sys::mjRND_CULL_FACE;
@@ -184,8 +187,8 @@ bitflags! {
 
 /// Options of visualisation for a [`Scene`](super::Scene).
 ///
-/// Groups control the visibility of elements: `geomgroup[2]` shows or hides geoms of group 2. As in the engine, groups below 0
-/// count as 0 and groups above 5 as 5.
+/// Groups control the visibility of elements: `geomgroup[2]` shows or hides geoms of group 2. As in
+/// the engine, groups below 0 count as 0 and groups above 5 as 5.
 ///
 /// ```
 /// use mujoco_safe::scene::{FrameMode, SceneOptions, VisualFlags};
@@ -218,16 +221,19 @@ pub struct SceneOptions {
     pub tendongroup: [bool; 6],
     /// Visibility of each group of actuators.
     pub actuatorgroup: [bool; 6],
-    /// Visibility of each group of skins. A hidden skin still has a geom in the scene, with all vertices at zero.
+    /// Visibility of each group of skins. A hidden skin still has a geom in the scene, with all
+    /// vertices at zero.
     pub skingroup: [bool; 6],
     /// Visibility of each group of flexes, in engines from 3.0.
     pub flexgroup: [bool; 6],
     /// Visible parts.
     pub flags: VisualFlags,
-    /// Visible layer of the elements of three-dimensional flexes, for [`VisualFlags::FLEXFACE`]: 0 is the outermost. In engines from 3.0.
+    /// Visible layer of the elements of three-dimensional flexes, for [`VisualFlags::FLEXFACE`]: 0
+    /// is the outermost. In engines from 3.0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub flex_layer: u32,
-    /// Depth of the bounding volumes that [`VisualFlags::BODYBVH`] and [`VisualFlags::MESHBVH`] show, 1 by default. In engines from 3.0.
+    /// Depth of the bounding volumes that [`VisualFlags::BODYBVH`] and [`VisualFlags::MESHBVH`]
+    /// show, 1 by default. In engines from 3.0.
     #[cfg_attr(feature = "serde", serde(default = "default_bvh_depth"))]
     pub bvh_depth: u32,
 }
@@ -238,8 +244,9 @@ fn default_bvh_depth() -> u32 {
 }
 
 impl Default for SceneOptions {
-    /// Returns the engine's defaults: groups 0 to 2, no labels, no frames; textures, tendons, rangefinders, the target of a
-    /// perturbation, static geoms, skins; the edges and the smooth surfaces of flexes.
+    /// Returns the engine's defaults: groups 0 to 2, no labels, no frames; textures, tendons,
+    /// rangefinders, the target of a perturbation, static geoms, skins; the edges and the smooth
+    /// surfaces of flexes.
     #[doc(alias = "mjv_defaultOption")]
     fn default() -> Self {
         let group = [true, true, true, false, false, false];
@@ -284,7 +291,8 @@ with_methods!(SceneOptions {
 
 impl SceneOptions {
     pub(super) fn raw(&self) -> mjvOption {
-        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        // SAFETY: the function sets all fields of the structure, including those that only newer
+        // engines have.
         let mut raw: mjvOption = unsafe { ffi::made_by(|raw| sys::mjv_defaultOption(raw)) };
         (raw.label, raw.frame) = (self.label.raw(), self.frame.raw());
         for (to, from) in [
@@ -309,7 +317,8 @@ impl SceneOptions {
         raw
     }
 
-    /// Returns `true` if the options show contacts, constraints or islands, for which the engine reads results of the constraint solver.
+    /// Returns `true` if the options show contacts, constraints or islands, for which the engine
+    /// reads results of the constraint solver.
     pub(crate) fn shows_contacts(&self) -> bool {
         const FLAGS: VisualFlags = VisualFlags::CONTACTPOINT
             .union(VisualFlags::CONTACTFORCE)

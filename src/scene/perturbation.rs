@@ -35,9 +35,10 @@ struct Applied {
 
 /// Selected body, optionally pulled or rotated by a critically damped spring.
 ///
-/// In an interactive loop, [`select`](Self::select) the clicked body. When a drag starts, call [`start`](Self::start) and set
-/// `active`. Call [`move_by`](Self::move_by) for each mouse motion, and [`apply_pose`](Self::apply_pose) and
-/// [`apply_force`](Self::apply_force) before each step. Clear `active` when the drag ends.
+/// In an interactive loop, [`select`](Self::select) the clicked body. When a drag starts, call
+/// [`start`](Self::start) and set `active`. Call [`move_by`](Self::move_by) for each mouse motion,
+/// and [`apply_pose`](Self::apply_pose) and [`apply_force`](Self::apply_force) before each step.
+/// Clear `active` when the drag ends.
 ///
 /// ```
 /// use mujoco_safe::scene::{Perturbation, PerturbationFlags};
@@ -78,7 +79,8 @@ pub struct Perturbation {
     pub localpos: [f64; 3],
     /// Displacement for a mouse motion of one window height, m. Set by [`start`](Self::start).
     pub scale: f64,
-    /// With newer engines: offset of the selected point's target from `refpos`, and the inertia at the point, zero before the start.
+    /// With newer engines: offset of the selected point's target from `refpos`, and the inertia at
+    /// the point, zero before the start.
     grip: [f64; 4],
     applied: Option<Applied>,
 }
@@ -107,13 +109,14 @@ impl Default for Perturbation {
 pub enum MovableBodies {
     /// Mocap bodies, by their mocap pose. For a running simulation.
     Mocap,
-    /// Also a body with a free joint, and the kinematic tree of a body if the root of the tree has a free joint. For a paused
-    /// simulation.
+    /// Also a body with a free joint, and the kinematic tree of a body if the root of the tree has
+    /// a free joint. For a paused simulation.
     MocapAndFree,
 }
 
 impl Perturbation {
-    /// Selects the body, the skin and the point of a [`Selection`], and deactivates the perturbation.
+    /// Selects the body, the skin and the point of a [`Selection`], and deactivates the
+    /// perturbation.
     ///
     /// # Errors
     ///
@@ -142,20 +145,20 @@ impl Perturbation {
         self.stop();
     }
 
-    /// Deactivates the perturbation. A force added by [`apply_force`](Self::apply_force) persists until its next call, or until
-    /// [`remove_force`](Self::remove_force).
+    /// Deactivates the perturbation. A force added by [`apply_force`](Self::apply_force) persists
+    /// until its next call, or until [`remove_force`](Self::remove_force).
     pub fn stop(&mut self) {
         (self.active, self.active2) = (PerturbationFlags::empty(), PerturbationFlags::empty());
     }
 
-    /// Sets the target to the pose of the selected body, and the scale from the scene's camera. Has no effect without a
-    /// selection, or for the world body.
+    /// Sets the target to the pose of the selected body, and the scale from the scene's camera. Has
+    /// no effect without a selection, or for the world body.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a scene of another model, [`Error::NotComputed`] if positions have not been computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a value is not finite. The data stays
-    /// usable.
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::NotComputed`] if positions have
+    /// not been computed, [`Error::Engine`] before the first update of the scene,
+    /// [`Error::Invalid`] if a value is not finite. The data stays usable.
     ///
     /// # Panics
     ///
@@ -167,15 +170,17 @@ impl Perturbation {
         let mut raw = self.raw(model)?;
         data.check_computed("Perturbation::start", Stage::Position)?;
         data.call_on_stack("mjv_initPerturb", |m, d| {
-            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the body is valid. Newer
-            // engines use the stack of the data, which is borrowed exclusively.
+            // SAFETY: the model, the data and the scene belong together, the positions were
+            // computed, and the body is valid. Newer engines use the stack of the data, which is
+            // borrowed exclusively.
             unsafe { guard::mjv_init_perturb(m, d, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)
     }
 
-    /// Moves the target in response to a mouse motion `[dx, dy]`, as fractions of the window height. The target orientation stays
-    /// within 90° of the body's. [`Zoom`](MouseAction::Zoom) has no effect.
+    /// Moves the target in response to a mouse motion `[dx, dy]`, as fractions of the window
+    /// height. The target orientation stays within 90° of the body's. [`Zoom`](MouseAction::Zoom)
+    /// has no effect.
     ///
     /// # Errors
     ///
@@ -196,18 +201,20 @@ impl Perturbation {
             return Ok(());
         }
         data.call("mjv_movePerturb", |m, d| {
-            // SAFETY: as in `start`, with a valid action; without a selection the engine reads the world body.
+            // SAFETY: as in `start`, with a valid action; without a selection the engine reads the
+            // world body.
             unsafe { guard::mjv_move_perturb(m, d, action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)
     }
 
-    /// Moves the selected body to the target pose. Has no effect on a body that is not one of `bodies`, or if
-    /// [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
+    /// Moves the selected body to the target pose. Has no effect on a body that is not one of
+    /// `bodies`, or if [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Invalid`] if a value is not finite.
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Invalid`] if a value is
+    /// not finite.
     ///
     /// # Panics
     ///
@@ -218,18 +225,20 @@ impl Perturbation {
         let paused = (bodies == MovableBodies::MocapAndFree).into();
         data.check_computed("Perturbation::apply_pose", Stage::Position)?;
         data.call_mut("mjv_applyPerturbPose", |m, d| {
-            // SAFETY: the model and the data belong together, the positions were computed, and the body is valid.
+            // SAFETY: the model and the data belong together, the positions were computed, and the
+            // body is valid.
             unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused) }
         })
     }
 
-    /// Computes the force and torque of the spring on the selected body, as in [`xfrc_applied`](Data::xfrc_applied): N and N·m,
-    /// world frame, at the body's centre of mass. Zero if [`active`](Self::active) is empty, without a selection, or for the
-    /// world body.
+    /// Computes the force and torque of the spring on the selected body, as in
+    /// [`xfrc_applied`](Data::xfrc_applied): N and N·m, world frame, at the body's centre of mass.
+    /// Zero if [`active`](Self::active) is empty, without a selection, or for the world body.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if velocities have not been computed, [`Error::Invalid`] if a value is not finite.
+    /// [`Error::NotComputed`] if velocities have not been computed, [`Error::Invalid`] if a value
+    /// is not finite.
     ///
     /// # Panics
     ///
@@ -245,16 +254,17 @@ impl Perturbation {
         // The engine overwrites the applied force.
         let before = data.xfrc_applied()[body];
         let result = data.call_mut("mjv_applyPerturbForce", |m, d| {
-            // SAFETY: the model and the data belong together, the velocities were computed, and the body is valid.
+            // SAFETY: the model and the data belong together, the velocities were computed, and the
+            // body is valid.
             unsafe { guard::mjv_apply_perturb_force(m, d, &raw const raw) }
         });
         let force = std::mem::replace(&mut data.xfrc_applied_mut()[body], before);
         result.map(|()| force)
     }
 
-    /// Adds the [`force`](Self::force) to the applied force of the selected body, after removing the force that an earlier call
-    /// added. It can therefore be called before each step, and preserves forces that the program applies. (The engine's function
-    /// overwrites them.)
+    /// Adds the [`force`](Self::force) to the applied force of the selected body, after removing
+    /// the force that an earlier call added. It can therefore be called before each step, and
+    /// preserves forces that the program applies. (The engine's function overwrites them.)
     ///
     /// # Errors
     ///
@@ -275,8 +285,8 @@ impl Perturbation {
         Ok(())
     }
 
-    /// Removes the force that [`apply_force`](Self::apply_force) added, unless the program has since set the applied force of
-    /// that body.
+    /// Removes the force that [`apply_force`](Self::apply_force) added, unless the program has
+    /// since set the applied force of that body.
     pub fn remove_force(&mut self, data: &mut Data) {
         let Some(Applied { body, before, after }) = self.applied.take() else { return };
         if body.lineage() == data.model().lineage() {
@@ -301,7 +311,8 @@ impl Perturbation {
         self.check()?;
         let &Self { active, active2, refpos, refquat, localpos, scale, .. } = self;
         let (active, active2) = (active.bits() as c_int, active2.bits() as c_int);
-        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        // SAFETY: the function sets all fields of the structure, including those that only newer
+        // engines have.
         let mut raw: mjvPerturb = unsafe { ffi::made_by(|raw| sys::mjv_defaultPerturb(raw)) };
         (raw.select, raw.skinselect, raw.active, raw.active2) = (select, skinselect, active, active2);
         (raw.refpos, raw.refquat, raw.localpos, raw.scale) = (refpos, refquat, localpos, scale);

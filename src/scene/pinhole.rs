@@ -4,30 +4,33 @@ use super::Scene;
 use crate::error::{Error, Result};
 use crate::math;
 
-/// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world. It can also describe an orthographic camera,
-/// whose rays are parallel.
+/// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world.
+/// It can also describe an orthographic camera, whose rays are parallel.
 ///
-/// Pixel coordinates `[u, v]` are measured from the upper left corner of the image, `u` to the right and `v` down. The pixel in column
-/// `x` and row `y` covers one unit, and its centre, where depth and segmentation are sampled, is `[x + 0.5, y + 0.5]`. OpenCV and ROS put
-/// the centres at integers instead: subtract 0.5 from `cx` and `cy` for them.
+/// Pixel coordinates `[u, v]` are measured from the upper left corner of the image, `u` to the
+/// right and `v` down. The pixel in column `x` and row `y` covers one unit, and its centre, where
+/// depth and segmentation are sampled, is `[x + 0.5, y + 0.5]`. OpenCV and ROS put the centres at
+/// integers instead: subtract 0.5 from `cx` and `cy` for them.
 ///
-/// The frame of the camera is the engine's: x to the right of the image, y up, z opposite to the viewing direction. A point
-/// `[x, y, -depth]` in that frame is at
+/// The frame of the camera is the engine's: x to the right of the image, y up, z opposite to the
+/// viewing direction. A point `[x, y, -depth]` in that frame is at
 ///
 /// ```text
 /// u = cx + fx x / depth        fx = fy = height / (2 tan(fovy / 2))
 /// v = cy - fy y / depth        cx = width / 2,  cy = height / 2
 /// ```
 ///
-/// `fovy` is the vertical field of view: [`Model::cam_fovy`](crate::Model::cam_fovy) for a camera of the model, and
-/// `model.visual().global.fovy` for a free or a tracking camera. With engines from 3.0, a camera of the model with a `sensorsize` has its own focal
-/// lengths and principal point, and its image is stretched to the image: `fx = width * focal_x / sensorsize_x`, and likewise `fy`. There is no
-/// distortion.
+/// `fovy` is the vertical field of view: [`Model::cam_fovy`](crate::Model::cam_fovy) for a camera
+/// of the model, and `model.visual().global.fovy` for a free or a tracking camera. With engines
+/// from 3.0, a camera of the model with a `sensorsize` has its own focal lengths and principal
+/// point, and its image is stretched to the image: `fx = width * focal_x / sensorsize_x`, and
+/// likewise `fy`. There is no distortion.
 ///
-/// With an [`orthographic`](Self::orthographic) camera, `u = cx + fx x` and `v = cy - fy y` at every depth, where `fx` and `fy` are pixels per
-/// metre.
+/// With an [`orthographic`](Self::orthographic) camera, `u = cx + fx x` and `v = cy - fy y` at
+/// every depth, where `fx` and `fy` are pixels per metre.
 ///
-/// [`Scene::pinhole_camera`] computes it from the viewpoint of a scene. The fields are public, so that a program can also describe a real camera.
+/// [`Scene::pinhole_camera`] computes it from the viewpoint of a scene. The fields are public, so
+/// that a program can also describe a real camera.
 ///
 /// ```
 /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
@@ -68,16 +71,17 @@ pub struct PinholeCamera {
     pub cy: f64,
     /// Position, m, world frame.
     pub pos: [f64; 3],
-    /// Rotation matrix `(3, 3)`, row-major, from the frame of the camera to the world, as in [`Data::cam_xmat`](crate::Data::cam_xmat).
+    /// Rotation matrix `(3, 3)`, row-major, from the frame of the camera to the world, as in
+    /// [`Data::cam_xmat`](crate::Data::cam_xmat).
     pub mat: [f64; 9],
     /// Marks an orthographic camera.
     pub orthographic: bool,
 }
 
 impl PinholeCamera {
-    /// Returns the direction of the ray through pixel coordinates, in the world frame. Its component along the optical axis is 1,
-    /// so `origin + depth * direction` is the point at that depth, where `origin` is `pos` unless the camera is
-    /// [orthographic](Self::origin).
+    /// Returns the direction of the ray through pixel coordinates, in the world frame. Its
+    /// component along the optical axis is 1, so `origin + depth * direction` is the point at that
+    /// depth, where `origin` is `pos` unless the camera is [orthographic](Self::origin).
     ///
     /// ```
     /// use mujoco_safe::data::RayOptions;
@@ -101,8 +105,9 @@ impl PinholeCamera {
         [0, 3, 6].map(|row| self.mat[row] * x + self.mat[row + 1] * y - self.mat[row + 2])
     }
 
-    /// Returns the origin of the ray through pixel coordinates, m, in the world frame: the position of the camera, or for an orthographic camera
-    /// the point of the pixel in the plane through that position.
+    /// Returns the origin of the ray through pixel coordinates, m, in the world frame: the position
+    /// of the camera, or for an orthographic camera the point of the pixel in the plane through
+    /// that position.
     pub fn origin(&self, pixel: [f64; 2]) -> [f64; 3] {
         if !self.orthographic {
             return self.pos;
@@ -111,21 +116,22 @@ impl PinholeCamera {
         [0, 1, 2].map(|axis| self.pos[axis] + self.mat[3 * axis] * x + self.mat[3 * axis + 1] * y)
     }
 
-    /// Returns the position of pixel coordinates to the right and up from the optical axis: at unit depth, or at every depth if the camera is
-    /// orthographic.
+    /// Returns the position of pixel coordinates to the right and up from the optical axis: at unit
+    /// depth, or at every depth if the camera is orthographic.
     fn offset(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         [(u - self.cx) / self.fx, (self.cy - v) / self.fy]
     }
 
-    /// Returns the point at pixel coordinates and a depth, m, in the world frame. The depth is measured along the optical axis, as in a
-    /// depth image.
+    /// Returns the point at pixel coordinates and a depth, m, in the world frame. The depth is
+    /// measured along the optical axis, as in a depth image.
     pub fn unproject(&self, pixel: [f64; 2], depth: f64) -> [f64; 3] {
         let (origin, direction) = (self.origin(pixel), self.direction(pixel));
         [0, 1, 2].map(|axis| origin[axis] + depth * direction[axis])
     }
 
-    /// Returns the pixel coordinates of a point, m, world frame; `None` for a point that is not in front of the camera. The
-    /// coordinates can be outside of the image. Inverse of [`unproject`](Self::unproject).
+    /// Returns the pixel coordinates of a point, m, world frame; `None` for a point that is not in
+    /// front of the camera. The coordinates can be outside of the image. Inverse of
+    /// [`unproject`](Self::unproject).
     ///
     /// ```
     /// # use mujoco_safe::scene::PinholeCamera;
@@ -146,13 +152,13 @@ impl PinholeCamera {
 impl Scene {
     /// Returns the pinhole model of the viewpoint, for images of the given size in pixels.
     ///
-    /// The viewpoint is the [average](Self::viewpoint) of both eyes, as in a monoscopic image. Its values have single precision, and are those
-    /// that a renderer uses.
+    /// The viewpoint is the [average](Self::viewpoint) of both eyes, as in a monoscopic image. Its
+    /// values have single precision, and are those that a renderer uses.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for an empty image, for a scene that was never updated, and for a scene with a [`transform`](Self::transform), whose
-    /// images are in room space.
+    /// [`Error::Invalid`] for an empty image, for a scene that was never updated, and for a scene
+    /// with a [`transform`](Self::transform), whose images are in room space.
     pub fn pinhole_camera(&self, width: usize, height: usize) -> Result<PinholeCamera> {
         if width == 0 || height == 0 {
             return Err(Error::invalid("the size of an image", format!("{width} x {height} pixels"), "not empty"));

@@ -23,21 +23,24 @@ pub struct Selection {
 }
 
 impl Scene {
-    /// Casts a ray from the camera of the last [`update`](Self::update) through a point of the window, and returns the first
-    /// geom, flex or skin that it hits. `aspectratio` is the width of the window divided by its height. `relx` and `rely` are the
-    /// coordinates of the point, 0 to 1, from the left and from the bottom.
+    /// Casts a ray from the camera of the last [`update`](Self::update) through a point of the
+    /// window, and returns the first geom, flex or skin that it hits. `aspectratio` is the width of
+    /// the window divided by its height. `relx` and `rely` are the coordinates of the point, 0 to
+    /// 1, from the left and from the bottom.
     ///
-    /// The ray hits the geoms, flexes and skins that `options` show, according to the groups of geoms, [`VisualFlags::STATIC`],
-    /// [`VisualFlags::SKIN`] and the flags of flexes. It ignores decoration, tendons and sites, and hits planes and height fields in every group.
+    /// The ray hits the geoms, flexes and skins that `options` show, according to the groups of
+    /// geoms, [`VisualFlags::STATIC`], [`VisualFlags::SKIN`] and the flags of flexes. It ignores
+    /// decoration, tendons and sites, and hits planes and height fields in every group.
     ///
     /// [`VisualFlags::STATIC`]: super::VisualFlags::STATIC
     /// [`VisualFlags::SKIN`]: super::VisualFlags::SKIN
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the first update (the data stays
-    /// usable), [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if a value is not finite,
-    /// [`Error::Unsupported`] if the model has a height field with more rows than columns, as for [`Data::ray`].
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the
+    /// first update (the data stays usable), [`Error::OtherModel`] for data of another model,
+    /// [`Error::Invalid`] if a value is not finite, [`Error::Unsupported`] if the model has a
+    /// height field with more rows than columns, as for [`Data::ray`].
     ///
     /// ```
     /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
@@ -84,8 +87,8 @@ impl Scene {
         let (at, ids) = (point.as_mut_ptr(), [&raw mut geom, &raw mut flex, &raw mut skin, &raw mut body]);
         data.call("mjv_select", |m, d| {
             let opt = &raw const options;
-            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the outputs are valid
-            // places for three numbers and four indices.
+            // SAFETY: the model, the data and the scene belong together, the positions were
+            // computed, and the outputs are valid places for three numbers and four indices.
             unsafe { guard::mjv_select(m, d, opt, aspectratio, relx, rely, scene, at, ids[0], ids[1], ids[2], ids[3]) }
         })?;
         let index = |index: i32| usize::try_from(index).ok();

@@ -11,23 +11,27 @@ use crate::data::{Data, Stage, Warning};
 use crate::error::{Error, Result};
 
 impl Scene {
-    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Removes geoms that were added with [`add_geom`](Self::add_geom).
+    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Removes geoms that were added with
+    /// [`add_geom`](Self::add_geom).
     ///
-    /// `camera` is the camera to view the scene from; a tracking camera moves with its body. `perturbation` is drawn if
-    /// `options` enable it. `categories` restricts the geoms; [`Categories::all`] includes everything.
+    /// `camera` is the camera to view the scene from; a tracking camera moves with its body.
+    /// `perturbation` is drawn if `options` enable it. `categories` restricts the geoms;
+    /// [`Categories::all`] includes everything.
     ///
-    /// The required results must have been computed: positions, and all stages if contacts or constraints are shown. Results
-    /// of the previous state, as [`Data::step`] leaves them, are sufficient.
+    /// The required results must have been computed: positions, and all stages if contacts or
+    /// constraints are shown. Results of the previous state, as [`Data::step`] leaves them, are
+    /// sufficient.
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] if the capacity is too small for all geoms, or if there are more than 100 lights. The scene then
-    /// contains as many as fit, and lights, skins and viewpoints are up to date, so a viewer can continue.
+    /// [`Error::SceneFull`] if the capacity is too small for all geoms, or if there are more than
+    /// 100 lights. The scene then contains as many as fit, and lights, skins and viewpoints are up
+    /// to date, so a viewer can continue.
     ///
-    /// [`Error::NotComputed`] if a required result is missing, [`Error::OtherModel`] for data of another model,
-    /// [`Error::Invalid`] if the camera or the perturbation contains a value that is not finite, [`Error::Unsupported`] for labels that the
-    /// engine lacks. The scene is then unchanged.
-    /// None of these errors poisons the data.
+    /// [`Error::NotComputed`] if a required result is missing, [`Error::OtherModel`] for data of
+    /// another model, [`Error::Invalid`] if the camera or the perturbation contains a value that is
+    /// not finite, [`Error::Unsupported`] for labels that the engine lacks. The scene is then
+    /// unchanged. None of these errors poisons the data.
     ///
     /// # Panics
     ///
@@ -48,8 +52,8 @@ impl Scene {
         let (opt, catmask) = (options.raw(), categories.bits() as c_int);
         let scene = self.raw_mut();
         let is_full = data.call_mut_with_warning(Warning::VisualGeomFull, "mjv_updateScene", |m, d| {
-            // SAFETY: the model, the data and the scene belong together, the ids are valid, and every array that the function
-            // reads was computed.
+            // SAFETY: the model, the data and the scene belong together, the ids are valid, and
+            // every array that the function reads was computed.
             unsafe { guard::mjv_update_scene(m, d, &raw const opt, pert, &raw mut raw_camera, catmask, scene) }
         })?;
         camera.take(&raw_camera);
@@ -63,8 +67,9 @@ impl Scene {
         if lights > capacity { Err(Error::SceneFull { what: "lights", capacity }) } else { Ok(()) }
     }
 
-    /// Rebuilds the scene as [`update`](Self::update) does, but independently of the previous viewpoints, and with all geoms: a larger scene
-    /// replaces a full one, and the data keeps no warning of it.
+    /// Rebuilds the scene as [`update`](Self::update) does, but independently of the previous
+    /// viewpoints, and with all geoms: a larger scene replaces a full one, and the data keeps no
+    /// warning of it.
     #[cfg(feature = "renderer")]
     pub(crate) fn update_and_grow(
         &mut self,
@@ -89,8 +94,8 @@ impl Scene {
         }
     }
 
-    /// Appends the geoms of a simulation to the scene and returns their indices. The state may differ from that of the last
-    /// [`update`](Self::update), so one image can show several poses.
+    /// Appends the geoms of a simulation to the scene and returns their indices. The state may
+    /// differ from that of the last [`update`](Self::update), so one image can show several poses.
     ///
     /// # Errors
     ///
@@ -142,12 +147,14 @@ impl Scene {
         if is_full || self.is_full() { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
     }
 
-    /// Returns an error unless the data belongs to the model and contains every result that the engine reads.
+    /// Returns an error unless the data belongs to the model and contains every result that the
+    /// engine reads.
     fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
         let model = data.model();
         self.check_model(model, "the data to show")?;
         options.label.check_supported()?;
-        // The engine does not clamp the groups of skins. Loading a model rejects groups out of range.
+        // The engine does not clamp the groups of skins. Loading a model rejects groups out of
+        // range.
         data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
     }
 

@@ -22,8 +22,8 @@ pub struct Viewpoint {
     pub up: [f32; 3],
     /// Centre of the near plane, m to the right of `forward`.
     pub frustum_center: f32,
-    /// Half the width of the near plane, m. Zero if the width follows from the height and the aspect ratio of the image, as it always does
-    /// with engines before 3.0.
+    /// Half the width of the near plane, m. Zero if the width follows from the height and the
+    /// aspect ratio of the image, as it always does with engines before 3.0.
     pub frustum_width: f32,
     /// Lower edge of the near plane, m.
     pub frustum_bottom: f32,
@@ -33,7 +33,8 @@ pub struct Viewpoint {
     pub frustum_near: f32,
     /// Distance of the far plane, m.
     pub frustum_far: f32,
-    /// Marks an orthographic projection, in which the edges of the near plane are those of the image at every depth. With engines from 3.2.
+    /// Marks an orthographic projection, in which the edges of the near plane are those of the
+    /// image at every depth. With engines from 3.2.
     pub orthographic: bool,
 }
 
@@ -112,7 +113,8 @@ pub struct Head {
     pub up: [f64; 3],
 }
 
-/// Transform from model space to room space, for virtual reality. The model is rotated, then translated, then scaled.
+/// Transform from model space to room space, for virtual reality. The model is rotated, then
+/// translated, then scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// Translation, m.
@@ -124,8 +126,8 @@ pub struct Transform {
 }
 
 impl Scene {
-    /// Returns the viewpoints of the left and the right eye. They are equal if the camera has no interpupillary distance, and
-    /// zero before the first update.
+    /// Returns the viewpoints of the left and the right eye. They are equal if the camera has no
+    /// interpupillary distance, and zero before the first update.
     pub fn viewpoints(&self) -> [Viewpoint; 2] {
         [0, 1].map(|eye| Viewpoint::new(&self.raw().camera[eye]))
     }
@@ -138,12 +140,13 @@ impl Scene {
         Viewpoint::new(&unsafe { sys::mjv_averageCamera(left, right) })
     }
 
-    /// Sets the viewpoints. An update with [`CameraView::User`](super::CameraView::User) keeps them.
+    /// Sets the viewpoints. An update with [`CameraView::User`](super::CameraView::User) keeps
+    /// them.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless all values are finite, 0 < near < far, bottom < top, and the width is not negative;
-    /// [`Error::Unsupported`] for a projection that the engine lacks.
+    /// [`Error::Invalid`] unless all values are finite, 0 < near < far, bottom < top, and the width
+    /// is not negative; [`Error::Unsupported`] for a projection that the engine lacks.
     pub fn set_viewpoints(&mut self, viewpoints: [Viewpoint; 2]) -> Result<()> {
         for viewpoint in &viewpoints {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
@@ -185,7 +188,8 @@ impl Scene {
         self.head("mjv_cameraInModel", guard::mjv_camera_in_model)
     }
 
-    /// Returns the pose of the head in room space, which equals model space without a [`transform`](Self::transform).
+    /// Returns the pose of the head in room space, which equals model space without a
+    /// [`transform`](Self::transform).
     ///
     /// # Errors
     ///
@@ -213,12 +217,13 @@ impl Scene {
         (enabletransform != 0).then_some(Transform { translate, rotate, scale })
     }
 
-    /// Sets the transform from model space to room space. An update removes it, unless its camera is
-    /// [`CameraView::User`](super::CameraView::User).
+    /// Sets the transform from model space to room space. An update removes it, unless its camera
+    /// is [`CameraView::User`](super::CameraView::User).
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless all values are finite, the quaternion is not zero and the scale is in 0.01 to 100.
+    /// [`Error::Invalid`] unless all values are finite, the quaternion is not zero and the scale is
+    /// in 0.01 to 100.
     #[doc(alias = "enabletransform")]
     pub fn set_transform(&mut self, transform: Option<Transform>) -> Result<()> {
         let Some(Transform { translate, rotate, scale }) = transform else {
@@ -238,13 +243,15 @@ impl Scene {
         Ok(())
     }
 
-    /// Moves the model in room space in response to a mouse motion `[dx, dy]`, as fractions of the window height. Has no
-    /// effect without a [`transform`](Self::transform). `roomup` is the upward direction of the room.
+    /// Moves the model in room space in response to a mouse motion `[dx, dy]`, as fractions of the
+    /// window height. Has no effect without a [`transform`](Self::transform). `roomup` is the
+    /// upward direction of the room.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] if a value is not finite or the moved transform would be
-    /// invalid, [`Error::Engine`] for a scene with a transform before its first update.
+    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] if a value is not finite or the
+    /// moved transform would be invalid, [`Error::Engine`] for a scene with a transform before its
+    /// first update.
     #[doc(alias = "mjv_moveModel")]
     pub fn move_model(
         &mut self,
@@ -272,7 +279,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) prevents.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform)
+    /// prevents.
     #[doc(alias = "mjv_room2model")]
     pub fn room_to_model(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_room2model", guard::mjv_room2model, pos, quat)
@@ -282,7 +290,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) prevents.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform)
+    /// prevents.
     #[doc(alias = "mjv_model2room")]
     pub fn model_to_room(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_model2room", guard::mjv_model2room, pos, quat)
@@ -297,14 +306,15 @@ impl Scene {
     ) -> Result<([f64; 3], [f64; 4])> {
         let (mut to_pos, mut to_quat) = ([0.0; 3], [0.0; 4]);
         let (from, to) = ((pos.as_ptr(), quat.as_ptr()), (to_pos.as_mut_ptr(), to_quat.as_mut_ptr()));
-        // SAFETY: one of the two functions above, with arrays of three and four numbers for inputs and outputs.
+        // SAFETY: one of the two functions above, with arrays of three and four numbers for inputs
+        // and outputs.
         ffi::check_without_data(function, unsafe { call(to.0, to.1, from.0, from.1, self.as_ptr()) })?;
         Ok((to_pos, to_quat))
     }
 }
 
-/// Rotates a vector about z by the angle from y to the horizontal component of `forward`. This maps the forward direction of a
-/// mouse to that of the camera.
+/// Rotates a vector about z by the angle from y to the horizontal component of `forward`. This maps
+/// the forward direction of a mouse to that of the camera.
 ///
 /// ```
 /// use mujoco_safe::scene::align_to_camera;

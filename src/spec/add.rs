@@ -55,7 +55,8 @@ creators! {
         /// Adds a joint between the body and its parent, a hinge by default.
         #[doc(alias = "mjs_addJoint")]
         add_joint Joint = "joint";
-        /// Adds a free joint, with six degrees of freedom and without stiffness and damping. The body must be in the world.
+        /// Adds a free joint, with six degrees of freedom and without stiffness and damping. The
+        /// body must be in the world.
         #[doc(alias = "mjs_addFreeJoint")]
         add_freejoint Joint = "freejoint";
         /// Adds a geom, a sphere by default.
@@ -181,7 +182,8 @@ impl Spec {
         Ok(self.append(section, &tag))
     }
 
-    /// Returns a section of the model, such as `option`, `compiler`, `visual` or `statistic`, and creates it if there is none.
+    /// Returns a section of the model, such as `option`, `compiler`, `visual` or `statistic`, and
+    /// creates it if there is none.
     ///
     /// # Errors
     ///
@@ -202,8 +204,8 @@ impl Spec {
         Ok(self.element_mut(index))
     }
 
-    /// Returns the defaults of a class for an element, such as `geom` or `motor`. Creates the class, directly in `main`, if there is
-    /// none with this name.
+    /// Returns the defaults of a class for an element, such as `geom` or `motor`. Creates the
+    /// class, directly in `main`, if there is none with this name.
     ///
     /// # Errors
     ///
@@ -274,8 +276,9 @@ impl<K> ElementMut<'_, K> {
 
 /// # Inertia
 impl ElementMut<'_, kind::Body> {
-    /// Sets the mass (kg), the centre of mass (metres, in the frame of the body) and the moments of inertia (kg m²) about axes through
-    /// it that are parallel to those of the body. Without this, the compiler computes them from the geoms.
+    /// Sets the mass (kg), the centre of mass (metres, in the frame of the body) and the moments of
+    /// inertia (kg m²) about axes through it that are parallel to those of the body. Without this,
+    /// the compiler computes them from the geoms.
     pub fn set_inertial(&mut self, mass: f64, pos: [f64; 3], diaginertia: [f64; 3]) -> &mut Self {
         let index = self.index();
         let spec = self.spec();
@@ -318,7 +321,8 @@ impl ElementMut<'_, kind::Tendon> {
         self
     }
 
-    /// Adds a pulley, after which a spatial tendon starts a new branch with its length divided by `divisor`.
+    /// Adds a pulley, after which a spatial tendon starts a new branch with its length divided by
+    /// `divisor`.
     #[doc(alias = "mjs_wrapPulley")]
     pub fn wrap_pulley(&mut self, divisor: f64) -> &mut Self {
         self.append("pulley").put("divisor", &divisor);

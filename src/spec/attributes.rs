@@ -1,7 +1,8 @@
 //! Meaning of the attributes of MJCF: which ones are names, references, angles, limits, files.
 //!
-//! The table in `attributes.txt` has every attribute of every engine that this crate knows. An attribute of a newer engine that is not in it
-//! has no meaning: it may be a reference or an angle, so operations that change references or units reject it.
+//! The table in `attributes.txt` has every attribute of every engine that this crate knows. An
+//! attribute of a newer engine that is not in it has no meaning: it may be a reference or an angle,
+//! so operations that change references or units reject it.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -32,7 +33,8 @@ pub(super) enum Meaning {
     Rotation,
     /// Joint position, which is an angle for some types of joints.
     Angle,
-    /// Switch of a limit (`…limited`). Its range has the same name with `range` in place of `limited`.
+    /// Switch of a limit (`…limited`). Its range has the same name with `range` in place of
+    /// `limited`.
     Limited,
     /// Name of a file.
     File,
@@ -47,7 +49,8 @@ pub(super) enum Meaning {
 /// Attributes of an element.
 pub(super) type Meanings = HashMap<&'static str, Meaning>;
 
-/// Returns the meanings of the attributes of an element. An attribute without a meaning is one of a newer engine.
+/// Returns the meanings of the attributes of an element. An attribute without a meaning is one of a
+/// newer engine.
 pub(super) fn meanings(tree: &Tree, index: Index) -> &'static Meanings {
     static NONE: OnceLock<Meanings> = OnceLock::new();
     let path = schema::path(tree, index);
@@ -70,8 +73,8 @@ fn table() -> &'static HashMap<String, Meanings> {
     TABLE.get_or_init(|| parse(include_str!("attributes.txt")))
 }
 
-/// Parses the table. Places in brackets are followed by rows of attributes, each with their meaning before a colon. Rows are continued by
-/// lines that start with a space.
+/// Parses the table. Places in brackets are followed by rows of attributes, each with their meaning
+/// before a colon. Rows are continued by lines that start with a space.
 fn parse(text: &'static str) -> HashMap<String, Meanings> {
     let mut table: HashMap<String, Meanings> = HashMap::new();
     let mut places: Vec<String> = Vec::new();
@@ -154,8 +157,9 @@ mod tests {
     use super::super::text;
     use super::{Meaning, table, unknown};
 
-    /// A new version of the engine adds attributes. Somebody has to decide for each of them whether it is a reference, an angle, a limit, a
-    /// file, or depends on the pose of the element or on the settings of the compiler.
+    /// A new version of the engine adds attributes. Somebody has to decide for each of them whether
+    /// it is a reference, an angle, a limit, a file, or depends on the pose of the element or on
+    /// the settings of the compiler.
     #[test]
     fn every_attribute_of_the_engine_has_a_meaning() {
         let mut undecided = Vec::new();

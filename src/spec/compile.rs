@@ -14,8 +14,9 @@ impl Spec {
     ///
     /// # Errors
     ///
-    /// [`Error::Load`] with the message of the engine's compiler, and the element if the compiler names its place. The spec is unchanged and can be
-    /// corrected. [`Error::Invalid`] if a name or another attribute has a NUL character.
+    /// [`Error::Load`] with the message of the engine's compiler, and the element if the compiler
+    /// names its place. The spec is unchanged and can be corrected. [`Error::Invalid`] if a name or
+    /// another attribute has a NUL character.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -41,7 +42,8 @@ impl Spec {
     ///
     /// # Errors
     ///
-    /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for [`Model::from_xml_str_with`].
+    /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for
+    /// [`Model::from_xml_str_with`].
     pub fn compile_with(&self, options: &LoadOptions<'_>) -> Result<Model> {
         let written = text::write(&attach::resolved(&self.tree));
         self.check_characters(&written.text)?;
@@ -54,8 +56,9 @@ impl Spec {
         })
     }
 
-    /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine and [`Spec`] read all names and texts as they
-    /// are here, also those with control characters, which are written as `&#1;`. Other readers of XML may reject these.
+    /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine
+    /// and [`Spec`] read all names and texts as they are here, also those with control characters,
+    /// which are written as `&#1;`. Other readers of XML may reject these.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -69,7 +72,8 @@ impl Spec {
         text::write(&attach::resolved(&self.tree)).text
     }
 
-    /// Returns an error if an attribute has a NUL character, at which the engine would end its text.
+    /// Returns an error if an attribute has a NUL character, at which the engine would end its
+    /// text.
     fn check_characters(&self, text: &str) -> Result<()> {
         if !text.contains('\0') {
             return Ok(());
@@ -95,7 +99,8 @@ impl Spec {
     }
 }
 
-/// Returns an error if the value of an attribute has a NUL character, which no text of a model can have.
+/// Returns an error if the value of an attribute has a NUL character, which no text of a model can
+/// have.
 pub(super) fn check_character(tree: &Tree, index: Index, attribute: &str, value: &str) -> Result<()> {
     if !value.contains('\0') {
         return Ok(());

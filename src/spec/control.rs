@@ -1,5 +1,6 @@
-//! Control characters in attributes. XML has no form for most of them, but the engine reads references such as `&#1;` and writes the characters
-//! themselves, so names in models can have them.
+//! Control characters in attributes. XML has no form for most of them, but the engine reads
+//! references such as `&#1;` and writes the characters themselves, so names in models can have
+//! them.
 
 /// First of the private characters that represent control characters while a text is parsed as XML.
 const HIDDEN: u32 = 0xF_0000;
@@ -11,8 +12,8 @@ pub(super) fn is_not_xml(character: char) -> bool {
     (character < ' ' && !matches!(character, '\t' | '\n' | '\r')) || matches!(character, '\u{FFFE}' | '\u{FFFF}')
 }
 
-/// Replaces the characters that XML excludes, and references to them, by private characters. Returns `None` if there are none, and an error if
-/// a replacement is not possible.
+/// Replaces the characters that XML excludes, and references to them, by private characters.
+/// Returns `None` if there are none, and an error if a replacement is not possible.
 pub(super) fn hide(text: &str) -> Result<Option<String>, String> {
     let mut hidden = String::new();
     let mut rest = text;

@@ -19,7 +19,8 @@ pub struct Element<'s, K = Any> {
     kind: PhantomData<fn() -> K>,
 }
 
-/// View of an element of a spec that can change it. The `set_…` methods return the view, so calls can be chained.
+/// View of an element of a spec that can change it. The `set_…` methods return the view, so calls
+/// can be chained.
 pub struct ElementMut<'s, K = Any> {
     spec: &'s mut Spec,
     index: Index,
@@ -41,13 +42,15 @@ impl<'s, K> Element<'s, K> {
         self.spec.tree.tag(self.index)
     }
 
-    /// Returns the name of the element. An asset without a name has that of its file, without directory and extension.
+    /// Returns the name of the element. An asset without a name has that of its file, without
+    /// directory and extension.
     #[doc(alias = "mjs_getName")]
     pub fn name(&self) -> Option<&'s str> {
         names::name(&self.spec.tree, self.index)
     }
 
-    /// Returns the text of an attribute, or `None` if the element does not have it. The value may then come from a class of defaults.
+    /// Returns the text of an attribute, or `None` if the element does not have it. The value may
+    /// then come from a class of defaults.
     #[doc(alias = "mjs_getString")]
     pub fn attribute(&self, name: &str) -> Option<&'s str> {
         self.spec.tree.attribute(self.index, name)
@@ -121,8 +124,8 @@ impl<'s, K> ElementMut<'s, K> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the engine does not know the attribute, or the value has a NUL character. Otherwise the value is checked when the spec
-    /// is compiled.
+    /// [`Error::Invalid`] if the engine does not know the attribute, or the value has a NUL
+    /// character. Otherwise the value is checked when the spec is compiled.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -159,8 +162,9 @@ impl<'s, K> ElementMut<'s, K> {
         self.spec.tree.node_mut(self.index).unset(attribute)
     }
 
-    /// Sets the name, and replaces it in all attributes that refer to the element. Names must be unique in a kind: if another element has the
-    /// new name, the references to both are the same afterwards.
+    /// Sets the name, and replaces it in all attributes that refer to the element. Names must be
+    /// unique in a kind: if another element has the new name, the references to both are the same
+    /// afterwards.
     #[doc(alias = "mjs_setName")]
     pub fn set_name(&mut self, name: &str) -> &mut Self {
         let tree = &mut self.spec.tree;

@@ -12,7 +12,8 @@ use crate::id::Lineage;
 use crate::kind::sealed::Sealed;
 use crate::kind::{ElementKind, Kind};
 
-/// Any element, also one without a name in the compiled model, such as `option` or `freejoint`. A type for [`ElementId`].
+/// Any element, also one without a name in the compiled model, such as `option` or `freejoint`. A
+/// type for [`ElementId`].
 #[derive(Debug)]
 pub enum Any {}
 
@@ -33,8 +34,9 @@ impl<K: ElementKind> SpecKind for K {
     const KIND: Option<Kind> = Some(K::KIND);
 }
 
-/// Id of an element of a [`Spec`], and of its copy in each clone that was made later. It stays valid when other elements are added or removed.
-/// The id of an element that was added after a clone is that of another spec for the clone, and vice versa.
+/// Id of an element of a [`Spec`], and of its copy in each clone that was made later. It stays
+/// valid when other elements are added or removed. The id of an element that was added after a
+/// clone is that of another spec for the clone, and vice versa.
 ///
 /// It is not the id of the element in the compiled model: look that one up by its name.
 pub struct ElementId<K = Any> {
@@ -94,7 +96,8 @@ impl<K: SpecKind> fmt::Debug for ElementId<K> {
     }
 }
 
-/// Key of an element of a spec: a name or an id. A name may not exist, so its lookup returns a [`Result`].
+/// Key of an element of a spec: a name or an id. A name may not exist, so its lookup returns a
+/// [`Result`].
 ///
 /// # Panics
 ///
@@ -145,8 +148,8 @@ impl<K: ElementKind> Key<K> for ElementId<K> {
     }
 }
 
-/// Reference of an attribute to an element of kind `K`: its name or its id. The name does not need to exist yet; the compiler checks
-/// it.
+/// Reference of an attribute to an element of kind `K`: its name or its id. The name does not need
+/// to exist yet; the compiler checks it.
 ///
 /// An element without a name that is referred to by its id gets one, such as `joint_2`.
 ///

@@ -1,4 +1,5 @@
-//! Models in code: a [`Spec`] is an MJCF model that a program builds, reads, edits, joins with others, and compiles.
+//! Models in code: a [`Spec`] is an MJCF model that a program builds, reads, edits, joins with
+//! others, and compiles.
 //!
 //! ```
 //! use mujoco_safe::enums::GeomType;
@@ -27,16 +28,20 @@
 //!
 //! # Relation to `mjSpec`
 //!
-//! A spec is a tree of MJCF elements, and [`Spec::compile`] writes it as text and compiles the text as [`Model::from_xml_str`] does. So it
-//! works with every engine, also with those before 3.2, which have no `mjSpec`, and the checks of untrusted texts apply to it. The differences
-//! from `mjSpec`: attributes have the names and units of MJCF (angles are in degrees unless `compiler` says otherwise), and vertices of meshes and
-//! pixels of textures are files, which can be in memory ([`LoadOptions`]).
+//! A spec is a tree of MJCF elements, and [`Spec::compile`] writes it as text and compiles the text
+//! as [`Model::from_xml_str`] does. So it works with every engine, also with those before 3.2,
+//! which have no `mjSpec`, and the checks of untrusted texts apply to it. The differences from
+//! `mjSpec`: attributes have the names and units of MJCF (angles are in degrees unless `compiler`
+//! says otherwise), and vertices of meshes and pixels of textures are files, which can be in memory
+//! ([`LoadOptions`]).
 //!
 //! # Elements
 //!
-//! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a method are set by
-//! [`ElementMut::set`], which checks their names against the schema of the engine. Each element has an [`ElementId`], which stays valid until the
-//! element is removed. Elements are looked up by name or id, like those of a [`Model`]: `spec.geom("foot")?`, `spec.geom_mut(id)`.
+//! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a
+//! method are set by [`ElementMut::set`], which checks their names against the schema of the
+//! engine. Each element has an [`ElementId`], which stays valid until the element is removed.
+//! Elements are looked up by name or id, like those of a [`Model`]: `spec.geom("foot")?`,
+//! `spec.geom_mut(id)`.
 //!
 //! The methods do not check values: the compiler does, and its error names the element.
 
@@ -80,7 +85,8 @@ use crate::model::Model;
 
 /// Editable description of a model. See the [module](self).
 ///
-/// A clone has the same elements with the same ids. An element that is added later, to the spec or to the clone, belongs to one of them only.
+/// A clone has the same elements with the same ids. An element that is added later, to the spec or
+/// to the clone, belongs to one of them only.
 #[doc(alias = "mjSpec")]
 #[doc(alias = "mj_makeSpec")]
 #[doc(alias = "mj_copySpec")]
@@ -91,7 +97,8 @@ pub struct Spec {
     world: Index,
     /// Directory of the file, to which the names of assets are relative.
     directory: Option<PathBuf>,
-    /// Class with the defaults of `main`, if an attachment has separated them from those of the attached spec.
+    /// Class with the defaults of `main`, if an attachment has separated them from those of the
+    /// attached spec.
     own_class: Option<Index>,
     /// Elements in the world, in bodies and in sections that attachments have copied.
     attached: HashSet<Index>,
@@ -99,7 +106,8 @@ pub struct Spec {
 
 /// # Creation
 impl Spec {
-    /// Creates the description of a model that has a world only. Ranges are limits (`autolimits` of `compiler`) with every engine.
+    /// Creates the description of a model that has a world only. Ranges are limits (`autolimits` of
+    /// `compiler`) with every engine.
     pub fn new(name: &str) -> Self {
         let mut tree = Tree::new("mujoco");
         tree.node_mut(Tree::ROOT).set("model", name.to_owned());
@@ -109,12 +117,14 @@ impl Spec {
         Self::from_tree(tree, None)
     }
 
-    /// Reads an MJCF file, and the files that it includes. The names of other files in it stay relative to its directory.
+    /// Reads an MJCF file, and the files that it includes. The names of other files in it stay
+    /// relative to its directory.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::Load`] if it or an included file is not XML, or if it is a URDF. The spec is not
-    /// compiled, so other mistakes are errors of [`compile`](Self::compile).
+    /// [`Error::File`] if the file cannot be read, [`Error::Load`] if it or an included file is not
+    /// XML, or if it is a URDF. The spec is not compiled, so other mistakes are errors of
+    /// [`compile`](Self::compile).
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -175,7 +185,8 @@ impl Spec {
         self.id(self.world)
     }
 
-    /// Returns the directory to which the names of files are relative, or `None` for the working directory.
+    /// Returns the directory to which the names of files are relative, or `None` for the working
+    /// directory.
     pub fn directory(&self) -> Option<&Path> {
         self.directory.as_deref()
     }
@@ -207,7 +218,8 @@ impl Spec {
         ElementMut::new(self, index)
     }
 
-    /// Adds an element, with the class of this spec's own elements unless it gets the class of a body.
+    /// Adds an element, with the class of this spec's own elements unless it gets the class of a
+    /// body.
     fn append<K>(&mut self, parent: Index, tag: &str) -> ElementMut<'_, K> {
         let index = self.tree.add(parent, tag);
         let is_outermost = self.is_section(parent);
@@ -223,7 +235,8 @@ impl Spec {
         self.element_mut(index)
     }
 
-    /// Returns `true` for the sections whose elements have the class of this spec's own elements, and for copies (`replicate`) in the world.
+    /// Returns `true` for the sections whose elements have the class of this spec's own elements,
+    /// and for copies (`replicate`) in the world.
     fn is_section(&self, index: Index) -> bool {
         let parents = std::iter::successors(Some(index), |&index| self.tree.parent(index));
         let outermost = parents.into_iter().find(|&index| self.tree.tag(index) != "replicate");
@@ -235,8 +248,8 @@ impl Spec {
         self.own_class.filter(|&class| self.tree.contains(class))
     }
 
-    /// Returns the class that has the defaults of this spec's own elements: the last section, or that in which they are separate from those
-    /// of attached elements.
+    /// Returns the class that has the defaults of this spec's own elements: the last section, or
+    /// that in which they are separate from those of attached elements.
     fn main_class(&mut self) -> Result<Index> {
         if self.own_class().is_none() && self.attached.iter().any(|&index| self.tree.contains(index)) {
             let mut tree = self.tree.clone();

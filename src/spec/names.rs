@@ -91,7 +91,8 @@ pub(super) fn name_attribute(named: Named) -> &'static str {
     if named == Named::Class { "class" } else { "name" }
 }
 
-/// Returns the name of an element: that in the text, or the one that the compiler derives from a file.
+/// Returns the name of an element: that in the text, or the one that the compiler derives from a
+/// file.
 pub(super) fn name(tree: &Tree, index: Index) -> Option<&str> {
     let class = named(tree, index)?;
     let node = tree.node(index);
@@ -134,7 +135,8 @@ pub(super) struct Referring<'t> {
     pub(super) attribute: &'t str,
     /// Class of the names.
     pub(super) class: Named,
-    /// The attribute has several names, separated by spaces. Elsewhere a space is a part of the name.
+    /// The attribute has several names, separated by spaces. Elsewhere a space is a part of the
+    /// name.
     is_list: bool,
     /// The pose of the body counts, not only its elements.
     pub(super) is_frame: bool,

@@ -15,7 +15,8 @@ pub(super) fn is_asset(tree: &Tree, index: Index) -> bool {
     matches!(tree.tag(index), "mesh" | "skin" | "hfield" | "texture" | "flexcomp" | "model")
 }
 
-/// Returns the directory in which the compiler looks for the files of an asset, relative to that of the model.
+/// Returns the directory in which the compiler looks for the files of an asset, relative to that of
+/// the model.
 pub(super) fn directory_of(tree: &Tree, index: Index) -> Option<&str> {
     let specific = match tree.tag(index) {
         "model" => return None,
@@ -32,8 +33,9 @@ pub(super) fn setting<'t>(tree: &'t Tree, attribute: &str) -> Option<&'t str> {
     tree.sections("compiler").rev().find_map(|section| tree.attribute(section, attribute))
 }
 
-/// Replaces the names of all files by paths that do not depend on the settings of the compiler, and removes these settings. The paths are
-/// relative to the directory of the model, or in `directory` if the file exists there. Other files can be in memory.
+/// Replaces the names of all files by paths that do not depend on the settings of the compiler, and
+/// removes these settings. The paths are relative to the directory of the model, or in `directory`
+/// if the file exists there. Other files can be in memory.
 pub(super) fn resolve(tree: &mut Tree, directory: Option<&Path>) {
     let strips = setting(tree, "strippath") == Some("true");
     for index in tree.descendants(Tree::ROOT) {

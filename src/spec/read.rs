@@ -50,7 +50,8 @@ impl Sources<'_> {
         file::read_regular(&self.path(name)).ok().map(Cow::Owned)
     }
 
-    /// Prepends the directory of an included text to the file names of an asset that only exist there.
+    /// Prepends the directory of an included text to the file names of an asset that only exist
+    /// there.
     fn place_asset(&self, tree: &mut Tree, index: Index, folder: &Path) {
         let directory = directory_of(tree, index).map(PathBuf::from).unwrap_or_default();
         for attribute in FILES {
@@ -84,7 +85,8 @@ struct Reader<'s> {
 }
 
 impl Reader<'_> {
-    /// Replaces the includes among elements that come from a text in `folder`, which is relative to the directory of the main text.
+    /// Replaces the includes among elements that come from a text in `folder`, which is relative to
+    /// the directory of the main text.
     fn include(
         &mut self,
         source_name: &str,

@@ -15,8 +15,9 @@ impl Spec {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`], and nothing is removed, if other elements refer to a removed one, or if the element is the world or the root.
-    /// [`Error::Unsupported`] if an attribute that only newer engines than those of this crate have may refer to it.
+    /// [`Error::Invalid`], and nothing is removed, if other elements refer to a removed one, or if
+    /// the element is the world or the root. [`Error::Unsupported`] if an attribute that only newer
+    /// engines than those of this crate have may refer to it.
     ///
     /// # Panics
     ///
@@ -58,13 +59,15 @@ impl Spec {
         ))
     }
 
-    /// Removes an element, all elements in it, and all elements that refer to a removed one. A tendon is removed as a whole. References to a
-    /// removed class, material or texture are removed instead of the elements that have them. A class whose defaults refer to a removed mesh or
+    /// Removes an element, all elements in it, and all elements that refer to a removed one. A
+    /// tendon is removed as a whole. References to a removed class, material or texture are removed
+    /// instead of the elements that have them. A class whose defaults refer to a removed mesh or
     /// height field loses the reference, and the elements that have it from the class are removed.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the element is the world or the root, [`Error::Unsupported`] as for [`remove`](Self::remove). Nothing is removed then.
+    /// [`Error::Invalid`] if the element is the world or the root, [`Error::Unsupported`] as for
+    /// [`remove`](Self::remove). Nothing is removed then.
     ///
     /// # Panics
     ///
@@ -104,8 +107,9 @@ impl Spec {
         Ok(index)
     }
 
-    /// Removes the attributes without which an element or a class can exist and that refer to the given elements or to those in them. Returns
-    /// the elements that had other references than these from a class.
+    /// Removes the attributes without which an element or a class can exist and that refer to the
+    /// given elements or to those in them. Returns the elements that had other references than
+    /// these from a class.
     fn remove_attributes(&mut self, removed: &[Index]) -> Vec<Index> {
         const OPTIONAL: [&str; 4] = ["class", "childclass", "material", "texture"];
         let names = self.removed_names(removed);
@@ -133,7 +137,8 @@ impl Spec {
         heirs
     }
 
-    /// Returns an error if an attribute of a newer engine may refer to an element that is to be removed.
+    /// Returns an error if an attribute of a newer engine may refer to an element that is to be
+    /// removed.
     fn check_unknown(&self, removed: &[Index]) -> Result<()> {
         let inside = self.inside(removed);
         let names = self.removed_names(removed);
@@ -153,7 +158,8 @@ impl Spec {
         Ok(())
     }
 
-    /// Returns the names of the given elements and those in them, except the names that other elements have too.
+    /// Returns the names of the given elements and those in them, except the names that other
+    /// elements have too.
     fn removed_names(&self, removed: &[Index]) -> Names {
         let inside = self.inside(removed);
         let mut names = Names::new();
@@ -170,8 +176,9 @@ impl Spec {
         names
     }
 
-    /// Returns the elements outside of the given ones that refer to an element in them. An element without a name of its own, such as a
-    /// part of a tendon, is represented by the one that contains it.
+    /// Returns the elements outside of the given ones that refer to an element in them. An element
+    /// without a name of its own, such as a part of a tendon, is represented by the one that
+    /// contains it.
     fn referrers(&self, removed: &[Index]) -> Vec<Index> {
         let inside = self.inside(removed);
         let mut found = Vec::new();

@@ -10,7 +10,8 @@ use crate::model;
 /// Attributes of each element, by the path of the element from the root.
 pub(super) struct Schema(HashMap<String, Vec<String>>);
 
-/// Attributes of elements that are not in the schema of the engine, because its reader handles them first.
+/// Attributes of elements that are not in the schema of the engine, because its reader handles them
+/// first.
 const FRAME: [&str; 8] = ["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"];
 const REPLICATE: [&str; 4] = ["count", "offset", "euler", "sep"];
 
@@ -28,8 +29,8 @@ impl Schema {
         Ok(SCHEMA.get_or_init(|| Self::parse(&text)))
     }
 
-    /// Parses the engine's text: each element is indented by three spaces per level and followed by its attributes, in this line and in
-    /// the next ones.
+    /// Parses the engine's text: each element is indented by three spaces per level and followed by
+    /// its attributes, in this line and in the next ones.
     fn parse(text: &str) -> Self {
         const INDENT: usize = 3;
         let mut elements: HashMap<String, Vec<String>> = HashMap::new();
@@ -49,7 +50,8 @@ impl Schema {
         Self(elements)
     }
 
-    /// Returns the attributes of an element, or `None` if the compiler does not accept the element at this place.
+    /// Returns the attributes of an element, or `None` if the compiler does not accept the element
+    /// at this place.
     pub(super) fn attributes(&self, tree: &Tree, index: Index) -> Option<Vec<&str>> {
         let path = path(tree, index);
         match tree.tag(index) {
@@ -93,7 +95,8 @@ impl Schema {
     }
 }
 
-/// Returns the path of an element in the schema. Bodies, frames and classes in each other have the path of the outermost.
+/// Returns the path of an element in the schema. Bodies, frames and classes in each other have the
+/// path of the outermost.
 pub(super) fn path(tree: &Tree, index: Index) -> String {
     let mut tags = Vec::new();
     let mut at = Some(index);

@@ -5,7 +5,8 @@ use super::key::Reference;
 use crate::enums::{GeomType, JointType};
 use crate::kind;
 
-/// Declares the methods that set attributes of a kind: values by their type, and references after `->`.
+/// Declares the methods that set attributes of a kind: values by their type, and references after
+/// `->`.
 macro_rules! setters {
     ($($kind:ident { $($(#[$doc:meta])* $method:ident $attribute:literal $(: $value:ty)? $(=> $target:ident)?;)* })*) => {
         $(
@@ -41,20 +42,24 @@ setters! {
         set_pos "pos": [f64; 3];
         /// Sets the orientation of the frame in that of the parent.
         set_quat "quat": [f64; 4];
-        /// Makes the body move by `mocap_pos` and `mocap_quat` only. It must be in the world, without joints.
+        /// Makes the body move by `mocap_pos` and `mocap_quat` only. It must be in the world,
+        /// without joints.
         set_mocap "mocap": bool;
         /// Sets the class of defaults of all elements in the body that have no class.
         set_childclass "childclass": &str;
     }
     Joint {
-        /// Sets the type. Free joints that [`add_freejoint`](super::Spec::add_freejoint) made have none.
+        /// Sets the type. Free joints that [`add_freejoint`](super::Spec::add_freejoint) made have
+        /// none.
         set_type "type": JointType;
         /// Sets the position of the joint, metres, in the frame of the body.
         set_pos "pos": [f64; 3];
-        /// Sets the axis of a hinge or slide joint, in the frame of the body. The compiler normalises it.
+        /// Sets the axis of a hinge or slide joint, in the frame of the body. The compiler
+        /// normalises it.
         set_axis "axis": [f64; 3];
-        /// Sets the limits: metres for a slide joint, otherwise angles in the unit of `compiler` (degrees by default). In a text that was
-        /// written for 2.2.2 they may need [`set_limited`](Self::set_limited) to take effect.
+        /// Sets the limits: metres for a slide joint, otherwise angles in the unit of `compiler`
+        /// (degrees by default). In a text that was written for 2.2.2 they may need
+        /// [`set_limited`](Self::set_limited) to take effect.
         set_range "range": [f64; 2];
         /// Sets whether the limits take effect.
         set_limited "limited": bool;
@@ -76,15 +81,17 @@ setters! {
     Geom {
         /// Sets the shape.
         set_type "type": GeomType;
-        /// Sets the sizes, metres: the radius of a sphere; the radius and the half-length of a capsule and a cylinder (only the radius with
-        /// [`set_fromto`](Self::set_fromto)); the half-sizes of a box and an ellipsoid; the half-sizes of a plane, 0 if infinite, and the
+        /// Sets the sizes, metres: the radius of a sphere; the radius and the half-length of a
+        /// capsule and a cylinder (only the radius with [`set_fromto`](Self::set_fromto)); the
+        /// half-sizes of a box and an ellipsoid; the half-sizes of a plane, 0 if infinite, and the
         /// spacing of its grid.
         set_size "size": &[f64];
         /// Sets the position of the centre, metres, in the frame of the body.
         set_pos "pos": [f64; 3];
         /// Sets the orientation in the frame of the body.
         set_quat "quat": [f64; 4];
-        /// Sets the two end points of a capsule, cylinder, box or ellipsoid, metres, in the frame of the body.
+        /// Sets the two end points of a capsule, cylinder, box or ellipsoid, metres, in the frame
+        /// of the body.
         set_fromto "fromto": [f64; 6];
         /// Sets the mass, kg. Without it the density applies.
         set_mass "mass": f64;
@@ -130,7 +137,8 @@ setters! {
     Camera {
         /// Sets the position, metres, in the frame of the body.
         set_pos "pos": [f64; 3];
-        /// Sets the orientation in the frame of the body. The camera looks along its negative z axis.
+        /// Sets the orientation in the frame of the body. The camera looks along its negative z
+        /// axis.
         set_quat "quat": [f64; 4];
         /// Sets the x and the y axis of the camera, in the frame of the body.
         set_xyaxes "xyaxes": [f64; 6];
@@ -162,15 +170,18 @@ setters! {
         set_scale "scale": [f64; 3];
         /// Sets the vertices: x, y and z of each, metres.
         set_vertex "vertex": &[f64];
-        /// Sets the faces: the indices of three vertices of each. Without them the mesh is the convex hull of the vertices.
+        /// Sets the faces: the indices of three vertices of each. Without them the mesh is the
+        /// convex hull of the vertices.
         set_face "face": &[i32];
     }
     HeightField {
         /// Sets the file, a PNG image or the engine's own format.
         set_file "file": &str;
-        /// Sets the half-sizes along x and y, the largest height, and the depth below the lowest point, metres.
+        /// Sets the half-sizes along x and y, the largest height, and the depth below the lowest
+        /// point, metres.
         set_size "size": [f64; 4];
-        /// Sets the number of rows of a height field without a file, whose heights the program sets.
+        /// Sets the number of rows of a height field without a file, whose heights the program
+        /// sets.
         set_nrow "nrow": i32;
         /// Sets the number of columns of a height field without a file.
         set_ncol "ncol": i32;
@@ -260,7 +271,8 @@ setters! {
         set_site "site" => Site;
         /// Sets the body on which an adhesive actuator acts.
         set_body "body" => Body;
-        /// Sets the transmission: the factor of length and force, and for sites the force and torque in the site's frame.
+        /// Sets the transmission: the factor of length and force, and for sites the force and
+        /// torque in the site's frame.
         set_gear "gear": &[f64];
         /// Sets the range of the control.
         set_ctrlrange "ctrlrange": [f64; 2];
@@ -288,7 +300,8 @@ setters! {
         set_actuator "actuator" => Actuator;
         /// Sets the body of a sensor of a subtree.
         set_body "body" => Body;
-        /// Sets the type of the object of a sensor of a frame: `body`, `xbody`, `geom`, `site` or `camera`.
+        /// Sets the type of the object of a sensor of a frame: `body`, `xbody`, `geom`, `site` or
+        /// `camera`.
         set_objtype "objtype": &str;
         /// Sets the name of the object of a sensor of a frame.
         set_objname "objname": &str;

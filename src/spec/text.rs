@@ -6,8 +6,8 @@ use super::{control, value};
 /// Largest depth of elements, which the compiler has too.
 const MOST_NESTED: usize = 400;
 
-/// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader, it accepts references to control
-/// characters.
+/// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader,
+/// it accepts references to control characters.
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
     let hidden = control::hide(text)?;
     let text = hidden.as_deref().unwrap_or(text);
@@ -34,8 +34,8 @@ pub(super) fn parse(text: &str) -> Result<Tree, String> {
     Ok(tree)
 }
 
-/// Returns the value of an attribute with the white space of its text, which XML replaces by spaces and the engine keeps. A list of numbers
-/// has spaces.
+/// Returns the value of an attribute with the white space of its text, which XML replaces by spaces
+/// and the engine keeps. A list of numbers has spaces.
 fn exact(value: &str, text: &str) -> String {
     if !text.contains(['\t', '\n', '\r']) || value::numbers(value).is_some() {
         return value.to_owned();
@@ -57,7 +57,8 @@ fn exact(value: &str, text: &str) -> String {
 /// Text of a tree, with at most one start tag in each line.
 pub(super) struct Written {
     pub(super) text: String,
-    /// The element of each line. A line with an end tag belongs to the same element as the start tag.
+    /// The element of each line. A line with an end tag belongs to the same element as the start
+    /// tag.
     pub(super) lines: Vec<Index>,
 }
 
@@ -115,7 +116,8 @@ impl Written {
     }
 }
 
-/// Appends an attribute value. Readers would replace white space by spaces, and a line break would shift the numbers of the lines.
+/// Appends an attribute value. Readers would replace white space by spaces, and a line break would
+/// shift the numbers of the lines.
 fn escape(value: &str, text: &mut String) {
     for character in value.chars() {
         match character {

@@ -3,7 +3,8 @@
 /// Index of an element in a [`Tree`]. The index of a removed element is not used again.
 pub(super) type Index = u32;
 
-/// Joint position whose unit depends on the type of the joint, which may be a setting of another element than the position.
+/// Joint position whose unit depends on the type of the joint, which may be a setting of another
+/// element than the position.
 #[derive(Clone, Debug)]
 pub(super) struct Position {
     pub(super) attribute: String,
@@ -160,7 +161,8 @@ impl Tree {
         first.expect("the source was copied")
     }
 
-    /// Replaces an element by copies of the elements in the root of another tree, and returns the copies.
+    /// Replaces an element by copies of the elements in the root of another tree, and returns the
+    /// copies.
     pub(super) fn replace(&mut self, index: Index, from: &Self) -> Vec<Index> {
         let Some(parent) = self.parent(index) else { return Vec::new() };
         let position = self.children(parent).iter().position(|&child| child == index).unwrap_or_default();

@@ -68,7 +68,8 @@ impl Sealed for i32 {}
 impl Sealed for u32 {}
 numbers!(f64 f32 i32 u32);
 
-/// Writes a number: integers without a fraction, others with the fewest digits that restore the value.
+/// Writes a number: integers without a fraction, others with the fewest digits that restore the
+/// value.
 fn number(value: impl Debug) -> String {
     let text = format!("{value:?}");
     text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)

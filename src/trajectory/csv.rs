@@ -13,10 +13,10 @@ use crate::model::Model;
 const LONGEST_CELL: usize = 1000;
 
 impl Trajectory {
-    /// Writes the records as CSV with a header line: the columns `time`, `qpos0`, …, `qvel0`, …, `act0`, …, `ctrl0`, … and, if recorded,
-    /// `sensordata0`, …. Reading the file restores every value bit for bit, except that the sign and the payload of a NaN are
-    /// lost: it is written as `NaN`, because other programs do not read the payload. NumPy files
-    /// (`save_npz`) keep them.
+    /// Writes the records as CSV with a header line: the columns `time`, `qpos0`, …, `qvel0`, …,
+    /// `act0`, …, `ctrl0`, … and, if recorded, `sensordata0`, …. Reading the file restores every
+    /// value bit for bit, except that the sign and the payload of a NaN are lost: it is written as
+    /// `NaN`, because other programs do not read the payload. NumPy files (`save_npz`) keep them.
     ///
     /// # Errors
     ///
@@ -41,12 +41,14 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Reads a file written by [`save_csv`](Self::save_csv), with or without sensor readings, for simulations of this model.
+    /// Reads a file written by [`save_csv`](Self::save_csv), with or without sensor readings, for
+    /// simulations of this model.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is a pipe or a device, belongs to a model with other sizes, or contains
-    /// a cell that is not a number, or a line of more than 1000 bytes for each column. The message contains the line number.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, belongs to a model with
+    /// other sizes, or contains a cell that is not a number, or a line of more than 1000 bytes for
+    /// each column. The message contains the line number.
     pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_csv(model, path).map_err(Error::file(path))

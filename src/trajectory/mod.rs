@@ -1,4 +1,5 @@
-//! Recorded trajectories: times, states, controls and sensor readings, with import and export as CSV, NumPy archives and serde data.
+//! Recorded trajectories: times, states, controls and sensor readings, with import and export as
+//! CSV, NumPy archives and serde data.
 
 mod csv;
 #[cfg(feature = "npz")]
@@ -11,8 +12,9 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// Recorded simulation: the time, the physics state `[qpos; qvel; act]` and the controls of each record, and the sensor readings if the
-/// trajectory was created [`with_sensordata`](Self::with_sensordata).
+/// Recorded simulation: the time, the physics state `[qpos; qvel; act]` and the controls of each
+/// record, and the sensor readings if the trajectory was created
+/// [`with_sensordata`](Self::with_sensordata).
 ///
 /// ```
 /// use mujoco_safe::{Data, RandomController, Trajectory, sample};
@@ -32,7 +34,8 @@ pub struct Trajectory {
     states: Vec<f64>,
     /// Controls, concatenated.
     controls: Vec<f64>,
-    /// Number of sensor readings of a record: `nsensordata` of the model, or 0 if they are not recorded.
+    /// Number of sensor readings of a record: `nsensordata` of the model, or 0 if they are not
+    /// recorded.
     nsensordata: usize,
     /// Sensor readings, concatenated.
     sensordata: Vec<f64>,
@@ -108,16 +111,18 @@ impl Trajectory {
         Self { nsensordata: model.nsensordata(), ..Self::new(model) }
     }
 
-    /// Creates an empty trajectory with capacity for `records` records, so that [`push`](Self::push) does not allocate up to that
-    /// number. If there is not enough memory, the trajectory starts without capacity and grows on demand.
+    /// Creates an empty trajectory with capacity for `records` records, so that
+    /// [`push`](Self::push) does not allocate up to that number. If there is not enough memory, the
+    /// trajectory starts without capacity and grows on demand.
     pub fn with_capacity(model: &Model, records: usize) -> Self {
         let mut trajectory = Self::new(model);
         trajectory.reserve(records);
         trajectory
     }
 
-    /// Reserves capacity for at least `additional` more records, so that [`push`](Self::push) and [`record`](Self::record) do not
-    /// allocate up to that number. Has no effect if there is not enough memory.
+    /// Reserves capacity for at least `additional` more records, so that [`push`](Self::push) and
+    /// [`record`](Self::record) do not allocate up to that number. Has no effect if there is not
+    /// enough memory.
     pub fn reserve(&mut self, additional: usize) {
         let Self { sizes, times, states, controls, nsensordata, sensordata } = self;
         let room = |values: &mut Vec<f64>, width: usize| {
@@ -131,9 +136,10 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the simulation's model has other sizes. If sensor readings are recorded: [`Error::NotComputed`] unless they have
-    /// been computed for the present state, as [`Data::forward`] does and [`Data::step`] does not; [`Error::Unsupported`] if the
-    /// options of the model disable sensors. After an error the trajectory is unchanged.
+    /// [`Error::Shape`] if the simulation's model has other sizes. If sensor readings are recorded:
+    /// [`Error::NotComputed`] unless they have been computed for the present state, as
+    /// [`Data::forward`] does and [`Data::step`] does not; [`Error::Unsupported`] if the options of
+    /// the model disable sensors. After an error the trajectory is unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, Trajectory, sample};
@@ -174,14 +180,16 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Performs `steps` steps under a controller. Records each state before its step, with the controls applied in that step and, if
-    /// they are recorded, the sensor readings of that state, which the engine computes in that step. (With the integrator `Rk4`, it
-    /// computes them in the first of the four evaluations, in the recorded state.)
+    /// Performs `steps` steps under a controller. Records each state before its step, with the
+    /// controls applied in that step and, if they are recorded, the sensor readings of that state,
+    /// which the engine computes in that step. (With the integrator `Rk4`, it computes them in the
+    /// first of the four evaluations, in the recorded state.)
     ///
     /// # Errors
     ///
-    /// Errors of the controller and of [`Data::step`], and those of [`push`](Self::push) except for [`Error::NotComputed`]. Earlier
-    /// records are kept, and the sensor readings of a failed step are NaN.
+    /// Errors of the controller and of [`Data::step`], and those of [`push`](Self::push) except for
+    /// [`Error::NotComputed`]. Earlier records are kept, and the sensor readings of a failed step
+    /// are NaN.
     pub fn record(&mut self, data: &mut Data, controller: &mut (impl Controller + ?Sized), steps: usize) -> Result<()> {
         for _ in 0..steps {
             controller.control(data)?;
@@ -267,8 +275,9 @@ impl Trajectory {
         &self.controls[record * self.sizes.nu..][..self.sizes.nu]
     }
 
-    /// Returns the sensor readings of a record (`nsensordata`). Empty if the trajectory was not created
-    /// [`with_sensordata`](Self::with_sensordata), or was loaded from a file without readings.
+    /// Returns the sensor readings of a record (`nsensordata`). Empty if the trajectory was not
+    /// created [`with_sensordata`](Self::with_sensordata), or was loaded from a file without
+    /// readings.
     ///
     /// # Panics
     ///

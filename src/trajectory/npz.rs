@@ -1,4 +1,5 @@
-//! Trajectories as NumPy archives (`.npz`): the arrays `time`, `qpos`, `qvel`, `act`, `ctrl` and, if recorded, `sensordata`.
+//! Trajectories as NumPy archives (`.npz`): the arrays `time`, `qpos`, `qvel`, `act`, `ctrl` and,
+//! if recorded, `sensordata`.
 
 use std::io;
 use std::path::Path;
@@ -10,9 +11,10 @@ use crate::npz::read::Archive;
 use crate::npz::{self, Array};
 
 impl Trajectory {
-    /// Writes the records as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It contains the arrays `time` of
-    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)`, `ctrl` `(n, nu)` and, if recorded, `sensordata`
-    /// `(n, nsensordata)` for `n` records. Reading the file restores every value bit for bit.
+    /// Writes the records as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It
+    /// contains the arrays `time` of shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act`
+    /// `(n, na)`, `ctrl` `(n, nu)` and, if recorded, `sensordata` `(n, nsensordata)` for `n`
+    /// records. Reading the file restores every value bit for bit.
     ///
     /// Requires the feature `npz`.
     ///
@@ -53,17 +55,20 @@ impl Trajectory {
         npz::save(path, recorded)
     }
 
-    /// Reads a file written by [`save_npz`](Self::save_npz), or by `numpy.savez` or `numpy.savez_compressed` with these arrays,
-    /// of which `sensordata` may be missing, for simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64 MiB, or to a hundred
-    /// times the size of the file if that is more, so that a small file cannot exhaust the memory.
+    /// Reads a file written by [`save_npz`](Self::save_npz), or by `numpy.savez` or
+    /// `numpy.savez_compressed` with these arrays, of which `sensordata` may be missing, for
+    /// simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64
+    /// MiB, or to a hundred times the size of the file if that is more, so that a small file cannot
+    /// exhaust the memory.
     ///
     /// Requires the feature `npz`.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, contains an array whose shape does not
-    /// match this model or whose type is not double precision, contains two arrays of the same name, or unpacks to more than the
-    /// limit. The message names the array.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, contains
+    /// an array whose shape does not match this model or whose type is not double precision,
+    /// contains two arrays of the same name, or unpacks to more than the limit. The message names
+    /// the array.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_npz(model, path).map_err(Error::file(path))

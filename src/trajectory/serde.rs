@@ -43,9 +43,9 @@ impl Serialize for Trajectory {
 }
 
 impl<'de> Deserialize<'de> for Trajectory {
-    /// Returns an error unless the number of values matches the sizes and the number of times, or if a size is above 2²⁰. The
-    /// limit exists because a trajectory without records has no values that confirm its sizes, and the sizes determine the
-    /// length of a CSV header.
+    /// Returns an error unless the number of values matches the sizes and the number of times, or
+    /// if a size is above 2²⁰. The limit exists because a trajectory without records has no values
+    /// that confirm its sizes, and the sizes determine the length of a CSV header.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Records { nq, nv, na, nu, times, states, controls, nsensordata, sensordata } =
             Records::deserialize(deserializer)?;

@@ -18,8 +18,8 @@ pub struct Version {
 }
 
 impl Version {
-    /// Decodes the version number of the engine: one digit for each part up to 3.4 (`222`), three digits for each minor and patch
-    /// version from 3.5 (`3005000`).
+    /// Decodes the version number of the engine: one digit for each part up to 3.4 (`222`), three
+    /// digits for each minor and patch version from 3.5 (`3005000`).
     pub(crate) const fn from_number(number: u32) -> Self {
         let base = if number < 1_000_000 { 10 } else { 1000 };
         Self { major: number / (base * base), minor: number / base % base, patch: number % base }

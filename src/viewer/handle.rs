@@ -15,9 +15,10 @@ use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 
 /// Handle of a window for a program that steps its simulation itself.
 ///
-/// The program owns the [`Data`]. [`sync`](Self::sync) shows its current state and executes the user's requests on it: pulling
-/// bodies, setting controls and joints, resetting it to the state of the first call. The program decides how to react to a pause and
-/// to keys that the viewer does not use.
+/// The program owns the [`Data`]. [`sync`](Self::sync) shows its current state and executes the
+/// user's requests on it: pulling bodies, setting controls and joints, resetting it to the state of
+/// the first call. The program decides how to react to a pause and to keys that the viewer does not
+/// use.
 ///
 /// The handle can move to another thread. After the window was closed, its methods have no effect.
 pub struct ViewerHandle {
@@ -54,7 +55,8 @@ impl ViewerHandle {
         }
     }
 
-    /// Returns `true` while the window is open: until the user closes it or the program calls [`close`](Self::close).
+    /// Returns `true` while the window is open: until the user closes it or the program calls
+    /// [`close`](Self::close).
     pub fn is_running(&self) -> bool {
         !self.link().is_closed()
     }
@@ -64,20 +66,22 @@ impl ViewerHandle {
         self.link().close();
     }
 
-    /// Shows the current state of the simulation, and executes the user's requests on it. Call it once per frame or after each step; a
-    /// call takes a few microseconds.
+    /// Shows the current state of the simulation, and executes the user's requests on it. Call it
+    /// once per frame or after each step; a call takes a few microseconds.
     ///
-    /// While the user pulls a body, [`xfrc_applied`](Data::xfrc_applied) contains the force until the next call, added to the
-    /// program's own forces. [`Data::forward`] is called if the poses have not been computed or if a request has changed the state.
-    /// If the data is unusable, the scene does not change; the user can reset the data.
+    /// While the user pulls a body, [`xfrc_applied`](Data::xfrc_applied) contains the force until
+    /// the next call, added to the program's own forces. [`Data::forward`] is called if the poses
+    /// have not been computed or if a request has changed the state. If the data is unusable, the
+    /// scene does not change; the user can reset the data.
     ///
     /// The data may differ from the data of the last call and may belong to another model.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for an invalid geom of the program,
-    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if there is no memory for the
-    /// scene. Failed requests of the user are not errors; the window reports them.
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
+    /// if there is no memory for the scene. Failed requests of the user are not errors; the window
+    /// reports them.
     ///
     /// # Panics
     ///
@@ -104,7 +108,8 @@ impl ViewerHandle {
             return Ok(());
         }
         let mut changed = false;
-        // A request that ends a pause or a pull stays in the queue until the program has seen the pause or the pull.
+        // A request that ends a pause or a pull stays in the queue until the program has seen the
+        // pause or the pull.
         let (was_paused, mut pulled) = (self.paused, false);
         while let Some(request) = endpoint.link.next_if(|next| {
             let unseen_pause = self.paused != was_paused && next.changes_pause();
@@ -143,7 +148,8 @@ impl ViewerHandle {
         published
     }
 
-    /// Returns `true` if the user has paused the simulation, and `false` after the window was closed. The program may ignore the pause:
+    /// Returns `true` if the user has paused the simulation, and `false` after the window was
+    /// closed. The program may ignore the pause:
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -169,7 +175,8 @@ impl ViewerHandle {
         self.paused = paused;
     }
 
-    /// Blocks until the user makes a request, changes the view or closes the window, or the timeout passes.
+    /// Blocks until the user makes a request, changes the view or closes the window, or the timeout
+    /// passes.
     pub fn wait(&self, timeout: Duration) {
         self.link().wait(Instant::now().checked_add(timeout));
     }
@@ -183,7 +190,8 @@ impl ViewerHandle {
     ///
     /// # Panics
     ///
-    /// At the next [`sync`](Self::sync), if the camera or the body that it tracks belongs to another model.
+    /// At the next [`sync`](Self::sync), if the camera or the body that it tracks belongs to
+    /// another model.
     pub fn set_camera(&mut self, camera: Camera) {
         let view = SceneView { camera: Some(camera), ..self.view() };
         self.set_view(view);
@@ -200,8 +208,9 @@ impl ViewerHandle {
         self.set_view(view);
     }
 
-    /// Returns the program's geoms, which the window shows in addition to the model from the next [`sync`](Self::sync) on, such as
-    /// goals, paths and arrows. They stay until the program removes them.
+    /// Returns the program's geoms, which the window shows in addition to the model from the next
+    /// [`sync`](Self::sync) on, such as goals, paths and arrows. They stay until the program
+    /// removes them.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle) -> mujoco_safe::Result<()> {
@@ -217,9 +226,10 @@ impl ViewerHandle {
         &mut self.geoms
     }
 
-    /// Replaces the instruments in the window by those that a closure declares: plotted values, parameters with sliders, and geoms. They
-    /// appear with the next [`sync`](Self::sync) and stay until the next call. A parameter receives the user's changes that
-    /// arrived with the last `sync`.
+    /// Replaces the instruments in the window by those that a closure declares: plotted values,
+    /// parameters with sliders, and geoms. They appear with the next [`sync`](Self::sync) and stay
+    /// until the next call. A parameter receives the user's changes that arrived with the last
+    /// `sync`.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -244,7 +254,8 @@ impl ViewerHandle {
         instruments.declare(declare)
     }
 
-    /// Removes and returns the key presses for which the viewer has no binding. They arrive with [`sync`](Self::sync).
+    /// Removes and returns the key presses for which the viewer has no binding. They arrive with
+    /// [`sync`](Self::sync).
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) {
@@ -262,7 +273,8 @@ impl ViewerHandle {
         self.endpoint.as_mut().map(SimulationEndpoint::take_keys).unwrap_or_default()
     }
 
-    /// Uploads a modified texture of the model again, with the next [`sync`](Self::sync). A texture of another model is ignored.
+    /// Uploads a modified texture of the model again, with the next [`sync`](Self::sync). A texture
+    /// of another model is ignored.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -281,7 +293,8 @@ impl ViewerHandle {
         self.assets.push(Asset::Mesh(mesh.into()));
     }
 
-    /// Uploads a modified height field of the model again, like [`update_texture`](Self::update_texture).
+    /// Uploads a modified height field of the model again, like
+    /// [`update_texture`](Self::update_texture).
     pub fn update_height_field(&mut self, height_field: impl Into<HeightFieldId>) {
         self.assets.push(Asset::HeightField(height_field.into()));
     }
@@ -337,7 +350,8 @@ impl ViewerHandle {
         })
     }
 
-    /// Applies the perturbation, and recomputes the quantities that depend on the state if it has changed.
+    /// Applies the perturbation, and recomputes the quantities that depend on the state if it has
+    /// changed.
     fn perturb(&self, endpoint: &mut SimulationEndpoint, data: &mut Data, changed: bool) -> Result<()> {
         if self.paused {
             endpoint.remove_perturbation(data);

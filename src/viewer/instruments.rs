@@ -25,14 +25,18 @@ pub(crate) struct Parameter {
     pub range: [f64; 2],
 }
 
-/// Instruments of a controller in the window: plotted values, parameters with sliders, and geoms such as the path of a plan.
+/// Instruments of a controller in the window: plotted values, parameters with sliders, and geoms
+/// such as the path of a plan.
 ///
-/// A closure declares all instruments each time it is called, with [`Viewer::instrumented_controller`](super::Viewer::instrumented_controller)
-/// or [`ViewerHandle::instruments`](super::ViewerHandle::instruments). An instrument that the closure does not declare again disappears.
-/// The plots and the sliders are at the top of the right panel; Shift+F3 hides and shows them.
+/// A closure declares all instruments each time it is called, with
+/// [`Viewer::instrumented_controller`](super::Viewer::instrumented_controller) or
+/// [`ViewerHandle::instruments`](super::ViewerHandle::instruments). An instrument that the closure
+/// does not declare again disappears. The plots and the sliders are at the top of the right panel;
+/// Shift+F3 hides and shows them.
 ///
-/// The closure runs in the thread of the controller, between two steps. The controller therefore needs no locks. The declarations allocate
-/// memory only when they change: another name, or more values, parameters or geoms than before.
+/// The closure runs in the thread of the controller, between two steps. The controller therefore
+/// needs no locks. The declarations allocate memory only when they change: another name, or more
+/// values, parameters or geoms than before.
 ///
 /// ```no_run
 /// use mujoco_safe::scene::NewGeom;
@@ -74,8 +78,8 @@ pub struct Instruments {
 }
 
 impl Instruments {
-    /// Plots a value over the simulated time: a curve with this name, in the plot with this title. Values with the same title are in the
-    /// same plot. NaN and infinite values leave a gap.
+    /// Plots a value over the simulated time: a curve with this name, in the plot with this title.
+    /// Values with the same title are in the same plot. NaN and infinite values leave a gap.
     pub fn value(&mut self, plot: &str, name: &str, value: f64) {
         self.values.add(
             |slot| {
@@ -87,9 +91,10 @@ impl Instruments {
         );
     }
 
-    /// Shows a slider for a number, and sets the number to the user's value if the user has moved the slider since the last call. Returns
-    /// `true` in that case. The user's value is in the range. The slider is logarithmic if the range is above zero and
-    /// spans a factor of 100 or more.
+    /// Shows a slider for a number, and sets the number to the user's value if the user has moved
+    /// the slider since the last call. Returns `true` in that case. The user's value is in the
+    /// range. The slider is logarithmic if the range is above zero and spans a factor of 100 or
+    /// more.
     ///
     /// Each parameter needs another name: of several with the same name, only the first can change.
     ///
@@ -117,8 +122,9 @@ impl Instruments {
         edit.is_some()
     }
 
-    /// Draws a path through points, m, world frame, such as the path of a body in a plan: a capsule of this radius, m, from each
-    /// point to the next. Omits the parts beside a point that is not finite.
+    /// Draws a path through points, m, world frame, such as the path of a body in a plan: a capsule
+    /// of this radius, m, from each point to the next. Omits the parts beside a point that is not
+    /// finite.
     pub fn path(&mut self, points: impl IntoIterator<Item = [f64; 3]>, radius: f64, rgba: [f32; 4]) {
         let is_finite = |point: &[f64; 3]| point.iter().all(|&part| (part as f32).is_finite());
         let mut previous: Option<[f64; 3]> = None;
@@ -131,7 +137,8 @@ impl Instruments {
         }
     }
 
-    /// Draws a geom, such as a goal. The window shows an error for a geom with invalid numbers or of another model.
+    /// Draws a geom, such as a goal. The window shows an error for a geom with invalid numbers or
+    /// of another model.
     pub fn geom(&mut self, geom: NewGeom) {
         self.geoms.push(geom);
     }
@@ -157,7 +164,8 @@ impl Instruments {
         self.geoms.clear();
     }
 
-    /// Sets a parameter on behalf of the user. The next declaration delivers the value. Ignores an unknown name.
+    /// Sets a parameter on behalf of the user. The next declaration delivers the value. Ignores an
+    /// unknown name.
     pub(crate) fn edit(&mut self, name: &Arc<str>, value: f64) {
         let parameters = &mut self.parameters.items[..self.parameters.used];
         let Some(parameter) = parameters.iter_mut().find(|parameter| parameter.name == *name) else { return };

@@ -40,27 +40,32 @@ pub enum Theme {
 pub struct ViewerOptions {
     /// Title of the window, without NUL.
     pub title: String,
-    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the monitor.
+    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the
+    /// monitor.
     pub size: Option<[u32; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
-    /// The side panels are open at the start, as in `simulate`, if the window has place for both beside the scene: about 840 pixels at a
-    /// scale of 1.
+    /// The side panels are open at the start, as in `simulate`, if the window has place for both
+    /// beside the scene: about 840 pixels at a scale of 1.
     pub panels: bool,
     /// Colours of the panels.
     pub theme: Theme,
-    /// Size of the panels and their text relative to the scale of the display. Values outside of 0.25 to 4 are limited to this range.
+    /// Size of the panels and their text relative to the scale of the display. Values outside of
+    /// 0.25 to 4 are limited to this range.
     pub scale: f64,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
-    /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is appended to the name.
+    /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is
+    /// appended to the name.
     pub screenshots: PathBuf,
-    /// Path of the recordings of Ctrl+V. If the file exists, it is not overwritten: a number is appended to the name. The extension
-    /// selects the format: see [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
+    /// Path of the recordings of Ctrl+V. If the file exists, it is not overwritten: a number is
+    /// appended to the name. The extension selects the format: see
+    /// [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
     /// `recording.gif` without `ffmpeg`.
     pub recordings: Option<PathBuf>,
-    /// Directory of the model and of the listings that the panel "Simulation" saves: `model.xml`, `model.mjb`, `model.txt` and `data.txt`. An
-    /// existing file is not overwritten: a number is appended to the name. By default the working directory.
+    /// Directory of the model and of the listings that the panel "Simulation" saves: `model.xml`,
+    /// `model.mjb`, `model.txt` and `data.txt`. An existing file is not overwritten: a number is
+    /// appended to the name. By default the working directory.
     pub directory: PathBuf,
     /// Options of the recordings.
     pub recording: RecorderOptions,
@@ -117,7 +122,8 @@ with_methods!(ViewerOptions {
     with_recording(recording: RecorderOptions),
 });
 
-/// Window that steps a simulation itself: with a controller, by playing recorded trajectories, or with passive dynamics.
+/// Window that steps a simulation itself: with a controller, by playing recorded trajectories, or
+/// with passive dynamics.
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{Viewer, ViewerOptions};
@@ -161,23 +167,26 @@ impl Viewer {
 
     /// Sets the controller, which adds the controller mode and makes it the initial mode.
     ///
-    /// An error or a panic of the controller pauses the simulation, and the window shows the message. While the controller computes,
-    /// the window is still drawn, but can only close after the controller returns.
+    /// An error or a panic of the controller pauses the simulation, and the window shows the
+    /// message. While the controller computes, the window is still drawn, but can only close after
+    /// the controller returns.
     ///
-    /// A reset or a step back restores the simulation, not the internal state of the controller. A stateful controller can detect
-    /// it by [`Data::time`], which decreases.
+    /// A reset or a step back restores the simulation, not the internal state of the controller. A
+    /// stateful controller can detect it by [`Data::time`], which decreases.
     pub fn controller(mut self, controller: impl Controller + Send + 'static) -> Self {
         let controller: Box<dyn Controller + Send> = Box::new(controller);
         self.controller = Some(Box::new(controller));
         self
     }
 
-    /// As [`controller`](Self::controller), with a closure that declares the [`Instruments`] of the controller: plotted values, parameters
-    /// with sliders, and geoms. [`Instruments`] has an example. The closure returns nothing or a [`Result`](crate::Result).
+    /// As [`controller`](Self::controller), with a closure that declares the [`Instruments`] of the
+    /// controller: plotted values, parameters with sliders, and geoms. [`Instruments`] has an
+    /// example. The closure returns nothing or a [`Result`](crate::Result).
     ///
-    /// The viewer calls the closure in the thread of the controller: before each picture of the simulation in the controller mode, and
-    /// immediately when the user moves a slider, so that the next step uses the new value. After a step, quantities of the data that depend on
-    /// the state, such as poses, are those before the step.
+    /// The viewer calls the closure in the thread of the controller: before each picture of the
+    /// simulation in the controller mode, and immediately when the user moves a slider, so that the
+    /// next step uses the new value. After a step, quantities of the data that depend on the state,
+    /// such as poses, are those before the step.
     ///
     /// An error or a panic of the closure pauses the simulation, and the window shows the message.
     pub fn instrumented_controller<C, O>(
@@ -193,31 +202,33 @@ impl Viewer {
         self
     }
 
-    /// Sets recorded trajectories, which add the trajectory mode. It is the initial mode if there is no controller. The lengths may
-    /// differ.
+    /// Sets recorded trajectories, which add the trajectory mode. It is the initial mode if there
+    /// is no controller. The lengths may differ.
     pub fn trajectories(mut self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
         self.trajectories = trajectories.into_iter().collect();
         self
     }
 
-    /// Shows the window until it is closed. The simulation starts paused in its current state, which is also the state that a reset
-    /// restores. Returns the data in its final state.
+    /// Shows the window until it is closed. The simulation starts paused in its current state,
+    /// which is also the state that a reset restores. Returns the data in its final state.
     ///
-    /// The windowing system allows one event loop per process, which stays with the thread that calls this function first. On macOS
-    /// it must be the main thread.
+    /// The windowing system allows one event loop per process, which stays with the thread that
+    /// calls this function first. On macOS it must be the main thread.
     ///
     /// # Errors
     ///
-    /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others if the window cannot be shown;
-    /// [`ViewerError::Window`] if the window ends early, for example because the X server has ended, after which a running recording is
-    /// complete and this process can show no more windows; [`ViewerError::Engine`] for a title or a size that no window can have, and for a
-    /// trajectory that is empty or of another model.
+    /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others
+    /// if the window cannot be shown; [`ViewerError::Window`] if the window ends early, for example
+    /// because the X server has ended, after which a running recording is complete and this process
+    /// can show no more windows; [`ViewerError::Engine`] for a title or a size that no window can
+    /// have, and for a trajectory that is empty or of another model.
     pub fn run(self, data: Data) -> Result<Data, ViewerError> {
         let (request, link) = WindowRequest::on_this_thread(self.options)?;
         let simulation = Simulation::new(data, self.controller, self.trajectories, link)?;
         let physics = PhysicsThread::start(simulation).map_err(ViewerError::Thread)?;
         let (event_loop, opened) = request.split();
-        // A window of the background thread needs no event loop here; the physics thread ends with the window.
+        // A window of the background thread needs no event loop here; the physics thread ends with
+        // the window.
         event_loop.map_or(Ok(()), |event_loop| event_loop.run())?;
         opened.wait()?;
         let data = physics.join().ok_or_else(|| ViewerError::Window("the physics thread has panicked".to_owned()))?;
@@ -226,14 +237,16 @@ impl Viewer {
     }
 }
 
-/// Shows a window for a program that steps its simulation itself. The program runs on another thread, and the calling thread shows the
-/// window, which works on every platform. The window closes when the program ends.
+/// Shows a window for a program that steps its simulation itself. The program runs on another
+/// thread, and the calling thread shows the window, which works on every platform. The window
+/// closes when the program ends.
 ///
 /// Closing the window does not end the program: [`ViewerHandle::is_running`] returns `false` then.
 ///
 /// # Errors
 ///
-/// Those of the program, and those of [`Viewer::run`]. If the window cannot be shown, the program is not started.
+/// Those of the program, and those of [`Viewer::run`]. If the window cannot be shown, the program
+/// is not started.
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{self, ViewerError, ViewerOptions};
@@ -275,9 +288,10 @@ where
     })
 }
 
-/// Opens a window for a program that steps its simulation itself, and returns immediately. Any thread can open any number of windows.
-/// The first call starts a background thread for all windows, which lives as long as the process. Not available on macOS, where
-/// windows belong to the main thread; [`run`] works there too.
+/// Opens a window for a program that steps its simulation itself, and returns immediately. Any
+/// thread can open any number of windows. The first call starts a background thread for all
+/// windows, which lives as long as the process. Not available on macOS, where windows belong to the
+/// main thread; [`run`] works there too.
 ///
 /// # Errors
 ///

@@ -14,34 +14,41 @@
 //! # Ok::<(), mujoco_safe::viewer::ViewerError>(())
 //! ```
 //!
-//! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the screen and on the terminal. A
-//! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open and close the side panels, which are open from the start
-//! in a window with place for them ([`ViewerOptions::panels`]): simulation,
-//! trajectories, keyframes, visualisation, appearance, physics options and watched values on the left; search, controls, joints and the
-//! selected body on the right. The panel of the simulation also adds noise to the controls, and saves the model and the engine's
-//! listings. F3 and F4 open plots there. A controller can add plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is dropped onto the window is loaded.
+//! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the
+//! screen and on the terminal. A double-click selects a body; Ctrl and the right button pull it.
+//! Tab and Shift+Tab open and close the side panels, which are open from the start in a window with
+//! place for them ([`ViewerOptions::panels`]): simulation, trajectories, keyframes, visualisation,
+//! appearance, physics options and watched values on the left; search, controls, joints and the
+//! selected body on the right. The panel of the simulation also adds noise to the controls, and
+//! saves the model and the engine's listings. F3 and F4 open plots there. A controller can add
+//! plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is
+//! dropped onto the window is loaded.
 //!
-//! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same number, `-` and `=` change the speed,
-//! `[` and `]` the camera, and Esc selects the free camera. Only Ctrl+Q, the window's close button and the signals of Ctrl+C in
-//! the terminal, of `kill` and of a closed terminal (SIGINT, SIGTERM, SIGHUP) end the session. A running recording is finished then.
-//! There is only this key map, so that F1, the documentation and `simulate` agree in every window.
+//! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same
+//! number, `-` and `=` change the speed, `[` and `]` the camera, and Esc selects the free camera.
+//! Only Ctrl+Q, the window's close button and the signals of Ctrl+C in the terminal, of `kill` and
+//! of a closed terminal (SIGINT, SIGTERM, SIGHUP) end the session. A running recording is finished
+//! then. There is only this key map, so that F1, the documentation and `simulate` agree in every
+//! window.
 //!
 //! # Platforms
 //!
-//! Tested on Linux with X11, with a software driver on a virtual display. On Wayland the window runs through XWayland. The code
-//! supports Windows and macOS, but has not been tested there. On macOS [`launch`] is missing, because windows belong to the main
-//! thread, and Cmd replaces Ctrl.
+//! Tested on Linux with X11, with a software driver on a virtual display. On Wayland the window
+//! runs through XWayland. The code supports Windows and macOS, but has not been tested there. On
+//! macOS [`launch`] is missing, because windows belong to the main thread, and Cmd replaces Ctrl.
 //!
-//! A window needs the libraries of a desktop. On a minimal Debian they are the packages `libx11-6 libx11-xcb1 libxcursor1
-//! libxi6 libxkbcommon0 libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers`.
+//! A window needs the libraries of a desktop. On a minimal Debian they are the packages `libx11-6
+//! libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers`.
 //!
 //! # Threads
 //!
-//! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
-//! window. The simulation data is never copied completely. The physics follows real time and drops time that it cannot catch
-//! up. The window is drawn when something has changed, and sleeps otherwise. The panels show a running simulation ten times per second.
-//! A frame renders the scene only if it has changed, and repaints only the parts of the window that have changed. The first window
-//! installs the engine's clock, as [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
+//! Physics and window run on two threads that share only a link: requests flow to the physics,
+//! snapshots and events flow to the window. The simulation data is never copied completely. The
+//! physics follows real time and drops time that it cannot catch up. The window is drawn when
+//! something has changed, and sleeps otherwise. The panels show a running simulation ten times per
+//! second. A frame renders the scene only if it has changed, and repaints only the parts of the
+//! window that have changed. The first window installs the engine's clock, as
+//! [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
 
 #![forbid(unsafe_code)]
 

@@ -1,5 +1,6 @@
-//! Hooks of the integration tests: state of the window that was drawn last, and control over its frames. Compiled only with the feature
-//! `test-hooks`, which the tests enable. Not part of the public API.
+//! Hooks of the integration tests: state of the window that was drawn last, and control over its
+//! frames. Compiled only with the feature `test-hooks`, which the tests enable. Not part of the
+//! public API.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -37,9 +38,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub struct WindowState {
     /// Number of frames since [`start`].
     pub frame: u64,
-    /// Number of times that the scene was rendered in this process. Other frames draw only the panels.
+    /// Number of times that the scene was rendered in this process. Other frames draw only the
+    /// panels.
     pub scenes: u64,
-    /// Number of pixels that were repainted in this process. A frame repaints only the parts of the window that have changed.
+    /// Number of pixels that were repainted in this process. A frame repaints only the parts of the
+    /// window that have changed.
     pub repainted: u64,
     /// The simulation has executed all requests of the window.
     pub answered: bool,
@@ -101,13 +104,15 @@ pub struct WindowState {
     pub full_screen: bool,
     /// Notices and problems on the screen.
     pub messages: Vec<String>,
-    /// Positions of the rails of the sliders of the parameters and then of the controls, and of the numbers beside them, pixels.
+    /// Positions of the rails of the sliders of the parameters and then of the controls, and of the
+    /// numbers beside them, pixels.
     pub sliders: Vec<[[f32; 2]; 2]>,
     /// Plots of the instruments on the screen: title, and names of the curves.
     pub plots: Vec<(String, Vec<String>)>,
     /// Names and values of the parameters of the instruments.
     pub parameters: Vec<(String, f64)>,
-    /// Visible texts of the panels, in the order in which they were drawn, and their centres, pixels.
+    /// Visible texts of the panels, in the order in which they were drawn, and their centres,
+    /// pixels.
     pub texts: Vec<(String, [f32; 2])>,
 }
 

@@ -28,7 +28,8 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Creates the initial view: the free camera on the whole model, the engine's default options, and the info panel.
+    /// Creates the initial view: the free camera on the whole model, the engine's default options,
+    /// and the info panel.
     pub fn new(model: &Model) -> Self {
         Self {
             camera: Camera::free(model),
@@ -115,14 +116,16 @@ impl View {
     ///
     /// # Errors
     ///
-    /// If the scene of the snapshot is empty, or if the camera would leave the range of finite numbers.
+    /// If the scene of the snapshot is empty, or if the camera would leave the range of finite
+    /// numbers.
     pub fn move_camera(&mut self, action: MouseAction, motion: [f64; 2], snapshot: &Snapshot) -> Result<()> {
         self.drop_stale_camera(&snapshot.model);
         self.camera.move_by(&snapshot.model, &snapshot.scene, action, motion)
     }
 
-    /// Updates the viewpoint and the effects of a snapshot to the current view, so that the image follows the mouse even if the
-    /// physics is slow. A tracking camera adopts its look-at point from the snapshot.
+    /// Updates the viewpoint and the effects of a snapshot to the current view, so that the image
+    /// follows the mouse even if the physics is slow. A tracking camera adopts its look-at point
+    /// from the snapshot.
     ///
     /// # Errors
     ///

@@ -13,7 +13,8 @@ fn integers(values: impl IntoIterator<Item = u32>) -> Vec<u8> {
     values.into_iter().flat_map(u32::to_le_bytes).collect()
 }
 
-/// Binary STL: a header of 80 bytes, the number of faces, and for each face its normal, three vertices, and two bytes.
+/// Binary STL: a header of 80 bytes, the number of faces, and for each face its normal, three
+/// vertices, and two bytes.
 pub fn stl() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(integers([4]));
@@ -32,7 +33,8 @@ pub fn obj() -> Vec<u8> {
     (corners + &faces).into_bytes()
 }
 
-/// The engine's mesh format: the numbers of vertices, normals, texture coordinates and faces, and then the arrays.
+/// The engine's mesh format: the numbers of vertices, normals, texture coordinates and faces, and
+/// then the arrays.
 pub fn msh() -> Vec<u8> {
     let mut bytes = integers([4, 0, 0, 4]);
     bytes.extend(floats(VERTICES.into_iter().flatten()));
@@ -40,8 +42,9 @@ pub fn msh() -> Vec<u8> {
     bytes
 }
 
-/// The engine's skin format: the numbers of vertices, texture coordinates, faces and bones, then the first three arrays, and for
-/// each bone a name of 40 bytes, a position, a quaternion, and its vertices with their weights.
+/// The engine's skin format: the numbers of vertices, texture coordinates, faces and bones, then
+/// the first three arrays, and for each bone a name of 40 bytes, a position, a quaternion, and its
+/// vertices with their weights.
 pub fn skn(body: &str) -> Vec<u8> {
     let mut bytes = integers([4, 0, 4, 1]);
     bytes.extend(floats(VERTICES.into_iter().flatten()));

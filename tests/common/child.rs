@@ -1,6 +1,8 @@
-//! Tests that need a separate process: they depend on process-wide state, or inspect the output of the process.
+//! Tests that need a separate process: they depend on process-wide state, or inspect the output of
+//! the process.
 //!
-//! The program starts itself again with a single test selected. That test does nothing unless [`is_child`] returns `true`.
+//! The program starts itself again with a single test selected. That test does nothing unless
+//! [`is_child`] returns `true`.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 

@@ -1,5 +1,6 @@
-//! Functions and fields of the C API whose parameters, names or layout differ between versions of the engine. They access the engine
-//! directly and not through the shim, so that tests can compare the shim's adaptations with them.
+//! Functions and fields of the C API whose parameters, names or layout differ between versions of
+//! the engine. They access the engine directly and not through the shim, so that tests can compare
+//! the shim's adaptations with them.
 //!
 //! # Safety of all functions
 //!
@@ -22,8 +23,8 @@ macro_rules! ray {
     }};
 }
 
-/// Calls `mj_step2`. In 3.5.0 it does not clear the flag by which sensors use the forces on bodies a second time, and they would be those of
-/// the previous step.
+/// Calls `mj_step2`. In 3.5.0 it does not clear the flag by which sensors use the forces on bodies
+/// a second time, and they would be those of the previous step.
 pub(crate) unsafe fn step2(m: *const mjModel, d: *mut mjData) {
     // SAFETY: the caller's promise.
     unsafe {
@@ -89,7 +90,8 @@ pub(crate) unsafe fn full_m(m: *const mjModel, d: *const mjData, full: &mut [f64
     }
 }
 
-/// Returns the sum of the numbers of the solver's iterations: one number, and since 3.0.0 one for each island.
+/// Returns the sum of the numbers of the solver's iterations: one number, and since 3.0.0 one for
+/// each island.
 pub(crate) fn solver_iterations(d: &mjData) -> i32 {
     #[cfg(engine_since = "3.0.0")]
     return d.solver_niter.iter().sum();
@@ -124,7 +126,8 @@ pub(crate) unsafe fn material_texture(m: &mjModel, material: usize) -> i32 {
     return unsafe { *m.mat_texid.add(material) };
 }
 
-/// Returns `texid`, `texuniform` and `texrepeat` of a geom of a scene. The scenes of some engines have the material instead.
+/// Returns `texid`, `texuniform` and `texrepeat` of a geom of a scene. The scenes of some engines
+/// have the material instead.
 pub(crate) unsafe fn scene_geom_texture(m: &mjModel, geom: &mjvGeom) -> (i32, i32, [f32; 2]) {
     #[cfg(not(engine_since = "3.2.1"))]
     return (m, (geom.texid, geom.texuniform, geom.texrepeat)).1;
@@ -139,8 +142,8 @@ pub(crate) unsafe fn scene_geom_texture(m: &mjModel, geom: &mjvGeom) -> (i32, i3
     }
 }
 
-/// Places of the normals and texture coordinates of all meshes: before 2.3.3 a vertex has one of each, so the places and the faces are those
-/// of the vertices.
+/// Places of the normals and texture coordinates of all meshes: before 2.3.3 a vertex has one of
+/// each, so the places and the faces are those of the vertices.
 pub(crate) struct MeshPlaces {
     pub(crate) normaladr: *const i32,
     pub(crate) normalnum: *const i32,
@@ -188,7 +191,8 @@ pub(crate) fn equality_active(m: &mjModel) -> *const u8 {
     return m.eq_active;
 }
 
-/// Returns a dense row of a matrix whose rows are described by start, number of elements and columns of each.
+/// Returns a dense row of a matrix whose rows are described by start, number of elements and
+/// columns of each.
 unsafe fn dense_row(
     values: *const f64,
     [starts, counts, columns]: [*const i32; 3],
@@ -234,8 +238,9 @@ pub(crate) unsafe fn actuator_moment(m: &mjModel, d: &mjData, actuator: usize) -
     }
 }
 
-/// Options that newer engines lack: their present values, or the constant behaviour of those engines. The first three are `apirate`,
-/// `mpr_tolerance` (`ccd_tolerance`) and `mpr_iterations` (`ccd_iterations`), the last is `collision`.
+/// Options that newer engines lack: their present values, or the constant behaviour of those
+/// engines. The first three are `apirate`, `mpr_tolerance` (`ccd_tolerance`) and `mpr_iterations`
+/// (`ccd_iterations`), the last is `collision`.
 pub(crate) fn options(raw: &mjOption) -> [f64; 4] {
     #[cfg(engine_since = "3.5.0")]
     return [100.0, raw.ccd_tolerance, raw.ccd_iterations.into(), 0.0];
@@ -271,7 +276,8 @@ pub(crate) unsafe fn move_camera(
     }
 }
 
-/// Calls `mjv_select` for a window of this aspect ratio and a position in it. Writes the geom and the skin.
+/// Calls `mjv_select` for a window of this aspect ratio and a position in it. Writes the geom and
+/// the skin.
 pub(crate) unsafe fn select(
     (m, d): (*const mjModel, *const mjData),
     options: *const mjvOption,

@@ -1,5 +1,6 @@
-//! Lists of fields. The accessors are those of the engine in use: the lists of 2.2.2 are committed, and the build script generates those
-//! of other versions. The settings are the same with every engine.
+//! Lists of fields. The accessors are those of the engine in use: the lists of 2.2.2 are committed,
+//! and the build script generates those of other versions. The settings are the same with every
+//! engine.
 
 #[cfg(not(engine_since = "2.3.0"))]
 #[macro_use]

@@ -1,7 +1,7 @@
 //! Damaged binary models, reproducible from a valid file, a kind of damage and a seed.
 //!
-//! The layout of the file is derived from the table of fields in `mujoco-sys` and not from the crate's reader, so that an
-//! error in the reader is detected.
+//! The layout of the file is derived from the table of fields in `mujoco-sys` and not from the
+//! crate's reader, so that an error in the reader is detected.
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
@@ -10,7 +10,8 @@
 pub enum Damage {
     /// Changes one to four bits or bytes anywhere.
     Anywhere,
-    /// Changes one to four bits or bytes outside of the textures, which take most of a typical file.
+    /// Changes one to four bits or bytes outside of the textures, which take most of a typical
+    /// file.
     OutsideTextures,
     /// Changes one to three integers of the header and the model's sizes.
     Sizes,

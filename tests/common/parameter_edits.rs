@@ -3,7 +3,8 @@
 use mujoco_safe::rollout::Parameter;
 use mujoco_safe::{Model, ModelMut};
 
-/// Writes a value as the documentation of the parameter says. Returns `true` if other quantities are derived from the value.
+/// Writes a value as the documentation of the parameter says. Returns `true` if other quantities
+/// are derived from the value.
 pub(crate) fn edit(parameter: Parameter, value: f64, original: &Model, model: &mut ModelMut<'_>) -> bool {
     match parameter {
         Parameter::Gravity(axis) => model.edit_options(|options| options.gravity[axis] = value).unwrap(),

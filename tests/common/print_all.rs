@@ -1,4 +1,5 @@
-//! Prints every view of every element, which reads every field: ids, types and addresses in the model must be valid.
+//! Prints every view of every element, which reads every field: ids, types and addresses in the
+//! model must be valid.
 
 use mujoco_safe::{Data, Model};
 

@@ -113,8 +113,8 @@ fn fields(ours: &Model, raw: &mjModel, only_sizes: bool) -> Vec<Field> {
     model_readers! { fields ours, raw, only_sizes: }
 }
 
-/// Returns the fields that differ by more than a relative and absolute tolerance, except the given ones. Each one with an example. If sizes
-/// differ, only those.
+/// Returns the fields that differ by more than a relative and absolute tolerance, except the given
+/// ones. Each one with an example. If sizes differ, only those.
 ///
 /// # Safety
 ///
@@ -123,7 +123,8 @@ pub(crate) unsafe fn differences(ours: &Model, theirs: *const mjModel, tolerance
     // SAFETY: the caller's promise.
     let raw = unsafe { &*theirs };
     let mut found = Vec::new();
-    // Sizes of buffers follow from the other sizes. The size of the names and their map depend on the names.
+    // Sizes of buffers follow from the other sizes. The size of the names and their map depend on
+    // the names.
     let ignored = ["nnames", "nnames_map", "nbuffer", "npaths", "names_map"];
     for only_sizes in [true, false] {
         for Field { name, ours, theirs } in fields(ours, raw, only_sizes) {

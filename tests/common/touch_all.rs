@@ -1,5 +1,5 @@
-//! Reads and overwrites every value of every generated accessor. Under memcheck, this detects uninitialised memory and accesses
-//! outside of the engine's memory.
+//! Reads and overwrites every value of every generated accessor. Under memcheck, this detects
+//! uninitialised memory and accesses outside of the engine's memory.
 
 use std::hint::black_box;
 
@@ -122,8 +122,8 @@ macro_rules! reading {
     };
 }
 
-/// Defines a function that writes to all arrays, a list of the writers' names, and a function that writes to one array of the
-/// list.
+/// Defines a function that writes to all arrays, a list of the writers' names, and a function that
+/// writes to one array of the list.
 macro_rules! writing {
     ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident, $write:ident: $($name:ident($field:ident))*) => {
         reading! { $(#[$doc])* $function($owner): $($name)* }

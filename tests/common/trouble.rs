@@ -8,12 +8,12 @@ use mujoco_safe::{Data, Model, Result};
 /// Part of the engine's message when its stack overflows.
 pub const STACK_OVERFLOW: &str = if cfg!(engine_since = "2.3.0") { "stack overflow" } else { "Stack overflow" };
 
-/// Returns a body that falls on a floor. The engine's stack is this large: in 2.2.2 a number of values, since 2.3 in bytes and together with
-/// the contacts and constraints.
+/// Returns a body that falls on a floor. The engine's stack is this large: in 2.2.2 a number of
+/// values, since 2.3 in bytes and together with the contacts and constraints.
 pub fn with_stack(size: u32) -> Result<Model> {
     let attribute = if cfg!(engine_since = "2.3.0") { "memory" } else { "nstack" };
-    // The dual solver of a box with rolling friction needs more memory for its stack than for its constraints. With less memory than a ball
-    // needs, 3.5.0 drops the contacts with a warning.
+    // The dual solver of a box with rolling friction needs more memory for its stack than for its
+    // constraints. With less memory than a ball needs, 3.5.0 drops the contacts with a warning.
     let (solver, geom) = if cfg!(all(engine_since = "3.5.0", not(engine_since = "3.17.0"))) {
         (r#"<option solver="PGS" jacobian="dense"/>"#, r#"type="box" size=".1 .1 .1" condim="6""#)
     } else {
@@ -39,7 +39,8 @@ pub fn overflowing() -> Model {
         .expect("a stack that is large enough to fall and too small to land")
 }
 
-/// Returns four balls on a floor, with room for two contacts. Since 2.3 the number of contacts has no limit.
+/// Returns four balls on a floor, with room for two contacts. Since 2.3 the number of contacts has
+/// no limit.
 pub fn crowded() -> Model {
     balls(r#"nconmax="2""#)
 }
@@ -61,7 +62,8 @@ pub fn warning() -> (Model, Warning) {
     if cfg!(not(engine_since = "3.17.0")) {
         return (balls(r#"memory="10000""#), Warning::ContactFull);
     }
-    // Without memory for contacts, a step with these engines is an error. Earlier engines do not warn of a body without mass.
+    // Without memory for contacts, a step with these engines is an error. Earlier engines do not
+    // warn of a body without mass.
     let xml =
         "<mujoco><worldbody><body><joint axis='0 1 0'/><geom size='.1' pos='.3 0 0'/></body></worldbody></mujoco>";
     let mut model = Model::from_xml_str(xml).unwrap();

@@ -1,4 +1,5 @@
-//! Twins: a simulation through the library and a simulation through the C API, with the same inputs.
+//! Twins: a simulation through the library and a simulation through the C API, with the same
+//! inputs.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,7 +14,8 @@ pub(crate) mod differing;
 /// A direct call of the C API.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
-        // SAFETY: every test passes the model and data of one pair of twins, and arrays of the engine's sizes.
+        // SAFETY: every test passes the model and data of one pair of twins, and arrays of the
+        // engine's sizes.
         unsafe { mujoco_safe::sys::$function($($argument),*) }
     };
 }
@@ -153,7 +155,8 @@ impl Twins {
         }
     }
 
-    /// Returns twins in motion, after steps from random velocities with random controls and forces, with everything computed.
+    /// Returns twins in motion, after steps from random velocities with random controls and forces,
+    /// with everything computed.
     pub(crate) fn in_motion(subject: &Subject) -> Self {
         let mut twins = Self::new(subject);
         twins.shake();

@@ -1,6 +1,8 @@
-//! The control examples reach their goals. Their modules are included here; the programs are run at the end.
+//! The control examples reach their goals. Their modules are included here; the programs are run at
+//! the end.
 //!
-//! Tests that take minutes are ignored by default: `cargo test --release --test control -- --ignored`.
+//! Tests that take minutes are ignored by default:
+//! `cargo test --release --test control -- --ignored`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -7,7 +7,8 @@ use nalgebra::DMatrix;
 
 use super::{Random, assert_close, cartpole, weights};
 
-/// Simulates without controls from the present state, and restores the state. Returns the trajectory.
+/// Simulates without controls from the present state, and restores the state. Returns the
+/// trajectory.
 fn passive(data: &mut Data, steps: usize) -> (Matrix, Matrix) {
     let begin = data.state(StateSpec::INTEGRATION);
     let mut states = Matrix::zeros(steps + 1, data.model().state_size(StateSpec::PHYSICS));

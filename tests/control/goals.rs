@@ -1,4 +1,5 @@
-//! Goals that predictive control reaches: an arm follows a target, and a humanoid gets up from a squat.
+//! Goals that predictive control reaches: an arm follows a target, and a humanoid gets up from a
+//! squat.
 
 use std::sync::Arc;
 

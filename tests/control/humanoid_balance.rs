@@ -1,5 +1,5 @@
-//! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the program itself is run at
-//! the end.
+//! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the
+//! program itself is run at the end.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -65,7 +65,8 @@ fn the_equilibrium_height_is_within_a_millimetre_of_the_keyframe() {
     let weight = balance.data.model().body_mass().iter().sum::<f64>() * 9.81;
     assert!(balance.sweep.forces.windows(2).all(|pair| pair[0] <= pair[1] + 1e-9));
     assert!((balance.sweep.forces.last().unwrap() - weight).abs() < 1e-6 * weight);
-    // At the keyframe itself, the pose would need an unphysical force of more than half the weight: the point of the tutorial.
+    // At the keyframe itself, the pose would need an unphysical force of more than half the weight:
+    // the point of the tutorial.
     assert!(balance.set_point.at_keyframe[2] > 0.5 * weight);
 }
 
@@ -195,7 +196,8 @@ fn the_example_accepts_other_humanoids() {
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// A pose on the left leg, found for this test: the engine's sample humanoid has other joints and no keyframe.
+/// A pose on the left leg, found for this test: the engine's sample humanoid has other joints and
+/// no keyframe.
 const SAMPLE_ON_ONE_LEG: &str = "0 0 1.25785 0.98186988 -0.18944998 -0.00623 -0.0012 0 0 0.34907 -0.03491 0 -0.7854 -1.309 0 0 \
                                  0.06108 0 -0.09266 -0.13963 -0.0364 0.10425 0 0 0 0 0 0";
 

@@ -86,7 +86,8 @@ fn a_sufficient_decrease_ends_the_line_search() {
         let solution = solve(&data, options, &Matrix::zeros(20, 2), &cost);
         (cost.1.into_inner() - 1, solution.cost())
     };
-    // The steps are linear, so the decrease of a step size α is the fraction α (2 − α) of the largest one, which is as predicted.
+    // The steps are linear, so the decrease of a step size α is the fraction α (2 − α) of the
+    // largest one, which is as predicted.
     let sizes = [0.1, 0.2, 0.5, 1.0, 0.9];
     let (all, least) = search(f64::INFINITY, &sizes);
     assert_eq!(all, sizes.len());

@@ -98,7 +98,8 @@ fn cartpole() -> Data {
     Data::new(sample::cartpole()).unwrap()
 }
 
-/// Returns two masses on springs between walls, with an unlimited motor on each. The steps are linear.
+/// Returns two masses on springs between walls, with an unlimited motor on each. The steps are
+/// linear.
 fn springs() -> Model {
     Model::from_xml_str(
         r#"<mujoco><option gravity="0 0 0" timestep="0.02"/><worldbody>

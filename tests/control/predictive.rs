@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{cartpole, springs};
 
-/// Returns two masses on springs away from equilibrium, their cost with the cost to go of the regulator, and the regulator's gain.
+/// Returns two masses on springs away from equilibrium, their cost with the cost to go of the
+/// regulator, and the regulator's gain.
 fn displaced() -> (Data, QuadraticCost, DMatrix<f64>) {
     let mut data = Data::new(springs()).unwrap();
     data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).unwrap();

@@ -63,7 +63,8 @@ impl Problem {
         let mut random = Random::new(seed);
         let mut step = |_| {
             let (a, b) = (random.matrix(n, n), random.matrix(n, m));
-            // One positive definite matrix for states and controls, so that the cost is never negative.
+            // One positive definite matrix for states and controls, so that the cost is never
+            // negative.
             let all = random.positive(n + m, 0.5);
             let block = |row, column, rows, columns| all.view((row, column), (rows, columns)).into_owned();
             let s = cross.then(|| block(0, n, n, m));
@@ -72,10 +73,12 @@ impl Problem {
         Self { systems: (0..steps).map(&mut step).collect(), terminal: random.positive(n, 0.0) }
     }
 
-    /// Returns the stacked optimal controls of all steps, and their cost, from the normal equations.
+    /// Returns the stacked optimal controls of all steps, and their cost, from the normal
+    /// equations.
     fn solve(&self, begin: &DVector<f64>) -> (DVector<f64>, f64) {
         let (n, m, steps) = (begin.len(), self.systems[0].1.ncols(), self.systems.len());
-        // The states are `offset + map u`, with the stacked controls u; the cost is `½ uᵀ H u + gᵀ u + c`.
+        // The states are `offset + map u`, with the stacked controls u; the cost is
+        // `½ uᵀ H u + gᵀ u + c`.
         let (mut offset, mut map) = (begin.clone(), DMatrix::zeros(n, m * steps));
         let (mut h, mut g, mut c) = (DMatrix::zeros(m * steps, m * steps), DVector::zeros(m * steps), 0.0);
         for (step, (a, b, weights)) in self.systems.iter().enumerate() {

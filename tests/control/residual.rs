@@ -1,4 +1,5 @@
-//! Costs as residuals: Jacobians, norms and expansions against differences, and the search with them.
+//! Costs as residuals: Jacobians, norms and expansions against differences, and the search with
+//! them.
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Random, assert_close, cartpole};
 
-/// Returns a free body with a ball joint and a hinge below it, activations, sensors and a mocap body.
+/// Returns a free body with a ball joint and a hinge below it, activations, sensors and a mocap
+/// body.
 fn tree() -> Data {
     let model = Model::from_xml_str(
         r#"<mujoco><option gravity="0 0 -9.81"/><worldbody>
@@ -47,7 +49,8 @@ fn compute(data: &mut Data) {
     data.subtree_vel().unwrap();
 }
 
-/// Returns the residual after an input was changed: a degree of freedom, a velocity, an activation or a control.
+/// Returns the residual after an input was changed: a degree of freedom, a velocity, an activation
+/// or a control.
 fn perturbed(data: &Data, residual: &dyn Residual, input: usize, change: f64) -> DVector<f64> {
     let mut data = data.clone();
     let (nv, na) = (data.model().nv(), data.model().na());
@@ -68,7 +71,8 @@ fn perturbed(data: &Data, residual: &dyn Residual, input: usize, change: f64) ->
     values
 }
 
-/// Returns a derivative by central differences with Richardson extrapolation, whose error is of the fourth order.
+/// Returns a derivative by central differences with Richardson extrapolation, whose error is of the
+/// fourth order.
 fn extrapolated(value: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
     const STEP: f64 = 2e-3;
     let central = |step: f64| (value(step) - value(-step)) / (2.0 * step);

@@ -15,7 +15,8 @@ use super::{cartpole, springs};
 
 const HORIZON: usize = 40;
 
-/// Distance of the pole from upright and of the cart from the centre, velocities and effort. It has no derivatives.
+/// Distance of the pole from upright and of the cart from the centre, velocities and effort. It has
+/// no derivatives.
 struct Upright;
 
 impl TrajectoryCost for Upright {
@@ -184,7 +185,8 @@ fn a_high_temperature_averages_and_a_low_one_selects_the_best_candidate() {
     assert!(plan(1e9, 1.0).0.abs() < 0.06, "the mean of the noise is 0");
     assert_eq!(plan(1e-9, 1.0).0.to_bits(), plan(0.0, 1.0).0.to_bits());
     assert!((plan(0.0, 1.0).0 - 1.0).abs() < 0.01);
-    // The product of the densities of the noise, exp(−u²/2), and of the weights, exp(−(u − 1)²/λ), has its mean at 2/(λ + 2).
+    // The product of the densities of the noise, exp(−u²/2), and of the weights, exp(−(u − 1)²/λ),
+    // has its mean at 2/(λ + 2).
     for temperature in [0.5, 1.0, 4.0] {
         let (found, expected) = (plan(temperature, 1.0).0, 2.0 / (temperature + 2.0));
         assert!((found - expected).abs() < 0.06, "temperature {temperature}: {found} instead of {expected}");

@@ -46,7 +46,8 @@ fn effort(data: &Data) -> ResidualCost {
 
 type Controlled = ThreadedPredictiveController<Scripted, ResidualCost>;
 
-/// Returns a cart-pole, a controller whose first plan has the controls 0.1, and the script of its planner.
+/// Returns a cart-pole, a controller whose first plan has the controls 0.1, and the script of its
+/// planner.
 fn scripted() -> (Data, Controlled, Sender<Action>) {
     let data = cartpole();
     let (script, actions) = channel::<Action>();

@@ -1,4 +1,5 @@
-//! Completeness of the views: every array with a row per element, or per part of an element, is read by a view.
+//! Completeness of the views: every array with a row per element, or per part of an element, is
+//! read by a view.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -6,7 +7,8 @@ use std::path::Path;
 /// The engine's list of its arrays.
 const TABLE: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
 
-/// Sizes whose arrays belong to no element: sparse matrices, current constraints and contacts, user data and names.
+/// Sizes whose arrays belong to no element: sparse matrices, current constraints and contacts, user
+/// data and names.
 const OF_NO_ELEMENT: [&str; 6] = ["nM", "nD", "njmax", "nconmax", "nuserdata", "nnames"];
 
 /// Arrays that no view reads by name, and the reasons.

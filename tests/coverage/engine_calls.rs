@@ -1,9 +1,11 @@
-//! Calls on a simulation go through the functions of `src/data/call.rs`, which decide about poisoning.
+//! Calls on a simulation go through the functions of `src/data/call.rs`, which decide about
+//! poisoning.
 
 use std::fs;
 use std::path::Path;
 
-/// Engine functions with an `mjData` argument that are called without a simulation to poison, and the reasons.
+/// Engine functions with an `mjData` argument that are called without a simulation to poison, and
+/// the reasons.
 const EXEMPT: [(&str, &str); 3] = [
     ("mj_makeData", "no simulation exists before the call"),
     ("mj_setConst", "the data is temporary and dropped"),

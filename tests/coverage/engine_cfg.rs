@@ -1,4 +1,5 @@
-//! Tests that are left out with an engine, read from their `cfg` and `cfg_attr(…, ignore)` attributes.
+//! Tests that are left out with an engine, read from their `cfg` and `cfg_attr(…, ignore)`
+//! attributes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,7 +12,8 @@ pub fn version(text: &str) -> Version {
     [(); 3].map(|()| parts.next().expect("three parts"))
 }
 
-/// Evaluates the predicate of a `cfg` for an engine. Predicates that do not concern the engine are true.
+/// Evaluates the predicate of a `cfg` for an engine. Predicates that do not concern the engine are
+/// true.
 fn holds(predicate: &str, engine: Version) -> bool {
     let predicate = predicate.trim();
     let inside = |name: &str| predicate.strip_prefix(name).and_then(|rest| rest.strip_prefix('(')?.strip_suffix(')'));
@@ -63,15 +65,16 @@ fn leaves_out(attribute: &str, engine: Version) -> bool {
     })
 }
 
-/// Returns the tests and modules of a text, each with `true` if some item of this name is compiled, not ignored, and does not
-/// return at its start.
+/// Returns the tests and modules of a text, each with `true` if some item of this name is compiled,
+/// not ignored, and does not return at its start.
 fn items(text: &str, engine: Version) -> BTreeMap<String, bool> {
     let mut items = BTreeMap::new();
     let mut attributes: Vec<String> = Vec::new();
     let mut lines = text.lines().map(str::trim);
     while let Some(line) = lines.next() {
         if line.starts_with("#[") {
-            // An attribute ends with the line that closes it. It is put into one line, as `leaves_out` expects.
+            // An attribute ends with the line that closes it. It is put into one line, as
+            // `leaves_out` expects.
             let mut attribute = line.to_owned();
             while !attribute.ends_with(']') {
                 attribute += lines.next().expect("the end of an attribute");
@@ -94,7 +97,8 @@ fn items(text: &str, engine: Version) -> BTreeMap<String, bool> {
     items
 }
 
-/// Returns `true` if the first statement of a function is `if cfg!(…) { return; }` with a predicate that holds.
+/// Returns `true` if the first statement of a function is `if cfg!(…) { return; }` with a predicate
+/// that holds.
 fn returns_at_once<'t>(body: impl Iterator<Item = &'t str>, engine: Version) -> bool {
     let start: Vec<&str> = body.filter(|line| !line.starts_with("//")).take(2).collect();
     let condition = start.concat();

@@ -32,7 +32,8 @@ fn accessors(file: &str) -> Vec<String> {
     starts.filter_map(|rest| rest.split('(').next()).map(str::to_owned).collect()
 }
 
-/// Returns the checked setters of single elements by the array that they write: `jnt_limited` → `JointMut::set_limited`.
+/// Returns the checked setters of single elements by the array that they write: `jnt_limited` →
+/// `JointMut::set_limited`.
 fn setters() -> BTreeMap<String, String> {
     // Arrays whose place differs between versions have setters without a declaration.
     let elsewhere = [("light_directional", "LightMut::set_directional"), ("eq_active", "EqualityMut::set_active")];

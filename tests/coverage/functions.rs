@@ -1,4 +1,5 @@
-//! Every function of the engine's header, against `functions.tsv`: its equivalent in the library, or the reason why it has none.
+//! Every function of the engine's header, against `functions.tsv`: its equivalent in the library,
+//! or the reason why it has none.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

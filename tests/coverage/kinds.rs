@@ -1,4 +1,5 @@
-//! Every kind of element and every field of MuJoCo.jl's named access, against `kinds.tsv`, which has the names of this library.
+//! Every kind of element and every field of MuJoCo.jl's named access, against `kinds.tsv`, which
+//! has the names of this library.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -1,5 +1,5 @@
-//! Coverage of the engine: generated sources and the tables in `docs/coverage/` are up to date and complete, except for listed
-//! exceptions.
+//! Coverage of the engine: generated sources and the tables in `docs/coverage/` are up to date and
+//! complete, except for listed exceptions.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,5 @@
-//! The chapter of promises names tests and files that exist, and its table of engines names what differs.
+//! The chapter of promises names tests and files that exist, and its table of engines names what
+//! differs.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! The pages that `cargo doc` writes: the search finds every name of the C API, and the essential methods come first. The tests are
-//! ignored by default, because they need these pages:
+//! The pages that `cargo doc` writes: the search finds every name of the C API, and the essential
+//! methods come first. The tests are ignored by default, because they need these pages:
 //!
 //! ```sh
 //! rm -rf target/doc    # rustdoc would add to the search index
@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use crate::functions::{family, rows};
 use crate::{root, search_index};
 
-/// Structs and enums that this library does not need, and the reasons. Families are in `functions.rs`.
+/// Structs and enums that this library does not need, and the reasons. Families are in
+/// `functions.rs`.
 const UNUSED_TYPES: [(&str, &str); 9] = [
     ("mjtButton", "mouse of the engine's user interface"),
     ("mjtEvent", "events of the engine's user interface"),
@@ -50,7 +51,8 @@ fn items_of_bindings() -> BTreeMap<String, usize> {
     items
 }
 
-/// Returns the names that the search finds, each with the number of items in this library that it finds.
+/// Returns the names that the search finds, each with the number of items in this library that it
+/// finds.
 fn found() -> BTreeMap<String, usize> {
     let mut names = search_index::names(&documentation());
     assert_eq!(

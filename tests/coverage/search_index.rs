@@ -1,7 +1,8 @@
 //! Reader of the search index that rustdoc writes (checked with 1.95).
 //!
-//! The file `root.js` describes the index as columns of strings; the hashes in its field `H` are the names of the column's files. The
-//! column `name` has an entry for each item, and one for each alias.
+//! The file `root.js` describes the index as columns of strings; the hashes in its field `H` are
+//! the names of the column's files. The column `name` has an entry for each item, and one for each
+//! alias.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -35,8 +36,9 @@ pub fn names(documentation: &Path) -> BTreeMap<String, usize> {
     names
 }
 
-/// Returns the entries of a column. A digit or one of `:;<=>?` repeats one of the last 16 different entries. Other entries begin with
-/// their length in hexadecimal: the low four bits of each byte, of which only the last is a lower-case letter or above.
+/// Returns the entries of a column. A digit or one of `:;<=>?` repeats one of the last 16 different
+/// entries. Other entries begin with their length in hexadecimal: the low four bits of each byte,
+/// of which only the last is a lower-case letter or above.
 fn entries(mut column: &[u8]) -> Vec<Vec<u8>> {
     let mut entries: Vec<Vec<u8>> = Vec::new();
     let mut recent: Vec<Vec<u8>> = Vec::new();

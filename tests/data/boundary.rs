@@ -1,5 +1,6 @@
-//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/valgrind memcheck`),
-//! which detects invalid accesses, uses of uninitialised memory and leaks.
+//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's
+//! memcheck (`scripts/valgrind memcheck`), which detects invalid accesses, uses of uninitialised
+//! memory and leaks.
 
 #![forbid(unsafe_code)]
 

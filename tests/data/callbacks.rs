@@ -32,8 +32,8 @@ fn slider() -> Data {
     Data::new(Model::from_xml_str(SLIDER).unwrap()).unwrap()
 }
 
-/// Asserts that 300 steps of a cart-pole with a control callback, which `step` performs, equal those with the same control law between the
-/// halves of each step, bit for bit.
+/// Asserts that 300 steps of a cart-pole with a control callback, which `step` performs, equal
+/// those with the same control law between the halves of each step, bit for bit.
 pub(super) fn assert_equals_controller(step: impl FnOnce(&mut Data, Callbacks<'static>, usize)) {
     let push = |data: &Data| 30.0 * data.qpos()[1] + 5.0 * data.qvel()[1];
     let mut with_callback = Data::new(sample::cartpole()).unwrap();
@@ -250,7 +250,8 @@ fn other_simulations_do_not_call_the_callbacks() {
     let mut other = data.clone();
     let callbacks = Callbacks::new().control(|context| {
         count();
-        // Inside the callback: another simulation, a clone of this one, and a model that the engine simulates while compiling.
+        // Inside the callback: another simulation, a clone of this one, and a model that the engine
+        // simulates while compiling.
         other.step().unwrap();
         assert!(Model::from_xml_str(SLIDER).is_ok());
         assert_eq!(context.stage(), Stage::Velocity);
@@ -321,7 +322,8 @@ fn a_nested_scope_has_its_own_callbacks() {
     assert_eq!((outer.into_inner(), inner.into_inner()), (1, 1));
 }
 
-/// Returns the number of calls to a scope's closure in a step at its end, after running `within` in the scope.
+/// Returns the number of calls to a scope's closure in a step at its end, after running `within` in
+/// the scope.
 fn calls_after(within: impl FnOnce(&mut Data)) -> usize {
     let calls = AtomicUsize::new(0);
     let callbacks = Callbacks::new().control(|_| _ = calls.fetch_add(1, Ordering::Relaxed));

@@ -29,7 +29,8 @@ fn collide(data: &mut Data) -> Result<()> {
     data.collision()
 }
 
-/// Returns a simulation at the first keyframe, or else at the reference: the state with more contacts.
+/// Returns a simulation at the first keyframe, or else at the reference: the state with more
+/// contacts.
 fn dense(model: &Model) -> Data {
     let mut data = Data::new(model.clone()).unwrap();
     if model.nkey() > 0 {

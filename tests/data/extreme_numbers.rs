@@ -123,7 +123,8 @@ fn no_number_in_a_model_crashes_or_hangs_a_step() {
                         data.transition_fd(1e-6, Differences::Forward).map(drop)
                     };
                     if let Err(error) = run() {
-                        // One model has a rangefinder and a height field, whose orientation may become invalid.
+                        // One model has a rangefinder and a height field, whose orientation may
+                        // become invalid.
                         assert!(
                             matches!(error, Error::Unstable(_) | Error::Engine { .. } | Error::Unsupported(_)),
                             "{error}"

@@ -1,4 +1,5 @@
-//! Arguments of functions of the state: one wrong size at a time, invalid sparse rows, keys of elements, and ids of another model.
+//! Arguments of functions of the state: one wrong size at a time, invalid sparse rows, keys of
+//! elements, and ids of another model.
 #![forbid(unsafe_code)]
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -197,7 +198,8 @@ fn ids_of_another_model_panic() {
 
 #[test]
 fn a_length_range_that_does_not_converge_is_an_error() {
-    // The engine's compiler does not return for such a muscle. Without one, the length range is computed on request.
+    // The engine's compiler does not return for such a muscle. Without one, the length range is
+    // computed on request.
     let xml = r#"<mujoco>
         <option timestep="0.1"/>
         <worldbody><body>
@@ -271,7 +273,8 @@ fn print_to_writes_tendons_while_constraints_are_disabled() {
     }
 }
 
-/// Inverse dynamics of engines from 3.0 does not compute the matrix of the dual solver, which they print through a null pointer.
+/// Inverse dynamics of engines from 3.0 does not compute the matrix of the dual solver, which they
+/// print through a null pointer.
 #[test]
 fn print_to_succeeds_after_inverse_dynamics_with_the_dual_solver() {
     if !child::is_child() {

@@ -1,4 +1,5 @@
-//! Misuse without `unsafe`: the result is an error or a panic with a message, never a crash, a hang or a wrong number.
+//! Misuse without `unsafe`: the result is an error or a panic with a message, never a crash, a hang
+//! or a wrong number.
 
 #![forbid(unsafe_code)]
 
@@ -27,7 +28,8 @@ fn squatting() -> Data {
 /// A model of all geoms that the general collision algorithm handles, and a mocap body.
 const COLLIDERS: &str = include_str!("../models/colliders.xml");
 
-// The engine clears nq + nv + na numbers in a row of 2 nv + na when the last control cannot be perturbed in either direction.
+// The engine clears nq + nv + na numbers in a row of 2 nv + na when the last control cannot be
+// perturbed in either direction.
 #[test]
 fn a_clamped_control_does_not_corrupt_the_linearisation() {
     let mut data = squatting();

@@ -1,6 +1,7 @@
-//! Misuse that crashes the engine or silently gives wrong results in C. From safe code, each case is an error, a panic with a
-//! message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not compile;
-//! the chapter `promises` of the documentation lists the tests of longer cases.
+//! Misuse that crashes the engine or silently gives wrong results in C. From safe code, each case
+//! is an error, a panic with a message, or gives the right result. The documentation of `Data`,
+//! `ModelMut` and `Callbacks` has the cases that do not compile; the chapter `promises` of the
+//! documentation lists the tests of longer cases.
 
 #![forbid(unsafe_code)]
 
@@ -94,7 +95,8 @@ mod memory {
         let mut data = squatting();
         let other = Data::new(sample::cartpole()).unwrap();
         assert!(matches!(data.copy_from(&other), Err(Error::OtherModel { .. })));
-        // The same text loaded again is another model, although the engine's signature would be the same.
+        // The same text loaded again is another model, although the engine's signature would be the
+        // same.
         let again = Data::new(sample::humanoid()).unwrap();
         assert!(matches!(data.copy_from(&again), Err(Error::OtherModel { .. })));
     }
@@ -241,7 +243,8 @@ mod silent_errors {
 
     #[test]
     fn a_jacobian_is_row_major_and_has_a_transposed_view() {
-        // The inertia matrix is symmetric, so it cannot show the order of the elements; a Jacobian can.
+        // The inertia matrix is symmetric, so it cannot show the order of the elements; a Jacobian
+        // can.
         let data = squatting();
         let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().linear;
         let point = data.xipos()[data.model().body("foot_left").unwrap().index()];

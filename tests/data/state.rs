@@ -13,7 +13,8 @@ fn without_actuators_b_and_d_have_rows_and_no_columns() {
     let mut data = Data::new(BALL.clone()).unwrap();
     let StateSpace { a, b, c, d } = data.transition_fd(1e-6, Differences::Central).unwrap();
     assert_eq!([a.shape(), b.shape(), c.shape(), d.shape()], [(12, 12), (12, 0), (0, 12), (0, 0)]);
-    // The velocity of a free body is constant, and changes its position in proportion to the time step.
+    // The velocity of a free body is constant, and changes its position in proportion to the time
+    // step.
     assert!((a[(0, 6)] - 0.002).abs() < 1e-9 && (a[(6, 6)] - 1.0).abs() < 1e-9, "{a:?}");
     assert_eq!(b.to_nalgebra().shape(), (12, 0));
 }

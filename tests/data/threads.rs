@@ -102,7 +102,8 @@ fn motion_outcome(model: &Arc<Model>, seed: u64) -> Outcome {
     (format!("{} records", trajectory.len()), bits(trajectory.states()))
 }
 
-/// One job of each kind. The number distinguishes the models, seeds and errors of one thread from those of another.
+/// One job of each kind. The number distinguishes the models, seeds and errors of one thread from
+/// those of another.
 const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
     |shared, number| motion_outcome(&shared.humanoid, number),
     |_, number| motion_outcome(&Arc::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()), number),
@@ -207,7 +208,8 @@ fn concurrent_jobs_give_the_results_of_sequential_jobs() {
     });
 }
 
-/// A thread-local that loads and simulates in its destructor, after the thread's other thread-locals.
+/// A thread-local that loads and simulates in its destructor, after the thread's other
+/// thread-locals.
 struct Late(Option<Data>);
 
 impl Drop for Late {

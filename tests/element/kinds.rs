@@ -1,5 +1,5 @@
-//! The views of each kind against the numbers and names of the XML: assets, custom fields, constraints, and the engine's types
-//! and ids.
+//! The views of each kind against the numbers and names of the XML: assets, custom fields,
+//! constraints, and the engine's types and ids.
 
 use mujoco_safe::element::{EqualityObjects, Object, Transmission, Wrap, WrapPoint};
 use mujoco_safe::enums::{

@@ -1,7 +1,8 @@
 //! Elements: lookup, errors of unknown names, reading and writing through views, and printing.
 //!
-//! `models/zoo.xml` has most kinds of element, with and without names, and `models/every_element.xml` has all. The expected names
-//! and numbers are those of the XML. The program `engine` compares each field with the engine's memory.
+//! `models/zoo.xml` has most kinds of element, with and without names, and
+//! `models/every_element.xml` has all. The expected names and numbers are those of the XML. The
+//! program `engine` compares each field with the engine's memory.
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "numbers are read as they were written")]
 

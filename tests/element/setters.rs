@@ -1,5 +1,5 @@
-//! Setters of flags, masks and other integers of a model: each setter writes only its element's value, rejects values that the
-//! engine does not support, and leaves a model that can be stepped.
+//! Setters of flags, masks and other integers of a model: each setter writes only its element's
+//! value, rejects values that the engine does not support, and leaves a model that can be stepped.
 
 use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
 use mujoco_safe::{Data, Error, Model, ModelMut, sample};
@@ -64,7 +64,8 @@ fn every_setter_writes_only_its_own_value() {
     }
 }
 
-/// Sets each value at each element of a kind whose array differs between engines, and compares the views.
+/// Sets each value at each element of a kind whose array differs between engines, and compares the
+/// views.
 macro_rules! flags_of_views {
     ($($one_mut:ident, $many:ident, $field:ident, $set:ident;)*) => {$(
         let mut model = every_element();
@@ -172,7 +173,8 @@ fn enable_everything(model: &mut Model) {
     }
 }
 
-/// Returns our models, the engine's models that step quickly, and models with small constraint buffers.
+/// Returns our models, the engine's models that step quickly, and models with small constraint
+/// buffers.
 fn subjects() -> Vec<Model> {
     let mut subjects = vec![(*zoo()).clone(), every_element(), sample::humanoid(), sample::cartpole()];
     subjects.extend(

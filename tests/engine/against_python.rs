@@ -1,10 +1,12 @@
-//! Numbers for the bundled models against the official Python bindings, recorded by `tests/oracle/record.py`.
+//! Numbers for the bundled models against the official Python bindings, recorded by
+//! `tests/oracle/record.py`.
 //!
-//! The bindings include the official build of the engine, 2.2.2 like the library linked here. For models of this size (dense,
-//! without long sums that a compiler may reorder), its results are bitwise equal to those of Debian's build on x86-64 Linux, even
-//! after a fall with many impacts. The tests assert this. On other platforms another libm may differ in the last bit of sine and
-//! cosine: quantities of a single state are then compared to 1e-9 relative, finite differences to 1e-6, and a trajectory for 300
-//! steps, before impacts amplify the differences.
+//! The bindings include the official build of the engine, 2.2.2 like the library linked here. For
+//! models of this size (dense, without long sums that a compiler may reorder), its results are
+//! bitwise equal to those of Debian's build on x86-64 Linux, even after a fall with many impacts.
+//! The tests assert this. On other platforms another libm may differ in the last bit of sine and
+//! cosine: quantities of a single state are then compared to 1e-9 relative, finite differences to
+//! 1e-6, and a trajectory for 300 steps, before impacts amplify the differences.
 //!
 //! The recording is for 2.2.2 only. With another engine the tests pass without checking anything.
 
@@ -43,8 +45,8 @@ fn items(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("not an array: {value}"))
 }
 
-/// Asserts equal numbers, bit for bit if possible on this platform. Otherwise the largest difference is compared relative to the
-/// largest number, or 1.
+/// Asserts equal numbers, bit for bit if possible on this platform. Otherwise the largest
+/// difference is compared relative to the largest number, or 1.
 #[track_caller]
 #[allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 fn assert_same(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {

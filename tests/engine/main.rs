@@ -1,4 +1,5 @@
-//! Numbers against independent sources: the engine called from C, the official Python bindings, and published figures.
+//! Numbers against independent sources: the engine called from C, the official Python bindings, and
+//! published figures.
 
 #[path = "../common/flags.rs"]
 mod flags;

@@ -1,7 +1,9 @@
-//! Published and independently computed figures: the cart-pole of the reference's LQR tutorial, whose linearisation, gain and
-//! closed loop were computed with the official Python bindings and SciPy, and the engine's sample humanoid.
+//! Published and independently computed figures: the cart-pole of the reference's LQR tutorial,
+//! whose linearisation, gain and closed loop were computed with the official Python bindings and
+//! SciPy, and the engine's sample humanoid.
 //!
-//! The tests of the sample humanoid need the package `libmujoco-samples`, and are skipped with a note without it.
+//! The tests of the sample humanoid need the package `libmujoco-samples`, and are skipped with a
+//! note without it.
 #![allow(clippy::unreadable_literal, reason = "figures as published")]
 
 use std::path::Path;
@@ -51,7 +53,8 @@ mod cartpole {
         Lqr::at_present_state(&mut upright(), &weights()).unwrap()
     }
 
-    /// Steps with the regulator, and counts the steps in which its control exceeds the motor's range.
+    /// Steps with the regulator, and counts the steps in which its control exceeds the motor's
+    /// range.
     fn regulate(data: &mut Data, lqr: &mut Lqr, steps: usize) -> usize {
         let mut saturated = 0;
         for _ in 0..steps {

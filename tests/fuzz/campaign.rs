@@ -202,7 +202,8 @@ fn run_child(
         .current_dir(folder)
         // A child that crashes leaves its temporary files.
         .env("TMPDIR", folder)
-        // Simulations are created and freed all the time: their memory is not returned to the system in between.
+        // Simulations are created and freed all the time: their memory is not returned to the
+        // system in between.
         .envs([("MALLOC_TRIM_THRESHOLD_", "268435456"), ("MALLOC_MMAP_THRESHOLD_", "33554432")])
         .stdin(stdin)
         .stdout(Stdio::piped())

@@ -1,7 +1,8 @@
-//! Fuzzing of safe calls, binary models and texts in child processes, so that a crash is a finding and does not end the campaign.
+//! Fuzzing of safe calls, binary models and texts in child processes, so that a crash is a finding
+//! and does not end the campaign.
 //!
-//! `cargo test` runs a bounded number of fixed cases. `scripts/fuzz` runs as many as requested. A finding is reproduced, with a
-//! list of its calls, by
+//! `cargo test` runs a bounded number of fixed cases. `scripts/fuzz` runs as many as requested. A
+//! finding is reproduced, with a list of its calls, by
 //!
 //! ```text
 //! cargo test --test fuzz -- case sequences 123

@@ -40,8 +40,8 @@ impl Pools {
         Self { one: pool(1), several: pool(2) }
     }
 
-    /// Runs a case in the present pool of one thread. Every 32nd case has several threads, which spend most of the time waiting for each
-    /// other if other programs use the processors.
+    /// Runs a case in the present pool of one thread. Every 32nd case has several threads, which
+    /// spend most of the time waiting for each other if other programs use the processors.
     fn run(&self, target: Target, seed: u64, log: &mut (dyn FnMut(&str) + Send)) -> Verdict {
         if seed.is_multiple_of(32) {
             self.several.install(|| target.run(&target.bytes(seed), log))

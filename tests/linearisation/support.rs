@@ -1,5 +1,5 @@
-//! The statements about the fields of models that decide where the formulas apply: they are complete, and fields without a statement are not
-//! understood.
+//! The statements about the fields of models that decide where the formulas apply: they are
+//! complete, and fields without a statement are not understood.
 
 use std::collections::BTreeSet;
 
@@ -74,7 +74,8 @@ fn statements_hold_for_ranges_of_engines() {
     assert_eq!(PARTS.len(), statements(&line(""))[0].treatments.len());
 }
 
-/// The struct of the bindings has these members that the field tables do not: the other structs, memory, and flags that the engine derives from arrays.
+/// The struct of the bindings has these members that the field tables do not: the other structs,
+/// memory, and flags that the engine derives from arrays.
 const MEMBERS: [&str; 8] =
     ["buffer", "flg_adhesion", "flg_gravcomp", "flg_surfacevel", "opt", "signature", "stat", "vis"];
 
@@ -156,7 +157,8 @@ fn reports_name_the_field_and_the_element() {
     assert_eq!(text, "the method does not understand the value of jnt_actfrclimited, element 1");
 }
 
-/// The engine cannot evaluate a touch sensor on a mesh: each step is an error, so the linearisation is too.
+/// The engine cannot evaluate a touch sensor on a mesh: each step is an error, so the linearisation
+/// is too.
 #[cfg(engine_since = "3.17.0")]
 #[test]
 fn a_touch_sensor_that_the_engine_cannot_evaluate_is_an_error() {

@@ -1,5 +1,5 @@
-//! Quadratic programs with box constraints: the Karush–Kuhn–Tucker conditions, which are necessary and sufficient for the
-//! minimum, and SciPy's numbers.
+//! Quadratic programs with box constraints: the Karush–Kuhn–Tucker conditions, which are necessary
+//! and sufficient for the minimum, and SciPy's numbers.
 
 use mujoco_safe::math::{self, BoxQp, BoxQpStatus};
 use mujoco_safe::{Error, Matrix};

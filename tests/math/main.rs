@@ -1,5 +1,5 @@
-//! Mathematical functions: against the engine's functions where they exist, and against nalgebra, identities or SciPy's
-//! numbers; and their size checks.
+//! Mathematical functions: against the engine's functions where they exist, and against nalgebra,
+//! identities or SciPy's numbers; and their size checks.
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;

@@ -103,7 +103,8 @@ fn arrays_of_the_engine_are_usable_as_matrices() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.qvel_mut()[5] = 0.7;
     data.forward().unwrap();
-    // The spatial velocity of the last body is the combination of the velocities of its degrees of freedom along their axes.
+    // The spatial velocity of the last body is the combination of the velocities of its degrees of
+    // freedom along their axes.
     let mut all = [0.0; 6];
     let root = &data.cdof()[..6];
     math::mul_mat_t_vec(&mut all, root, &data.qvel()[..6]).unwrap();

@@ -1,4 +1,5 @@
-//! Functions that 2.2.2 lacks, against the Python module of MuJoCo 3.1.6, from which the numbers were recorded.
+//! Functions that 2.2.2 lacks, against the Python module of MuJoCo 3.1.6, from which the numbers
+//! were recorded.
 
 use mujoco_safe::Matrix;
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};

@@ -1,4 +1,5 @@
-//! Derivatives of quaternion subtraction and integration against finite differences of the engine's functions.
+//! Derivatives of quaternion subtraction and integration against finite differences of the engine's
+//! functions.
 
 use mujoco_safe::math;
 

@@ -91,7 +91,8 @@ fn euler_angles_equal_scipy() {
         let sign = (ours[0] * quat[0]).signum();
         assert_near(&ours.map(|value| sign * value), &quat, 1e-15);
     }
-    // Intrinsic and extrinsic axes may be mixed: two rotations about z, one of which does not rotate the other's axis.
+    // Intrinsic and extrinsic axes may be mixed: two rotations about z, one of which does not
+    // rotate the other's axis.
     let mixed = math::euler2quat(&[0.4, 0.5, 0.0], "zZx").unwrap();
     assert_near(&mixed, &math::axis_angle2quat(&[0.0, 0.0, 1.0], 0.9), 1e-15);
 }

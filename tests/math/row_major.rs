@@ -1,7 +1,7 @@
 //! Row-major matrices against nalgebra, and matrices without rows or columns.
 //!
-//! Properties that hold for all inputs are tested on random ones. Numbers are compared by their bits: -0, subnormal numbers,
-//! infinities and NaN included.
+//! Properties that hold for all inputs are tested on random ones. Numbers are compared by their
+//! bits: -0, subnormal numbers, infinities and NaN included.
 
 use mujoco_safe::{Data, Error, Matrix, MatrixView, MatrixViewMut};
 use nalgebra::DMatrix;

@@ -4,7 +4,8 @@
 use mujoco_safe::math::{self, BandShape, BoxQp};
 use mujoco_safe::{Error, Matrix, Result};
 
-/// Asserts that `call(sizes)` succeeds with the given sizes, and is an [`Error::Shape`] if any size is one less or one more.
+/// Asserts that `call(sizes)` succeeds with the given sizes, and is an [`Error::Shape`] if any size
+/// is one less or one more.
 #[track_caller]
 fn checks<const N: usize, T>(right: [usize; N], mut call: impl FnMut([usize; N]) -> Result<T>) {
     call(right).map(drop).unwrap();

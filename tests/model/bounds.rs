@@ -1,4 +1,5 @@
-//! Contacts of edited geoms: the engine skips pairs of geoms by bounding boxes, margins and masks that its compiler derived.
+//! Contacts of edited geoms: the engine skips pairs of geoms by bounding boxes, margins and masks
+//! that its compiler derived.
 
 #![forbid(unsafe_code)]
 

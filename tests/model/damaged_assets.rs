@@ -1,5 +1,5 @@
-//! Damaged files of meshes, skins, height fields and textures, with which the engine's compiler accesses memory out of bounds: each is
-//! rejected.
+//! Damaged files of meshes, skins, height fields and textures, with which the engine's compiler
+//! accesses memory out of bounds: each is rejected.
 
 #![forbid(unsafe_code)]
 
@@ -149,7 +149,8 @@ fn texture_coordinates_without_indices_in_faces_are_rejected_where_the_compiler_
             Ok(model) => assert!(!crashes && model.nmesh() == 1, "{asset}"),
             Err(error) => {
                 let is_reason = error.to_string().contains("texture coordinates");
-                // A file whose first shape has no faces is an error of other compilers, or a model without these faces.
+                // A file whose first shape has no faces is an error of other compilers, or a model
+                // without these faces.
                 assert!(if crashes { is_reason } else { !has_indices && !is_reason }, "{asset}: {error}");
             }
         }
@@ -242,7 +243,8 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
         assert!(error.to_string().contains(expected), "{xml:.60}: {error}");
     }
-    // A replication of moderate size passes the check. The compiler of 2.2.2 does not have the element.
+    // A replication of moderate size passes the check. The compiler of 2.2.2 does not have the
+    // element.
     match Model::from_xml_str(&format!("<mujoco>{}</mujoco>", nested(&["10", "20"]))) {
         Ok(model) => assert_eq!(model.ngeom(), 200),
         Err(error) => assert!(error.to_string().contains("unrecognized element"), "{error}"),

@@ -1,11 +1,13 @@
-//! Edited models: a simulation of an edited model equals that of a model compiled with the same numbers.
+//! Edited models: a simulation of an edited model equals that of a model compiled with the same
+//! numbers.
 
 #![forbid(unsafe_code)]
 
 use mujoco_safe::enums::SameFrame;
 use mujoco_safe::{Data, Error, Matrix, Model, ModelMut, sample};
 
-/// A free body, a body on slide joints and a body on a ball joint: the cases for which the engine caches flags.
+/// A free body, a body on slide joints and a body on a ball joint: the cases for which the engine
+/// caches flags.
 fn model(inertial: &str, geom: &str, site: &str, joint: &str) -> Model {
     Model::from_xml_str(&format!(
         r#"<mujoco>

@@ -1,4 +1,5 @@
-//! Valid models that overflow the engine's arrays or break its algorithms: they are rejected, or a call returns an error.
+//! Valid models that overflow the engine's arrays or break its algorithms: they are rejected, or a
+//! call returns an error.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::data::{NewContact, RayOptions};
@@ -6,8 +7,9 @@ use mujoco_safe::{Data, Error, Model};
 
 use crate::is_default;
 
-/// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts above the floor, because the
-/// engine's compiler makes a step, in which a contact would already need space for its constraints.
+/// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts
+/// above the floor, because the engine's compiler makes a step, in which a contact would already
+/// need space for its constraints.
 fn sticky(njmax: &str) -> String {
     format!(
         r#"<mujoco>
@@ -29,7 +31,8 @@ fn an_adhesion_actuator_with_a_small_constraint_buffer_is_rejected() {
     }
 }
 
-/// Returns the binary model with another `njmax`, which a binary file can contain although the compiler rejects it in a text.
+/// Returns the binary model with another `njmax`, which a binary file can contain although the
+/// compiler rejects it in a text.
 fn binary_with_njmax(model: &Model, njmax: i32) -> Vec<u8> {
     let mut bytes = model.to_binary().unwrap();
     // The header is four integers long; the sizes follow in the order of the engine's list.
@@ -157,7 +160,8 @@ fn a_ray_on_a_height_field_of_extreme_size_is_rejected() {
     }
 }
 
-/// Matrix of a pose whose components are so large that their products are infinite, with both signs.
+/// Matrix of a pose whose components are so large that their products are infinite, with both
+/// signs.
 const EXTREME_AXES: [f64; 9] = [1e160, 1e160, 1e160, 1e160, -1e160, -1e160, 0.0, 0.0, 0.0];
 
 #[test]

@@ -16,7 +16,8 @@ fn assets_in_memory_load_like_assets_on_the_disk() {
     let on_disk = Model::from_xml_path(folder.path().join("model.xml")).unwrap();
     assert!(bytes(&on_disk) == bytes(&model));
 
-    // Values of the official Python bindings of this engine (`MjModel.from_xml_string(xml, assets)`).
+    // Values of the official Python bindings of this engine
+    // (`MjModel.from_xml_string(xml, assets)`).
     assert_eq!((model.nmesh(), model.nskin(), model.nhfield(), model.ntex()), (3, 1, 2, 2));
     assert_eq!(model.mesh_vertnum(), [4, 12, 4]);
     assert_eq!(model.mesh_facenum(), [4, 4, 4]);
@@ -62,7 +63,8 @@ fn a_file_missing_in_memory_is_loaded_from_the_disk() {
     assert_eq!(from_memory(&xml, &larger).unwrap().mesh_facenum(), [5, 4]);
 }
 
-/// Loads a model with `Model::from_xml_path_with` and with the engine's virtual file system, and asserts that both are equal.
+/// Loads a model with `Model::from_xml_path_with` and with the engine's virtual file system, and
+/// asserts that both are equal.
 fn with_files(path: &Path, files: &[(&str, &[u8])]) -> Model {
     let model = Model::from_xml_path_with(path, &LoadOptions::default().with_files(files)).unwrap();
     let in_c = bytes_in_c_with_files(path, files);
@@ -78,7 +80,8 @@ fn files_in_memory_take_precedence_over_files_beside_the_model() {
     let on_disk = Model::from_xml_path(&path).unwrap();
     assert!(bytes(&with_files(&path, &[])) == bytes(&on_disk));
 
-    // An included text that exists in memory only and names a mesh on the disk and a mesh in memory.
+    // An included text that exists in memory only and names a mesh on the disk and a mesh in
+    // memory.
     let mixed = folder.path().join("mixed.xml");
     std::fs::write(&mixed, assets::MODEL.replace("part.xml", "sub/OTHER.xml")).unwrap();
     let part = assets::PART.replace("solid.msh", "only_here.msh");

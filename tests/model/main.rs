@@ -65,7 +65,8 @@ fn bytes(model: &Model) -> Vec<u8> {
     model.to_binary().unwrap()
 }
 
-/// Serialises raw loads, which bypass the library and replace the XML tree that the engine keeps for saving.
+/// Serialises raw loads, which bypass the library and replace the XML tree that the engine keeps
+/// for saving.
 static RAW_LOADS: Mutex<()> = Mutex::new(());
 
 /// Returns the bytes of a model that the engine loads from a path.
@@ -73,7 +74,8 @@ fn bytes_in_c(path: &Path) -> Vec<u8> {
     bytes_in_c_with_files(path, &[])
 }
 
-/// Returns the bytes of a model that the engine loads from a path, with files in its virtual file system.
+/// Returns the bytes of a model that the engine loads from a path, with files in its virtual file
+/// system.
 fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     use std::ffi::CString;
     use std::ptr;
@@ -84,7 +86,8 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     let name = CString::new(path.to_str().unwrap()).unwrap();
     let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
     let mut table = Box::<sys::mjVFS>::new_uninit();
-    // SAFETY: the engine initialises the table; each file is created with the length of its content and then filled.
+    // SAFETY: the engine initialises the table; each file is created with the length of its content
+    // and then filled.
     let mut table = unsafe {
         sys::mj_defaultVFS(table.as_mut_ptr());
         let mut table = table.assume_init();
@@ -103,12 +106,13 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
         }
         table
     };
-    // SAFETY: loading a model through the library has installed the handlers; the name and the table are valid, and the buffer
-    // has the given length.
+    // SAFETY: loading a model through the library has installed the handlers; the name and the
+    // table are valid, and the buffer has the given length.
     let status =
         unsafe { guard::mj_load_xml(name.as_ptr(), &raw const *table, message.as_mut_ptr(), 1000, &raw mut model) };
     assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());
-    // SAFETY: the model is valid, the buffer has the size that the engine reports, and the table and the model are freed once.
+    // SAFETY: the model is valid, the buffer has the size that the engine reports, and the table
+    // and the model are freed once.
     unsafe {
         sys::mj_deleteVFS(&raw mut *table);
         let mut bytes = vec![0_u8; sys::mj_sizeModel(model) as usize];

@@ -177,8 +177,8 @@ fn file_names_too_short_for_an_extension_are_rejected() {
     assert_eq!(from_memory(&text, &[("a", assets::height_field())]).unwrap().hfield_nrow(), [3]);
 }
 
-/// Newer compilers also search the directory of an included text for the files that it names, and distinguish upper and lower case. Since 3.5
-/// they treat a file in memory as a directory.
+/// Newer compilers also search the directory of an included text for the files that it names, and
+/// distinguish upper and lower case. Since 3.5 they treat a file in memory as a directory.
 #[test]
 #[cfg(engine_since = "3.5.0")]
 fn files_are_checked_wherever_the_compiler_finds_them() {

@@ -164,8 +164,8 @@ mod similar {
     /// The faces of a tetrahedron.
     const SURFACE: &str = "0 1 2 0 1 3 0 2 3 1 2 3";
 
-    /// The numbers of elements are those of the texts. A tetrahedron has 4 faces of 3 vertices, and a
-    /// closed surface has no border.
+    /// The numbers of elements are those of the texts. A tetrahedron has 4 faces of 3 vertices, and
+    /// a closed surface has no border.
     #[test]
     fn similar_flexes_load() {
         let direct = |attributes: &str| flexcomp(&format!("type='direct' {attributes}"));

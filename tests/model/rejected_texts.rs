@@ -92,7 +92,8 @@ fn texts_that_crash_the_compiler_are_rejected() {
     Model::from_xml_str("<mujoco/>").unwrap();
 }
 
-/// The compiler's trial step writes to the wrong place in scratch memory, which must not affect the model.
+/// The compiler's trial step writes to the wrong place in scratch memory, which must not affect the
+/// model.
 #[test]
 #[cfg_attr(engine_since = "2.3.0", ignore = "newer engines ignore njmax")]
 fn adhesion_on_more_contacts_than_njmax_allows_fails_in_a_step() {
@@ -258,8 +259,9 @@ fn a_length_range_that_does_not_converge_is_rejected() {
     assert!(error.to_string().contains("unstable"), "{error}");
 }
 
-/// Before 4.0, `uselimit` takes the limits of another joint for the second actuator, or reads before the start of their array.
-/// Where these are no limits, the compiler simulates an actuator that has limits, which 2.2.2 may do without end.
+/// Before 4.0, `uselimit` takes the limits of another joint for the second actuator, or reads
+/// before the start of their array. Where these are no limits, the compiler simulates an actuator
+/// that has limits, which 2.2.2 may do without end.
 #[test]
 fn the_limits_of_the_wrong_joint_are_rejected() {
     let load = |settings: &str, limited: bool| {

@@ -7,7 +7,8 @@ use mujoco_safe::{Error, Model, sample};
 
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
-/// Loads a model and saves it as XML before another test loads a model: the engine keeps the XML of the last model only.
+/// Loads a model and saves it as XML before another test loads a model: the engine keeps the XML of
+/// the last model only.
 fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
     (0..10_000)
         .find_map(|_| {

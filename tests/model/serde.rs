@@ -1,4 +1,5 @@
-//! Options, visual settings and statistics as plain data. Values are checked when they are applied to a model.
+//! Options, visual settings and statistics as plain data. Values are checked when they are applied
+//! to a model.
 
 #![forbid(unsafe_code)]
 

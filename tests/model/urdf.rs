@@ -199,7 +199,8 @@ fn numbers_in_urdf_are_checked_as_in_mjcf() {
     }
 }
 
-/// Returns a folder with two packages, whose meshes `part.obj` differ in size, and a URDF that names both.
+/// Returns a folder with two packages, whose meshes `part.obj` differ in size, and a URDF that
+/// names both.
 fn workspace() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     for (package, size) in [("arm", 1.0), ("hand", 2.0)] {
@@ -219,7 +220,8 @@ fn workspace() -> (tempfile::TempDir, String) {
     (folder, urdf)
 }
 
-/// Returns the lengths of the meshes' short edges in ascending order. (The compiler moves vertices to the inertia frame.)
+/// Returns the lengths of the meshes' short edges in ascending order. (The compiler moves vertices
+/// to the inertia frame.)
 fn edges(model: &Model) -> Vec<f64> {
     let mut edges: Vec<f64> = (0..model.nmesh())
         .map(|mesh| {

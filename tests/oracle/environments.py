@@ -14,7 +14,8 @@ import gymnasium
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-# Number of steps, interval of the recorded steps, factor of the random actions, and initial velocity of the last joint.
+# Number of steps, interval of the recorded steps, factor of the random actions, and initial
+# velocity of the last joint.
 RUNS = {
     "InvertedPendulum-v5": [(40, 5, 0.1, 0.0), (40, 5, 1.0, 0.0)],
     "Hopper-v5": [(60, 6, 0.3, 0.0), (200, 12, 3.0, 0.0), (1, 1, 1.0, 40.0), (1, 1, 1.0, 400.0)],

@@ -32,7 +32,8 @@ def examples():
     yield "1.3", [[2, -1], [1, 0]], [[1], [0]], [[0, 0], [0, 1]], [[0]], None, np.eye(2)
     singular = [[9, 3], [3, 1]]
     q = np.array([[-4, -4], [-4, 7]]) / 11
-    # With its S, no stabilising solution has a positive definite cost of the controls; SciPy's own tests omit it as well.
+    # With its S, no stabilising solution has a positive definite cost of the controls; SciPy's own
+    # tests omit it as well.
     yield "1.4 without S", [[0, 1], [0, -1]], [[1, 0], [2, 1]], q, singular, None, None
     p = [[1, 2], [2, 2 + np.sqrt(5)]]
     yield "1.5", [[0, 1], [0, 0]], [[0], [1]], [[1, 2], [2, 4]], [[1]], None, p

@@ -49,7 +49,8 @@ fn check(renderer: &mut Renderer, count: usize, mut update: impl FnMut(usize, &m
     }
 }
 
-/// Asserts that at most 0.5 % of the elements differ. Rounding at edges depends on the place of the image in the texture.
+/// Asserts that at most 0.5 % of the elements differ. Rounding at edges depends on the place of the
+/// image in the texture.
 fn assert_similar<T>(found: &[T], expected: &[T], is_equal: impl Fn(&T, &T) -> bool) {
     assert_eq!(found.len(), expected.len());
     let differences = found.iter().zip(expected).filter(|(found, expected)| !is_equal(found, expected)).count();

@@ -1,5 +1,5 @@
-//! Contents of images: every shape, decoration and label of the model is visible, edits become visible with an upload, and
-//! invalid numbers affect only the objects that have them.
+//! Contents of images: every shape, decoration and label of the model is visible, edits become
+//! visible with an upload, and invalid numbers affect only the objects that have them.
 //!
 //! The images are saved to the folder in the environment variable `MUJOCO_SAFE_PICTURES`, if set.
 #![forbid(unsafe_code)]
@@ -24,7 +24,8 @@ fn save(picture: &RgbImage, name: &str) {
     }
 }
 
-/// Returns a model with a mesh, a height field, a skin, textures of each type and mapping, lights of each kind, and a camera.
+/// Returns a model with a mesh, a height field, a skin, textures of each type and mapping, lights
+/// of each kind, and a camera.
 fn assorted_model() -> Model {
     // Newer compilers lack the composite, which has many bodies and their skin.
     let [skin, cloth] = if cfg!(engine_since = "2.3.0") {

@@ -1,5 +1,5 @@
-//! Extreme numbers in a scene: the result is an image or an error, never a panic, a hang or a validation error of the graphics
-//! API.
+//! Extreme numbers in a scene: the result is an image or an error, never a panic, a hang or a
+//! validation error of the graphics API.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, RenderError, Renderer, RendererOptions};

@@ -1,7 +1,8 @@
 //! Images of everything that the linked engine shows, against those of its own renderer.
 //!
-//! The script `pictures/linked.py` draws the scenes with the official bindings of the same version. A scene passes if in its colour, its depth and
-//! its segmentation image at most 0.7 % of the pixels differ: a channel by more than 8 of 255, a depth by more than 0.1 %, an id at all.
+//! The script `pictures/linked.py` draws the scenes with the official bindings of the same version.
+//! A scene passes if in its colour, its depth and its segmentation image at most 0.7 % of the
+//! pixels differ: a channel by more than 8 of 255, a depth by more than 0.1 %, an id at all.
 //! [`WIDER`] lists the exceptions with their reasons.
 
 #![forbid(unsafe_code)]
@@ -70,7 +71,8 @@ fn pictures_equal_those_of_the_bindings() {
     assert!(wrong.is_empty(), "colour, depth and ids differ, % of the pixels:\n{}", wrong.join("\n"));
 }
 
-/// Returns the folder with the images of the bindings, and draws them unless `MUJOCO_SAFE_PICTURES` names a folder that has them.
+/// Returns the folder with the images of the bindings, and draws them unless `MUJOCO_SAFE_PICTURES`
+/// names a folder that has them.
 fn folder() -> PathBuf {
     if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
         return folder.into();
@@ -112,7 +114,8 @@ fn compare(folder: &Path, row: &Value) -> Shares {
     shares
 }
 
-/// Largest share of the pixels that differ from a recorded image, which has a quarter of the pixels and thus more at edges.
+/// Largest share of the pixels that differ from a recorded image, which has a quarter of the pixels
+/// and thus more at edges.
 const RECORDED_LIMIT: f64 = 0.012;
 
 #[test]

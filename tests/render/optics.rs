@@ -1,5 +1,5 @@
-//! Pixels against the formulas of optics: colours, light, transparency, fog, mirrors and shadows, independent of the
-//! implementation.
+//! Pixels against the formulas of optics: colours, light, transparency, fog, mirrors and shadows,
+//! independent of the implementation.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
@@ -103,7 +103,8 @@ fn a_spot_light_attenuates_and_has_a_cone() {
         let strength = 1.0 / (1.0 + 0.5 * distance + 0.25 * distance * distance);
         assert_rgb(middle(&lamp(90.0, x)), [strength; 3]);
     }
-    // The cone of 20° is 0.36 m wide at 1 m, and the frustum of 45° 1.04 m at 2.5 m: 6 pixels from the middle are 0.38 m.
+    // The cone of 20° is 0.36 m wide at 1 m, and the frustum of 45° 1.04 m at 2.5 m: 6 pixels from
+    // the middle are 0.38 m.
     let spot = lamp(20.0, -1.5);
     assert!(spot.pixel(16 + 4, 16)[0] > 50 && spot.pixel(16 + 8, 16)[0] == 0, "{:?}", spot.pixel(24, 16));
 }
@@ -209,7 +210,8 @@ fn a_mirror_shows_the_reflected_geom() {
                  <geom type="plane" size="{size}" material="mirror"/></worldbody></mujoco>"#
         );
         let mut stage = Stage::new(&xml, [65, 65]);
-        // The camera looks down at 30°: the ball is 0.5 m above the floor, and its reflection 0.5 m below.
+        // The camera looks down at 30°: the ball is 0.5 m above the floor, and its reflection 0.5 m
+        // below.
         stage.look([0.0; 3], 4.0, 0.0, -30.0);
         let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
         stage.scene.add_geom(&ball).unwrap();
@@ -218,7 +220,8 @@ fn a_mirror_shows_the_reflected_geom() {
     for size in ["0 0 1", "2 2 1"] {
         let mut stage = mirror(size);
         let picture = stage.rgb();
-        // The distance of the reflection from the centre of the image follows from its position in the frustum of 45°.
+        // The distance of the reflection from the centre of the image follows from its position in
+        // the frustum of 45°.
         let (along, down) = (4.0 + 0.5 * 0.5, 0.5 * 30_f64.to_radians().cos());
         let row = 32.5 + 32.5 * down / along / 22.5_f64.to_radians().tan();
         assert_rgb(picture.pixel(32, row as usize), [0.5, 0.25, 0.0]);
@@ -258,7 +261,8 @@ fn a_shadow_is_where_light_is_blocked() {
 
 #[test]
 fn geoms_outside_the_view_cast_visible_shadows() {
-    // The ball is two metres to the left, or behind the camera; the shadow of its centre is at the origin.
+    // The ball is two metres to the left, or behind the camera; the shadow of its centre is at the
+    // origin.
     for ball in [[0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [0.0, 0.0, 2.0]] {
         let [x, y, z] = ball;
         let toward = format!(r#"dir="{} {} {}""#, -x, -y, -z);
@@ -299,7 +303,8 @@ fn an_image_does_not_depend_on_earlier_images() {
         ),
     );
     let mut stage = Stage::new(&xml, [48, 32]);
-    // The ball, then the box; in the last scenes they are below the floor, and their shadow is invisible or absent.
+    // The ball, then the box; in the last scenes they are below the floor, and their shadow is
+    // invisible or absent.
     let places = [
         [[0.0, 0.0, 0.5], [0.5, 0.5, 0.5]],
         [[0.1, 0.0, 1.5], [-0.5, 0.5, 0.7]],

@@ -243,8 +243,8 @@ fn centroid(segmentation: &SegmentationImage, data: &Data, name: &str) -> [f64; 
     sum.map(|sum| sum / count)
 }
 
-/// Looks down on two small spheres with the camera of this XML, and returns the centroids of `a` and `b`, and the pinhole camera. Each point of the
-/// depth image is on a sphere.
+/// Looks down on two small spheres with the camera of this XML, and returns the centroids of `a`
+/// and `b`, and the pinhole camera. Each point of the depth image is on a sphere.
 #[cfg(engine_since = "3.2.0")]
 fn spheres(camera: &str) -> ([[f64; 2]; 2], PinholeCamera) {
     let xml = format!(
@@ -276,7 +276,8 @@ fn spheres(camera: &str) -> ([[f64; 2]; 2], PinholeCamera) {
 fn a_camera_with_a_sensor_has_its_focal_lengths_and_principal_point() {
     let sensor = r#"sensorsize=".0064 .0048" focal=".006 .004" principal="-.001 -.0012" resolution="320 240""#;
     let ([a, b], camera) = spheres(sensor);
-    // Measured in the images of the official bindings: those of 3.5.0 have the principal point mirrored vertically.
+    // Measured in the images of the official bindings: those of 3.5.0 have the principal point
+    // mirrored vertically.
     let mirrored = cfg!(not(engine_since = "3.17.0"));
     let expected = [300.0, 200.0, 210.0, if mirrored { 60.0 } else { 180.0 }];
     for (actual, expected) in [camera.fx, camera.fy, camera.cx, camera.cy].into_iter().zip(expected) {

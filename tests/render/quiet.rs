@@ -1,4 +1,5 @@
-//! A renderer prints nothing to standard output and standard error. Each test renders in a child process.
+//! A renderer prints nothing to standard output and standard error. Each test renders in a child
+//! process.
 
 #![cfg(target_os = "linux")]
 

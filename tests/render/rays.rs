@@ -1,13 +1,16 @@
 //! Depth and segmentation images agree with rays through the same pixels.
 //!
-//! The engine intersects rays with the exact shapes. Each scene is checked at 100 random pixels, and at 100 more that do not show the
-//! floor:
+//! The engine intersects rays with the exact shapes. Each scene is checked at 100 random pixels,
+//! and at 100 more that do not show the floor:
 //!
-//! - Away from outlines, the image shows the geom that the ray hits first, or a geom at most 1/3000 behind it.
-//! - Where the angle between ray and surface is at least 15°, the depth is right within 1/3000: 1 mm at 3 m. At smaller angles a
-//!   fraction of a pixel is many millimetres, and the depth is between those of the neighbours, within 1/3000.
+//! - Away from outlines, the image shows the geom that the ray hits first, or a geom at most 1/3000
+//!   behind it.
+//! - Where the angle between ray and surface is at least 15°, the depth is right within 1/3000: 1
+//!   mm at 3 m. At smaller angles a fraction of a pixel is many millimetres, and the depth is
+//!   between those of the neighbours, within 1/3000.
 //!
-//! A pixel is at an outline unless the rays through its eight neighbours all hit the geom that its own ray hits.
+//! A pixel is at an outline unless the rays through its eight neighbours all hit the geom that its
+//! own ray hits.
 
 use std::path::Path;
 
@@ -29,8 +32,8 @@ const PRECISION: f64 = 1e-3 / 3.0;
 /// Smallest angle between a ray and a surface at which depth has that precision, degrees.
 const STEEP: f64 = 15.0;
 
-/// A model of the engine's package, its number of steps, and the free camera: lookat, distance in metres, azimuth and elevation
-/// in degrees.
+/// A model of the engine's package, its number of steps, and the free camera: lookat, distance in
+/// metres, azimuth and elevation in degrees.
 struct Subject(&'static str, usize, [f64; 3], f64, f64, f64);
 
 /// The models and cameras of the comparison with the engine's images.
@@ -200,7 +203,8 @@ impl Rays {
         self.viewpoint.pos.map(f64::from)
     }
 
-    /// Returns the direction through a point in pixels from the upper left corner, scaled so that distance is depth.
+    /// Returns the direction through a point in pixels from the upper left corner, scaled so that
+    /// distance is depth.
     fn direction(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let Viewpoint { forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, .. } = self.viewpoint;
         let [forward, up] = [forward, up].map(|axis| axis.map(f64::from));
@@ -251,7 +255,8 @@ impl Rays {
     }
 }
 
-/// Returns the smallest angle between a ray and the surface, in degrees, that the neighbours' intersections suggest.
+/// Returns the smallest angle between a ray and the surface, in degrees, that the neighbours'
+/// intersections suggest.
 fn slope(directions: &[[f64; 3]; 9], depths: &[f64; 9]) -> f64 {
     let point = |place: usize| directions[place].map(|part| part * depths[place]);
     let edge = |from: usize, to: usize| {

@@ -72,7 +72,8 @@ fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
     let mut skin =
         stage(&format!("<skin name='skin' rgba='.8 .5 .2 1' {shape}>{bone}</skin>"), "<geom size='.1' group='4'/>");
     let mut covered = 0;
-    // Height of the look-at point, distance, azimuth and elevation. In the last view the camera is above the ellipsoid, half of which is behind it.
+    // Height of the look-at point, distance, azimuth and elevation. In the last view the camera is
+    // above the ellipsoid, half of which is behind it.
     let views = [
         (0.4, 3.0, 0.0, -20.0),
         (0.4, 3.0, 70.0, -60.0),
@@ -82,7 +83,8 @@ fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
         (1.0, 0.1, 0.0, -30.0),
     ];
     for (height, distance, azimuth, elevation) in views {
-        // Without culling, the bodies cast shadows on themselves, with a pattern that depends on rounding.
+        // Without culling, the bodies cast shadows on themselves, with a pattern that depends on
+        // rounding.
         for flags in [RenderFlags::SHADOW | RenderFlags::CULL_FACE, RenderFlags::empty()] {
             let images = [&mut mesh, &mut skin].map(|stage| {
                 stage.look([0.1, 0.0, height], distance, azimuth, elevation);
@@ -91,7 +93,8 @@ fn a_skin_its_mirror_image_and_its_shadow_look_like_those_of_a_mesh() {
                 (stage.rgb(), depth)
             });
             let [(of_mesh, mesh_depth), (of_skin, skin_depth)] = &images;
-            // Rounding moves single pixels at edges, and where the light grazes a body whose front faces cast shadows, too.
+            // Rounding moves single pixels at edges, and where the light grazes a body whose front
+            // faces cast shadows, too.
             let limit = if cfg!(engine_since = "3.3.0") && flags.contains(RenderFlags::SHADOW) { 30.0 } else { 5.0 };
             let different = (Difference::of(of_mesh, of_skin).outliers * PIXELS).round();
             let depths = mesh_depth.as_slice().iter().zip(skin_depth.as_slice());

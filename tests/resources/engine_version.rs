@@ -33,7 +33,8 @@ fn an_engine_of_another_version_is_an_error() {
     assert!(output.status.success() && stdout.contains("1 passed"), "{stdout}{stderr}");
 }
 
-/// Compiles a library with the name of the engine and only the functions and variables that all versions have.
+/// Compiles a library with the name of the engine and only the functions and variables that all
+/// versions have.
 fn build_substitute(folder: &Path) {
     let exported = VERSIONS.map(exports).into_iter().reduce(|all, of_one| &all & &of_one).unwrap();
     assert!(exported.len() > 200, "{}", exported.len());
@@ -52,7 +53,8 @@ fn build_substitute(folder: &Path) {
     assert!(command.arg(format!("-Wl,-soname,{name}")).status().unwrap().success());
 }
 
-/// Returns the names of the functions and variables in the bindings of a version, and `true` for functions.
+/// Returns the names of the functions and variables in the bindings of a version, and `true` for
+/// functions.
 fn exports(version: &str) -> BTreeSet<(String, bool)> {
     let bindings = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("mujoco-sys/src/bindings/{version}.rs"));
     let text = fs::read_to_string(bindings).unwrap();

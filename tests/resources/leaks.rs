@@ -1,7 +1,7 @@
 //! Memory and open files do not grow with repetition.
 //!
-//! `cargo test` runs 200 or 1000 rounds with small models. The long form runs 10 000 rounds with the humanoid:
-//! `cargo test --release --test resources -- --ignored`.
+//! `cargo test` runs 200 or 1000 rounds with small models. The long form runs 10 000 rounds with
+//! the humanoid: `cargo test --release --test resources -- --ignored`.
 #![forbid(unsafe_code)]
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -20,9 +20,9 @@ fn open_files() -> usize {
     fs::read_dir("/proc/self/fd").unwrap().count()
 }
 
-/// Repeats `round` after a warm-up, in which allocators and caches may grow, and asserts that memory and open files stay
-/// constant. Memory grows in every attempt if there is a leak, but only in some if the test harness
-/// starts a thread.
+/// Repeats `round` after a warm-up, in which allocators and caches may grow, and asserts that
+/// memory and open files stay constant. Memory grows in every attempt if there is a leak, but only
+/// in some if the test harness starts a thread.
 fn assert_no_growth(what: &str, rounds: usize, mut round: impl FnMut()) {
     const SLACK: usize = 256 << 10;
     const ATTEMPTS: usize = 3;

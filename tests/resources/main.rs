@@ -1,4 +1,5 @@
-//! Allocations, leaks, output and the engine that is loaded: properties of the process, so the tests run one at a time.
+//! Allocations, leaks, output and the engine that is loaded: properties of the process, so the
+//! tests run one at a time.
 
 #[path = "../common/child.rs"]
 mod child;

@@ -1,5 +1,6 @@
-//! The engine prints nothing, writes no `MUJOCO_LOG.TXT` and does not wait for Enter: the test runs in a child process in an
-//! empty folder, with an empty pipe as standard input. The parent checks the output, the files and the exit status.
+//! The engine prints nothing, writes no `MUJOCO_LOG.TXT` and does not wait for Enter: the test runs
+//! in a child process in an empty folder, with an empty pipe as standard input. The parent checks
+//! the output, the files and the exit status.
 
 #![forbid(unsafe_code)]
 
@@ -67,7 +68,8 @@ fn crowded(size: &str) -> Data {
     Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()
 }
 
-/// Loads meshes for which the convex hull library prints long errors, and a mesh for which it prints a warning.
+/// Loads meshes for which the convex hull library prints long errors, and a mesh for which it
+/// prints a warning.
 fn meshes_for_the_convex_hull_library() {
     for (heights, loads) in
         [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
@@ -94,8 +96,8 @@ fn meshes_for_the_convex_hull_library() {
     assert!(several.is_err());
 }
 
-/// Exceeds the numbers of contacts and constraints, which newer engines do not limit. The warnings are counted each time, and logged the first
-/// time, by a logger that panics at one of them.
+/// Exceeds the numbers of contacts and constraints, which newer engines do not limit. The warnings
+/// are counted each time, and logged the first time, by a logger that panics at one of them.
 fn warnings_of_full_arrays() {
     let mut data = crowded("nconmax='100' njmax='10'");
     for _ in 0..3 {
@@ -150,7 +152,8 @@ fn everything_that_the_engine_would_print() {
 
     meshes_for_the_convex_hull_library();
 
-    // A warning of the compiler: stored in the model, and logged by a logger that loads models itself.
+    // A warning of the compiler: stored in the model, and logged by a logger that loads models
+    // itself.
     let model = Model::from_xml_str(
         "<mujoco><worldbody><body><joint/><geom size='.1' user='nan'/></body></worldbody></mujoco>",
     )
@@ -186,7 +189,8 @@ fn everything_that_the_engine_would_print() {
     assert!(data.warning(Warning::VisualGeomFull).number >= 2 || !is_counted);
     assert_eq!(logged("room for"), 0);
 
-    // Instability, to which the engine reacts with a reset and a line on standard output, and engine errors.
+    // Instability, to which the engine reacts with a reset and a line on standard output, and
+    // engine errors.
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.qpos_mut()[0] = f64::NAN;
     assert!(matches!(data.step(), Err(Error::Unstable(_))));

@@ -256,7 +256,8 @@ fn the_number_of_an_episode_counts_the_resets_of_its_simulation() {
     batch.reset(2).unwrap();
     batch.reset(2).unwrap();
     assert_eq!(episodes(&batch), [1, 2, 3]);
-    // A reset whose closure fails has started an episode, so that the next attempt has another seed.
+    // A reset whose closure fails has started an episode, so that the next attempt has another
+    // seed.
     let seen = std::sync::Mutex::new(Vec::new());
     let result = batch.reset_where(
         |_| true,

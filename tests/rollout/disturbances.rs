@@ -1,4 +1,5 @@
-//! Noise and delays of vector environments, against a loop over single simulations with the documented order of the random numbers.
+//! Noise and delays of vector environments, against a loop over single simulations with the
+//! documented order of the random numbers.
 
 use std::ops::RangeInclusive;
 

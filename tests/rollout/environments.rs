@@ -1,4 +1,5 @@
-//! Environments: the definitions of tasks agree with Gymnasium's numbers, and a vector environment equals a loop over single simulations.
+//! Environments: the definitions of tasks agree with Gymnasium's numbers, and a vector environment
+//! equals a loop over single simulations.
 
 use mujoco_safe::environment::{
     Evaluation, HalfCheetah, Hopper, InvertedPendulum, Motion, Task, Transition, VectorEnvironment,

@@ -12,7 +12,8 @@ const SPEC: StateSpec = StateSpec::INTEGRATION;
 const COUNT: usize = 3;
 const STEPS: usize = 40;
 
-/// Returns models with contacts, friction and all kinds of elements, for the integrators, the solvers and the noslip solver.
+/// Returns models with contacts, friction and all kinds of elements, for the integrators, the
+/// solvers and the noslip solver.
 fn models() -> Vec<Arc<Model>> {
     let file =
         |name: &str| Model::from_xml_path(format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR"))).unwrap();
@@ -54,8 +55,8 @@ fn read(data: &Data, row: &mut [f64]) {
     read_both(data, data, row);
 }
 
-/// Writes the state of one simulation and the computed quantities of another. (The engine's forward dynamics normalises the quaternions
-/// of the state.)
+/// Writes the state of one simulation and the computed quantities of another. (The engine's forward
+/// dynamics normalises the quaternions of the state.)
 fn read_both(state: &Data, computed: &Data, row: &mut [f64]) {
     let parts = [state.qpos(), computed.xpos().as_flattened(), computed.qfrc_constraint(), computed.sensordata()];
     row[0] = computed.ncon() as f64;

@@ -1,4 +1,5 @@
-//! An error affects only its rollout. A panic or a cancellation ends the run without lasting effects.
+//! An error affects only its rollout. A panic or a cancellation ends the run without lasting
+//! effects.
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -61,7 +62,8 @@ fn a_nan_ends_its_own_rollout_at_its_step() {
 
 #[test]
 fn an_engine_error_ends_its_own_rollout_at_its_step() {
-    // Balls from several heights, and a stack too small for contacts: each rollout fails when its ball lands.
+    // Balls from several heights, and a stack too small for contacts: each rollout fails when its
+    // ball lands.
     let model = std::sync::Arc::new(trouble::overflowing());
     let heights: Vec<f64> = (0..6).flat_map(|index| [0.0, 0.0, 0.15 + 0.3 * f64::from(index)]).collect();
     let initial: Vec<f64> = heights.chunks(3).flat_map(|place| [place, &[1.0, 0.0, 0.0, 0.0]].concat()).collect();

@@ -1,4 +1,5 @@
-//! Rollouts and batches against a plain loop over `Data::step`, with a separate `Data` for each simulation.
+//! Rollouts and batches against a plain loop over `Data::step`, with a separate `Data` for each
+//! simulation.
 #![forbid(unsafe_code)]
 
 #[macro_use]

@@ -1,5 +1,5 @@
-//! Parameters of the model for each simulation: distributions, reproducibility and errors. The random schedules compare the simulations with
-//! models that were edited by hand.
+//! Parameters of the model for each simulation: distributions, reproducibility and errors. The
+//! random schedules compare the simulations with models that were edited by hand.
 
 use std::sync::Arc;
 

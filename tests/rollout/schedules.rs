@@ -1,4 +1,5 @@
-//! Random schedules of steps, resets, edits and failures: a batch equals a separate `Data` for each simulation.
+//! Random schedules of steps, resets, edits and failures: a batch equals a separate `Data` for each
+//! simulation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -107,7 +108,8 @@ fn warnings(data: &Data) -> f64 {
         .sum()
 }
 
-/// Numbers of an observation: of state and results, including values that a step may leave unchanged.
+/// Numbers of an observation: of state and results, including values that a step may leave
+/// unchanged.
 fn observe(data: &Data, row: &mut [f64]) {
     let results = [
         data.qpos(),
@@ -134,7 +136,8 @@ fn width(model: &Model) -> usize {
 fn parameters(model: &Model) -> Vec<(Parameter, [f64; 2])> {
     let body = model.body(model.nbody() - 1).unwrap().id();
     let mut list = vec![(Parameter::Gravity(2), [-12.0, -8.0]), (Parameter::MassFactor(body), [0.5, 2.0])];
-    // Newer engines do not allow the centre of mass of a body that moves independently to leave its frame.
+    // Newer engines do not allow the centre of mass of a body that moves independently to leave its
+    // frame.
     if !cfg!(engine_since = "2.3.0") || !model.body(body).simple() {
         list.push((Parameter::CentreOfMass(body, 0), [-0.01, 0.01]));
     }
@@ -251,7 +254,8 @@ impl Alone {
     }
 }
 
-/// Runs a random schedule on a batch and on separate simulations. Returns the numbers of steps and of failures.
+/// Runs a random schedule on a batch and on separate simulations. Returns the numbers of steps and
+/// of failures.
 fn run(model: &Arc<Model>, seed: u64) -> (usize, usize) {
     let mut random = random(seed);
     let count = random.random_range(1..9);

@@ -24,7 +24,8 @@ fn sample_models_save_without_loss() {
         let expected: &[&str] = if original.ends_with("every_element.xml") { LOST_OF_EVERY_ELEMENT } else { &[] };
         assert_eq!(lost, expected, "{}", original.display());
         models += 1;
-        // The check itself loads the text. An independent comparison takes too long for the large models.
+        // The check itself loads the text. An independent comparison takes too long for the large
+        // models.
         if model.nv() < MOST_DOFS {
             let again = Model::from_xml_path(&path).unwrap();
             assert_eq!((again.nv(), again.ngeom()), (model.nv(), model.ngeom()));
@@ -39,8 +40,9 @@ const MOST_DOFS: usize = 100;
 
 const IS_3_5: bool = cfg!(all(engine_since = "3.5.0", not(engine_since = "3.6.0")));
 
-/// Fields of `every_element.xml` that its text loses. The compiler of 2.2.2 sorts pairs after resolving the tuples that refer to them, so the text
-/// is right and the model wrong. A primitive geom that is fitted to a mesh refers to the mesh in 3.5.0, and not if it is loaded again.
+/// Fields of `every_element.xml` that its text loses. The compiler of 2.2.2 sorts pairs after
+/// resolving the tuples that refer to them, so the text is right and the model wrong. A primitive
+/// geom that is fitted to a mesh refers to the mesh in 3.5.0, and not if it is loaded again.
 const LOST_OF_EVERY_ELEMENT: &[&str] = if cfg!(not(engine_since = "2.3.0")) {
     &["tuple_objid"]
 } else if IS_3_5 {
@@ -226,7 +228,8 @@ fn the_text_has_the_changes_of_the_compiler() {
                  <geom type="mesh" mesh="solid" contype="0" conaffinity="0" group="1"/></body></body></worldbody></mujoco>"#
         );
         let lost = lost(|| load_in_folder(&xml, folder.path()), &path).unwrap();
-        // After fusing bodies, 3.5.0 keeps the bounding volumes and statistics of all bodies, and the text loads without them.
+        // After fusing bodies, 3.5.0 keeps the bounding volumes and statistics of all bodies, and
+        // the text loads without them.
         assert!(lost.is_empty() || IS_3_5 && compiler.contains("fusestatic"), "{compiler}: {lost:?}");
     }
     // 3.17 and 4.0 write the URI of a mesh's package, which they do not resolve in MJCF.

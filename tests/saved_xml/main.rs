@@ -1,6 +1,8 @@
-//! `Model::save_xml` writes a text only if it loads as the same model, and reports edits that XML cannot represent.
+//! `Model::save_xml` writes a text only if it loads as the same model, and reports edits that XML
+//! cannot represent.
 //!
-//! The engine keeps the XML of the last model that the process loaded, so the tests of this program run one at a time.
+//! The engine keeps the XML of the last model that the process loaded, so the tests of this program
+//! run one at a time.
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "a saved number loads as the same number")]
 
@@ -23,7 +25,8 @@ use assets::folder;
 use mujoco_safe::model::{SaveXmlOptions, UnsavedField, XmlCheck};
 use mujoco_safe::{Model, Result};
 
-/// Locks the engine's XML tree while a test loads and saves: a load by another test would replace the tree, and the save would be an error.
+/// Locks the engine's XML tree while a test loads and saves: a load by another test would replace
+/// the tree, and the save would be an error.
 fn lock_engine() -> MutexGuard<'static, ()> {
     static LOCK: Mutex<()> = Mutex::new(());
     LOCK.lock().unwrap_or_else(PoisonError::into_inner)
@@ -40,7 +43,8 @@ fn saved_with(
     (model, saved)
 }
 
-/// Returns the model files of the repository and of the engine's samples, without the 3000 particles, which take as long as all others.
+/// Returns the model files of the repository and of the engine's samples, without the 3000
+/// particles, which take as long as all others.
 fn samples() -> Vec<PathBuf> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();

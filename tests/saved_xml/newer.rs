@@ -4,7 +4,8 @@ use mujoco_safe::Model;
 
 use super::lost;
 
-/// Flexes, layers of materials, and attributes of options, cameras, lights, bodies, joints, tendons, actuators and sensors that 2.2.2 lacks.
+/// Flexes, layers of materials, and attributes of options, cameras, lights, bodies, joints,
+/// tendons, actuators and sensors that 2.2.2 lacks.
 const TEXT: &str = r#"<mujoco>
   <option ls_tolerance="0.02" ls_iterations="40" ccd_iterations="30" sdf_iterations="12" actuatorgroupdisable="2"/>
   <visual><global cameraid="0" orthographic="true" fovy="2"/></visual>
@@ -71,7 +72,8 @@ fn edits_of_elements_of_newer_engines_are_saved_or_named() {
     edited.edit().body_mass_mut()[vertex] *= 2.0;
     edited.edit().update_constants().unwrap();
     let mut lost = lost(|| edited.clone(), &path).unwrap();
-    // It stays in an edited model with armature of tendons, which the documentation of `update_constants` states.
+    // It stays in an edited model with armature of tendons, which the documentation of
+    // `update_constants` states.
     lost.retain(|field| field != "stat.meaninertia");
     let again = Model::from_xml_path(&path).unwrap();
     let is_carried = again.body_mass() == edited.body_mass();

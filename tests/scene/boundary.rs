@@ -1,4 +1,5 @@
-//! Invalid use of a scene is an error or a panic with a message, and never an invalid access. These tests run under memcheck too.
+//! Invalid use of a scene is an error or a panic with a message, and never an invalid access. These
+//! tests run under memcheck too.
 
 #![forbid(unsafe_code)]
 
@@ -63,7 +64,8 @@ fn succeeded<T>(result: Result<T, Error>) -> bool {
     }
 }
 
-/// Makes calls that need no contacts, calls that need contacts, and calls that need velocities, and returns which succeeded.
+/// Makes calls that need no contacts, calls that need contacts, and calls that need velocities, and
+/// returns which succeeded.
 fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
     let model = data.model().clone();
     let body = model.body("free_ball").unwrap().id();
@@ -352,7 +354,8 @@ fn invalid_numbers_are_rejected() {
     assert_eq!(camera, far_behind);
 }
 
-/// The engine uses a skin's group as an index without a check, so loading must reject invalid groups.
+/// The engine uses a skin's group as an index without a check, so loading must reject invalid
+/// groups.
 #[test]
 fn a_skin_with_an_invalid_group_is_rejected() {
     for group in [-1, 6, 1_000_000] {

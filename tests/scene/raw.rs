@@ -25,7 +25,8 @@ const PANEL: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-/// Returns the model with every element, a panel with a skin, and all other models except the largest.
+/// Returns the model with every element, a panel with a skin, and all other models except the
+/// largest.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
     let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
     let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });

@@ -64,7 +64,8 @@ fn selections_equal_c() {
                     .with_static_geoms(options.flags.contains(VisualFlags::STATIC));
                 let hit = twins.ours.ray(head.pos, direction, &ray_options).unwrap().unwrap();
                 let at = [0, 1, 2].map(|i| head.pos[i] + hit.distance * direction[i]);
-                // The camera frame has single precision, so the ray may hit another geom at an edge.
+                // The camera frame has single precision, so the ray may hit another geom at an
+                // edge.
                 let near = (0..3).all(|i| (at[i] - found.point[i]).abs() < 1e-4 * (1.0 + at[i].abs()));
                 assert!(near || hit.geom != geom, "{}: {at:?} and {:?}", subject.name, found.point);
             }

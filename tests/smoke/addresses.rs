@@ -1,12 +1,14 @@
-//! Floating-point values from which newer engines compute addresses: the engine never leaves its arrays, whatever a program writes. The
-//! independent source for the number of activations is the engine's compiler.
+//! Floating-point values from which newer engines compute addresses: the engine never leaves its
+//! arrays, whatever a program writes. The independent source for the number of activations is the
+//! engine's compiler.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters};
 use mujoco_safe::{Batch, Data, Error, Model, ModelMut};
 
-/// Two flexes with strain constraints, of 2 × 1 × 1 and 1 × 1 × 2 cells, and an equality constraint of other numbers.
+/// Two flexes with strain constraints, of 2 × 1 × 1 and 1 × 1 × 2 cells, and an equality constraint
+/// of other numbers.
 const STRAIN: &str = r#"<mujoco>
   <worldbody>
     <body name="a"><joint name="a"/><geom size=".1"/></body><body name="b"><joint name="b"/><geom size=".1"/></body>
@@ -39,7 +41,8 @@ fn model(text: &str) -> Model {
     Model::from_xml_str(text).unwrap()
 }
 
-/// Checks that an edit of a simulation is rejected and undone, and that a simulation of a model with this edit is an error.
+/// Checks that an edit of a simulation is rejected and undone, and that a simulation of a model
+/// with this edit is an error.
 fn is_rejected(text: &str, edit: impl Fn(&mut ModelMut<'_>), what: &str) {
     let mut data = Data::new(model(text)).unwrap();
     let values =

@@ -1,5 +1,6 @@
-//! No accessor returns memory of the arena that the engine has not written. Before each call the tests fill the memory that the call may
-//! allocate with a pattern, and look for the pattern in all arrays afterwards.
+//! No accessor returns memory of the arena that the engine has not written. Before each call the
+//! tests fill the memory that the call may allocate with a pattern, and look for the pattern in all
+//! arrays afterwards.
 
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::data::{ConeHessian, SensorUpdate, Warning};
@@ -103,7 +104,8 @@ fn check(data: &Data, after: &str) {
 
 /// Fills the arena behind its first `kept` bytes with the pattern.
 fn fill(data: &mut Data, kept: usize) {
-    // SAFETY: the stack is empty between calls, and each caller keeps the memory that the next call reads.
+    // SAFETY: the stack is empty between calls, and each caller keeps the memory that the next call
+    // reads.
     unsafe {
         let raw = &mut *data.as_mut_ptr();
         assert_eq!(raw.pstack, 0);
@@ -199,7 +201,8 @@ fn all_calls(data: &mut Data) {
 
 #[test]
 fn flags_of_newer_engines_leave_only_written_memory() {
-    // SAFETY: no other thread uses the model. The engine has the flags, and the results are discarded.
+    // SAFETY: no other thread uses the model. The engine has the flags, and the results are
+    // discarded.
     let set = |data: &mut Data, flags: u32| unsafe {
         (*data.model().as_ptr().cast_mut()).opt.enableflags = flags as i32;
     };
@@ -361,8 +364,8 @@ fn constraints_without_room_leave_no_numbers() {
     assert!((lost > 20 && rejected > 5) || cfg!(not(engine_since = "2.3.0")), "{lost} {rejected}");
 }
 
-/// There is room in the initial state, but not in the compiler's simulation of a muscle, in which joints
-/// reach their limits.
+/// There is room in the initial state, but not in the compiler's simulation of a muscle, in which
+/// joints reach their limits.
 #[test]
 #[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
 fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {

@@ -1,5 +1,6 @@
-//! Contacts and distances by this crate's collision functions, which check their arguments and call the engine's. The independent source is the
-//! C API before this crate has replaced the engine's functions in the table, so each test runs in a separate process.
+//! Contacts and distances by this crate's collision functions, which check their arguments and call
+//! the engine's. The independent source is the C API before this crate has replaced the engine's
+//! functions in the table, so each test runs in a separate process.
 
 use std::ffi::CString;
 use std::ptr;

@@ -1,4 +1,5 @@
-//! Actuators with several controls, forces and activations. The independent sources are the C functions of the same engine and its arrays.
+//! Actuators with several controls, forces and activations. The independent sources are the C
+//! functions of the same engine and its arrays.
 
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::derivative::{InverseForce, TransitionOptions};
@@ -7,8 +8,8 @@ use mujoco_safe::{Batch, Controller, Data, Differences, Error, Lineariser, Model
 
 use super::Raw;
 
-/// A ball joint with an orientation servo (three controls and forces), a hinge with a PID servo (two controls, one activation) and a motor
-/// with two activations, and a plain motor.
+/// A ball joint with an orientation servo (three controls and forces), a hinge with a PID servo
+/// (two controls, one activation) and a motor with two activations, and a plain motor.
 const MODEL: &str = r#"<mujoco>
   <compiler angle="radian"/>
   <option gravity="0 0 -1"/>
@@ -143,7 +144,8 @@ fn the_linear_system_is_that_of_the_engine() {
     assert!(matches!(PdController::new(&model, 1.0, 0.0).control(&mut data), Err(Error::Unsupported(_))));
 }
 
-/// The orientation servo has three forces, after which the index of an actuator is not that of its force.
+/// The orientation servo has three forces, after which the index of an actuator is not that of its
+/// force.
 #[test]
 fn sensors_of_actuators_are_differentiated_at_the_place_of_their_force() {
     let sensors = r#"<actuatorpos actuator="last"/><actuatorvel actuator="last"/></sensor>"#;

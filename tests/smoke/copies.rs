@@ -1,4 +1,5 @@
-//! Copies, state vectors, keyframes, resets and rows of batches against the C API, on models of all attributes of the engine's schema.
+//! Copies, state vectors, keyframes, resets and rows of batches against the C API, on models of all
+//! attributes of the engine's schema.
 
 use std::fmt::Debug;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,7 +78,8 @@ fn same(what: &str, data: &mut Data, raw: &Raw) {
     }
 }
 
-/// Compares an array of a model after a keyframe was set. A function, since the code of hundreds of fields takes minutes to compile.
+/// Compares an array of a model after a keyframe was set. A function, since the code of hundreds of
+/// fields takes minutes to compile.
 fn same_field(what: &str, name: &str, ours: &dyn Debug, engine: &dyn Debug) {
     assert!(format!("{ours:?}") == format!("{engine:?}"), "{what}: {name} after set_keyframe");
 }
@@ -201,7 +203,8 @@ fn a_keyframe_stores_plastic_deformations() {
     assert!(matches!(lineariser.along(&data, &states, &Matrix::zeros(1, 0)), Err(Error::Unsupported(_))));
 }
 
-/// Compares all calls on the model of every attribute from `first`, in steps. Returns the number of models.
+/// Compares all calls on the model of every attribute from `first`, in steps. Returns the number of
+/// models.
 fn campaign(first: usize, step: usize) -> usize {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(first as u64);
     let mut models = 0;

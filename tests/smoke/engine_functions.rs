@@ -1,4 +1,5 @@
-//! Functions that this crate implements in Rust, because 2.2.2 does not have them, agree with those of newer engines.
+//! Functions that this crate implements in Rust, because 2.2.2 does not have them, agree with those
+//! of newer engines.
 
 use mujoco_safe::data::RayOptions;
 use mujoco_safe::derivative::InverseForce;

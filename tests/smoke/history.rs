@@ -1,4 +1,5 @@
-//! Delays of actuators and sensors. The independent sources are the C functions of the same engine, and the definition of a delay.
+//! Delays of actuators and sensors. The independent sources are the C functions of the same engine,
+//! and the definition of a delay.
 
 use std::sync::Arc;
 
@@ -7,7 +8,8 @@ use mujoco_safe::{Batch, Data, Differences, Error, Lineariser, Model, StateSpec,
 
 use super::Raw;
 
-/// A pendulum above a floor, with every order of interpolation, a sample at intervals, and a contact sensor.
+/// A pendulum above a floor, with every order of interpolation, a sample at intervals, and a
+/// contact sensor.
 const MODEL: &str = r#"<mujoco>
   <worldbody>
     <geom type="plane" size="1 1 .1" pos="0 0 -.2"/>

@@ -1,5 +1,6 @@
-//! Promises that hold with every supported engine: the smallest set of tests for a new one. The independent sources are the C functions of
-//! the same engine, called directly, and identities of mechanics.
+//! Promises that hold with every supported engine: the smallest set of tests for a new one. The
+//! independent sources are the C functions of the same engine, called directly, and identities of
+//! mechanics.
 
 #![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
 
@@ -272,7 +273,8 @@ fn the_linearisation_equals_that_of_the_engine() {
 #[test]
 fn implicit_differentiation_agrees_with_differences_of_a_step() {
     let mut data = squatting();
-    // In the air: the result of the solver at a contact has its tolerance, which differences of a step magnify.
+    // In the air: the result of the solver at a contact has its tolerance, which differences of a
+    // step magnify.
     data.qpos_mut()[2] += 1.0;
     data.ctrl_mut().fill(0.2);
     data.step().unwrap();
@@ -285,7 +287,8 @@ fn implicit_differentiation_agrees_with_differences_of_a_step() {
     };
     let (implicit, report) = linearise(TransitionMethod::Implicit);
     let (differences, _) = linearise(TransitionMethod::Columns);
-    // With an engine with which the formulas were not verified, the report says that the steps were differenced.
+    // With an engine with which the formulas were not verified, the report says that the steps were
+    // differenced.
     let is_verified = report.fallback != Some(Fallback::EngineVersion);
     assert_eq!(is_verified, cfg!(any(not(engine_since = "2.3.0"), engine_since = "3.5.0")));
     assert_eq!(report.method, if is_verified { TransitionMethod::Implicit } else { TransitionMethod::Columns });
@@ -315,7 +318,8 @@ fn an_engine_error_poisons_the_data_until_a_reset() {
     data.step().unwrap();
     assert!(data.ncon() > 0);
     let model: *mut sys::mjModel = data.model().as_ptr().cast_mut();
-    // SAFETY: no other thread uses the model. The engine checks the type of the solver while its stack is in use.
+    // SAFETY: no other thread uses the model. The engine checks the type of the solver while its
+    // stack is in use.
     unsafe { (*model).opt.solver = 99 };
     let error = data.step().unwrap_err();
     assert!(

@@ -1,4 +1,5 @@
-//! Normals and texture coordinates of meshes, which have their own indices in newer engines, and the faces of skins.
+//! Normals and texture coordinates of meshes, which have their own indices in newer engines, and
+//! the faces of skins.
 
 use mujoco_safe::{Data, Error, LoadOptions, Model};
 
@@ -72,7 +73,8 @@ fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_the_text() {
 
 fn check_texcoords(model: &Model) {
     let pyramid = model.mesh("pyramid").unwrap();
-    // The engine moves the vertices to the centre of mass and rotates them, so the corners are recognised by their order in a face.
+    // The engine moves the vertices to the centre of mass and rotates them, so the corners are
+    // recognised by their order in a face.
     let corners = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let texcoords = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     assert_eq!(pyramid.facetexcoord().len(), 4);

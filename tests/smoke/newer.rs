@@ -1,5 +1,6 @@
-//! Options and elements of newer engines: available where the engine has them, and `Error::Unsupported` with the versions that have them
-//! elsewhere. The independent source is the C API of the same engine.
+//! Options and elements of newer engines: available where the engine has them, and
+//! `Error::Unsupported` with the versions that have them elsewhere. The independent source is the C
+//! API of the same engine.
 
 use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, Integrator, SensorDataType, SensorType};
@@ -22,7 +23,8 @@ fn names_versions(error: &Error, versions: &str) {
     assert!(text.contains(&built_against().to_string()) && text.contains(versions), "{text}");
 }
 
-/// Changes the options of a model: `true` if the engine has the change, which the engines from `first` to before `end` do.
+/// Changes the options of a model: `true` if the engine has the change, which the engines from
+/// `first` to before `end` do.
 fn changes(model: &mut Model, change: impl FnOnce(&mut Options), first: Version, end: Version, versions: &str) -> bool {
     let result = model.edit().edit_options(change);
     let expected = (first..end).contains(&built_against());
@@ -90,7 +92,8 @@ fn reason(fallback: Fallback) -> Fallback {
     proved().unwrap_or(fallback)
 }
 
-/// Returns the reason why the method is not used with an engine with which the formulas were not verified.
+/// Returns the reason why the method is not used with an engine with which the formulas were not
+/// verified.
 fn proved() -> Option<Fallback> {
     let is_proved =
         [version(2, 2, 2), version(3, 5, 0), version(3, 17, 0), version(4, 0, 0)].contains(&built_against());
@@ -167,8 +170,9 @@ fn mechanism(sensors: &str, actuators: &str) -> Model {
 /// Expected reading of a sensor.
 type Reading = fn(&Data) -> Vec<f64>;
 
-/// The type of a sensor, the first version that has it, its XML, the dimension and the data type of its reading, its stage, and the reading by
-/// the definition of the sensor if it is known otherwise.
+/// The type of a sensor, the first version that has it, its XML, the dimension and the data type of
+/// its reading, its stage, and the reading by the definition of the sensor if it is known
+/// otherwise.
 type NewSensor = (SensorType, Version, &'static str, usize, SensorDataType, Stage, Option<Reading>);
 
 /// Sensors of newer engines.
@@ -263,7 +267,8 @@ fn constant(kind: SensorType) -> &'static str {
     }
 }
 
-/// Actuators of newer engines: the XML, the first version, the types, and whether the implicit linearisation covers them.
+/// Actuators of newer engines: the XML, the first version, the types, and whether the implicit
+/// linearisation covers them.
 #[rustfmt::skip]
 const ACTUATORS: [(&str, Version, ActuatorDynamics, ActuatorGain, ActuatorBias, bool); 4] = [
     (r#"<general name="new" joint="hinge" dyntype="filterexact" dynprm="0.1" gainprm="3"/>"#, version(3, 0, 0),

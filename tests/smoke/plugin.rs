@@ -1,4 +1,5 @@
-//! Libraries of engine plugins: those of the wheel that contains the engine, and files that are no library.
+//! Libraries of engine plugins: those of the wheel that contains the engine, and files that are no
+//! library.
 
 use std::path::PathBuf;
 

@@ -5,7 +5,8 @@ use mujoco_safe::{Data, StateSpec, sys};
 use crate::Raw;
 use crate::plugin::loaded;
 
-/// A motor with a PID controller of the plugin library for actuators, which keeps the integral of the error as its state.
+/// A motor with a PID controller of the plugin library for actuators, which keeps the integral of
+/// the error as its state.
 const PID: &str = r#"<mujoco>
   <extension>
     <plugin plugin="mujoco.pid">

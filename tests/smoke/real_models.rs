@@ -1,4 +1,5 @@
-//! Real models load here if the engine loads them, and move as in the engine. Set `MUJOCO_SAFE_MODELS` to a model or a directory, and run
+//! Real models load here if the engine loads them, and move as in the engine. Set
+//! `MUJOCO_SAFE_MODELS` to a model or a directory, and run
 //! `cargo test --test smoke real_models -- --ignored --nocapture`.
 
 use std::ffi::{CString, c_char};
@@ -12,7 +13,8 @@ use mujoco_safe::{Data, Differences, Error, Model};
 use crate::Raw;
 
 const STEPS: usize = 100;
-/// Largest number of degrees of freedom of a model that the test linearises: the time grows with its square.
+/// Largest number of degrees of freedom of a model that the test linearises: the time grows with
+/// its square.
 const MOST_DOFS: usize = 150;
 
 /// A model that the engine has compiled.

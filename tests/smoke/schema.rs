@@ -19,8 +19,8 @@ fn load_plugins() {
 /// Number of steps in which a model must equal that of the C functions.
 const STEPS: usize = 20;
 
-/// Largest part of attributes for which the compiler rejects all values: plugins that the wheels lack, and in 2.2.2 an equality that it has
-/// removed and prints nevertheless.
+/// Largest part of attributes for which the compiler rejects all values: plugins that the wheels
+/// lack, and in 2.2.2 an equality that it has removed and prints nevertheless.
 const MOST_REJECTED: f64 = 0.05;
 
 /// Steps a model with the library and with the C functions, and returns the first difference.
@@ -71,7 +71,8 @@ unsafe fn bits(pointer: *const f64, length: usize) -> Vec<u64> {
     if length == 0 { Vec::new() } else { bits_of(unsafe { std::slice::from_raw_parts(pointer, length) }) }
 }
 
-/// Compares the models of every `stride`th attribute of the schema with C, and prints their values and effects.
+/// Compares the models of every `stride`th attribute of the schema with C, and prints their values
+/// and effects.
 fn check(stride: usize, enough: Effect) {
     load_plugins();
     let start = std::time::Instant::now();

@@ -1,5 +1,6 @@
-//! Each array that an accessor returns lies in the memory of its struct: inside the buffer or the arena, without an overlap with another
-//! array, and in the buffer followed by padding only. A wrong length or a field that the table lacks would show as an overlap or a gap.
+//! Each array that an accessor returns lies in the memory of its struct: inside the buffer or the
+//! arena, without an overlap with another array, and in the buffer followed by padding only. A
+//! wrong length or a field that the table lacks would show as an overlap or a gap.
 
 use std::mem::{size_of, size_of_val};
 
@@ -56,7 +57,8 @@ macro_rules! regions {
 /// Alignment of arrays in a buffer, in bytes: an upper bound of the versions.
 const PADDING: usize = 64;
 
-/// Asserts that the arrays do not overlap, and lie inside `memory`. Returns those that are not empty, by address.
+/// Asserts that the arrays do not overlap, and lie inside `memory`. Returns those that are not
+/// empty, by address.
 fn check_disjoint(regions: impl IntoIterator<Item = Region>, memory: Region) -> Vec<Region> {
     let mut regions: Vec<Region> = regions.into_iter().filter(|region| region.bytes > 0).collect();
     regions.sort_by_key(|region| region.start);
@@ -99,7 +101,8 @@ fn check_data(data: &Data) {
     let mut regions: Vec<Region> = data_readers! { regions data: }.into_iter().flatten().collect();
     regions.push(Region::raw("contact", raw.contact.cast_const(), data.ncon()));
     #[cfg(not(engine_since = "2.3.0"))]
-    // Arrays of contacts and constraints are longer than the rows in use that accessors return, so there are gaps.
+    // Arrays of contacts and constraints are longer than the rows in use that accessors return, so
+    // there are gaps.
     check_disjoint(regions, buffer);
     #[cfg(engine_since = "2.3.0")]
     {

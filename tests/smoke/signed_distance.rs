@@ -1,4 +1,5 @@
-//! Signed distance fields, with the plugins of the wheel that contains the engine. The independent source is the C API of the same engine.
+//! Signed distance fields, with the plugins of the wheel that contains the engine. The independent
+//! source is the C API of the same engine.
 
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::{Data, Error, Model, sys};

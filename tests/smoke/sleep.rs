@@ -1,4 +1,5 @@
-//! Sleeping bodies. The independent sources are the C functions of the same engine, and simulations in which no body has slept.
+//! Sleeping bodies. The independent sources are the C functions of the same engine, and simulations
+//! in which no body has slept.
 
 use std::sync::Arc;
 
@@ -8,7 +9,8 @@ use mujoco_safe::{Batch, Data, Differences, Error, Lineariser, Model, StateSpec,
 
 use super::Raw;
 
-/// Boxes and a ball that come to rest on a floor, and an arm, which never sleeps because it has a motor.
+/// Boxes and a ball that come to rest on a floor, and an arm, which never sleeps because it has a
+/// motor.
 const MODEL: &str = r#"<mujoco>
   <option sleep_tolerance=".01"><flag sleep="enable"/></option>
   <worldbody>
@@ -74,7 +76,8 @@ fn a_trajectory_with_sleeping_bodies_equals_that_of_the_c_functions_bit_for_bit(
             let push = if (1000..1020).contains(&step) { 1.0 } else { 0.0 };
             data.xfrc_applied_mut().as_flattened_mut()[force] = push;
             data.ctrl_mut()[0] = f64::sin(0.01 * f64::from(step));
-            // SAFETY: the arrays have nbody rows of 6, nu and nq numbers, and nothing else uses the data.
+            // SAFETY: the arrays have nbody rows of 6, nu and nq numbers, and nothing else uses the
+            // data.
             unsafe {
                 *(*raw.0).xfrc_applied.add(force) = push;
                 *(*raw.0).ctrl = data.ctrl()[0];

@@ -7,8 +7,8 @@ use std::process::Command;
 
 use zip::ZipArchive;
 
-/// Reads an array according to the format's specification: magic string, version, length of the header, header, values. Returns the
-/// header and the bytes of the values.
+/// Reads an array according to the format's specification: magic string, version, length of the
+/// header, header, values. Returns the header and the bytes of the values.
 pub(crate) fn array(path: &Path, name: &str) -> (String, Vec<u8>) {
     let mut archive = ZipArchive::new(File::open(path).unwrap()).unwrap();
     let mut bytes = Vec::new();
@@ -20,8 +20,8 @@ pub(crate) fn array(path: &Path, name: &str) -> (String, Vec<u8>) {
     (header, bytes[start..].to_vec())
 }
 
-/// Runs a Python script with NumPy, whose argument is a path, and returns its output. The interpreter is `$PYTHON`, or `python3`. `None` if
-/// it or NumPy is not installed.
+/// Runs a Python script with NumPy, whose argument is a path, and returns its output. The
+/// interpreter is `$PYTHON`, or `python3`. `None` if it or NumPy is not installed.
 pub(crate) fn python(script: &str, path: &Path) -> Option<String> {
     let run = |script: &str| {
         let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());

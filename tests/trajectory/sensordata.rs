@@ -95,7 +95,8 @@ fn disabled_sensors_and_other_models_are_errors() {
     assert!(matches!(trajectory.push(&other), Err(Error::Shape { .. })));
     assert!(matches!(trajectory.record(&mut other, &mut |_: &mut Data| (), 1), Err(Error::Shape { .. })));
     assert!(trajectory.is_empty());
-    // Records of another model's simulation apply to it, because readings are not part of the state.
+    // Records of another model's simulation apply to it, because readings are not part of the
+    // state.
     recorded(&CARTPOLE, 2).apply(1, &mut other).unwrap();
 }
 
@@ -149,7 +150,8 @@ fn csv_columns_of_readings_follow_the_controls() {
     );
 }
 
-/// Asserts that trajectories with and without readings, and with and without records, are restored bit for bit.
+/// Asserts that trajectories with and without readings, and with and without records, are restored
+/// bit for bit.
 fn assert_round_trip(round_trip: impl Fn(&Model, &Trajectory) -> Trajectory) {
     for model in [&CARTPOLE, &HUMANOID, &BALL].map(|model| model.as_ref().clone()).into_iter().chain([every_element()])
     {

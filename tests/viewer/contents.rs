@@ -1,4 +1,5 @@
-//! Contents of the panels: names, rates, the search, saved files, control noise and the appearance of the model.
+//! Contents of the panels: names, rates, the search, saved files, control noise and the appearance
+//! of the model.
 
 use std::path::PathBuf;
 use std::time::Duration;

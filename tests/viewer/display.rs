@@ -14,7 +14,8 @@ pub struct Display {
 }
 
 impl Display {
-    /// Starts a server on the first free display number. Keys do not repeat, because on a loaded machine a key can be released late.
+    /// Starts a server on the first free display number. Keys do not repeat, because on a loaded
+    /// machine a key can be released late.
     pub fn start() -> Self {
         let folder = tempfile::tempdir().expect("the temporary folder is writable");
         let mut server = Command::new("Xvfb")
@@ -63,7 +64,8 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Reads the framebuffer. It is an X window dump, whose header consists of big-endian 32-bit integers.
+    /// Reads the framebuffer. It is an X window dump, whose header consists of big-endian 32-bit
+    /// integers.
     pub fn read(framebuffer: &Path) -> Self {
         let bytes = std::fs::read(framebuffer).expect("the framebuffer is readable");
         let number = |index: usize| {

@@ -80,7 +80,8 @@ pub fn lost_surface() {
     });
 }
 
-/// Checks that values that no window can have are errors, other unusual values are accepted, and neither prevents later windows.
+/// Checks that values that no window can have are errors, other unusual values are accepted, and
+/// neither prevents later windows.
 pub fn options() {
     let options = |size: [u32; 2]| ViewerOptions::default().with_size(size);
     for (options, cause) in [
@@ -156,7 +157,8 @@ pub fn idle() {
 
 /// Returns the processor time of this process, s.
 pub fn processor_time() -> f64 {
-    // Fields 14 and 15 are the user and system time, in hundredths of a second. Field 2, the name, may contain spaces.
+    // Fields 14 and 15 are the user and system time, in hundredths of a second. Field 2, the name,
+    // may contain spaces.
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
     let fields = stat.rsplit(')').next().unwrap().split_whitespace();
     fields.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0

@@ -17,7 +17,8 @@ pub fn windows() {
     )
     .unwrap();
     let model = model.to_str().unwrap();
-    // Narrow windows start without side panels. The picture of the others begins at the end of the left panel.
+    // Narrow windows start without side panels. The picture of the others begins at the end of the
+    // left panel.
     let (narrow, wide) = (100..400, 300..500);
     show("view", &[model, "--size", "500x300", "--keyframe", "high"], model, narrow.clone());
     show("view", &["--size", "500x300"], "MuJoCo", narrow);
@@ -38,7 +39,8 @@ pub fn windows() {
 fn command(name: &str, arguments: &[&str]) -> Command {
     let test: PathBuf = std::env::current_exe().unwrap();
     let program = test.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples").join(name);
-    // `cargo test --test viewer` alone does not build the examples, and those of an earlier build may have no viewer.
+    // `cargo test --test viewer` alone does not build the examples, and those of an earlier build
+    // may have no viewer.
     let build = ["build", "--quiet", "--features", "viewer,npz,serde", "--example", name];
     assert!(Command::new(env!("CARGO")).args(build).status().unwrap().success(), "the example does not build");
     let mut command = Command::new(program);
@@ -56,7 +58,8 @@ impl Drop for Process {
     }
 }
 
-/// Runs an example, waits until its window with this title shows a scene in these columns, and closes it.
+/// Runs an example, waits until its window with this title shows a scene in these columns, and
+/// closes it.
 fn show(name: &str, arguments: &[&str], title: &str, columns: Range<usize>) {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
     let mut process = Process(command(name, arguments).stdout(Stdio::null()).spawn().unwrap());

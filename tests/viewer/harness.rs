@@ -57,13 +57,14 @@ pub fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<(), 
     })
 }
 
-/// Calls a closure, and exits the process if the closure panics, because nothing would close the window.
+/// Calls a closure, and exits the process if the closure panics, because nothing would close the
+/// window.
 pub fn exit_on_panic<R>(act: impl FnOnce() -> R) -> R {
     catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|_| std::process::exit(101))
 }
 
-/// Shows a viewer on this thread while a closure performs input on another thread. The closure must leave the window open; Ctrl+Q closes
-/// it afterwards.
+/// Shows a viewer on this thread while a closure performs input on another thread. The closure must
+/// leave the window open; Ctrl+Q closes it afterwards.
 pub fn show(data: Data, act: impl FnOnce(&Input) + Send) -> Data {
     show_with(ViewerOptions::default(), Viewer::new(), data, act)
 }
@@ -107,8 +108,8 @@ pub fn state() -> WindowState {
     test_hooks::latest().expect("the window was drawn")
 }
 
-/// Waits until the window has processed all previous events and the simulation has executed the resulting requests. Relies on the
-/// order of events: F12, which has no binding, is processed last.
+/// Waits until the window has processed all previous events and the simulation has executed the
+/// resulting requests. Relies on the order of events: F12, which has no binding, is processed last.
 pub fn settle(input: &Input) {
     let markers = press_marker(input);
     wait_until("all events are processed", || state().markers >= markers && state().answered);
@@ -127,7 +128,8 @@ pub fn press(input: &Input, key: &str, description: &str, mut condition: impl Fn
     wait_until(&format!("{key}: {description}"), || condition(&state()));
 }
 
-/// Double-clicks until a condition with this description is true. The interval between two clicks can be too long on a loaded machine.
+/// Double-clicks until a condition with this description is true. The interval between two clicks
+/// can be too long on a loaded machine.
 pub fn double_click(
     input: &Input,
     at: [i32; 2],

@@ -57,7 +57,8 @@ impl Input {
         run_xdotool(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
     }
 
-    /// Clicks several times in quick succession: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
+    /// Clicks several times in quick succession: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel
+    /// down.
     pub fn click(&self, at: [i32; 2], button: u8, times: u8) {
         self.move_to(at);
         run_xdotool(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
@@ -67,7 +68,8 @@ impl Input {
         self.click(at, button, 2);
     }
 
-    /// Drags with a button while modifiers such as `ctrl` are held, and then releases the button and the modifiers.
+    /// Drags with a button while modifiers such as `ctrl` are held, and then releases the button
+    /// and the modifiers.
     pub fn drag(&self, from: [i32; 2], by: [i32; 2], button: u8, modifiers: &[&str]) {
         self.press(from, button, modifiers);
         self.move_by(by);
@@ -122,7 +124,8 @@ impl Input {
     }
 }
 
-/// Waits for a condition, and panics with its description and the state of the last frame after the time limit.
+/// Waits for a condition, and panics with its description and the state of the last frame after the
+/// time limit.
 pub fn wait_until(description: &str, mut condition: impl FnMut() -> bool) {
     let deadline = Instant::now() + TIMEOUT;
     while !condition() {

@@ -32,7 +32,8 @@ fn run_steps(handle: &mut ViewerHandle, data: &mut Data) -> Result<Vec<Key>, Vie
 }
 
 pub fn consecutive() {
-    // Shows a window with the viewer's simulation, a window with the program's simulation, and a window that the program closes.
+    // Shows a window with the viewer's simulation, a window with the program's simulation, and a
+    // window that the program closes.
     let data = show(Data::new(sample::cartpole()).unwrap(), |input| {
         press(input, "Right", "one step is taken", |state| state.time > 0.0);
     });
@@ -133,7 +134,8 @@ pub fn exit() {
 /// Output of [`exit_while_drawing`] if the process waits for the frame.
 const FRAME_ENDED: &str = "the frame ends";
 
-/// Exits while the background thread draws. The driver would free its data during the frame, which crashes the process at times.
+/// Exits while the background thread draws. The driver would free its data during the frame, which
+/// crashes the process at times.
 pub fn exit_while_drawing() {
     viewer::test_hooks::start();
     let mut data = Data::new(sample::humanoid()).unwrap();

@@ -12,7 +12,8 @@ use crate::input::{Input, wait_until};
 const FRAMES: u64 = 1000;
 /// Maximum number of periods.
 const PERIODS: usize = 4;
-/// Growth in a period that counts as a leak, in MB. The smallest frame occupies 0.1 MB, and the texture of a model 3 MB.
+/// Growth in a period that counts as a leak, in MB. The smallest frame occupies 0.1 MB, and the
+/// texture of a model 3 MB.
 const MAX_GROWTH: f64 = 20.0;
 
 /// Returns the resident memory of this process, MB.
@@ -59,7 +60,8 @@ pub fn memory_does_not_leak() {
     show_with(options, Viewer::new().controller(controller), data, |input| {
         // Warms up the caches of the driver.
         (0..6).for_each(|number| run_round(input, number));
-        // A leak grows in every period. Memory that allocators and drivers retain grows only in some periods.
+        // A leak grows in every period. Memory that allocators and drivers retain grows only in
+        // some periods.
         let mut growth = Vec::new();
         while growth.len() < PERIODS && growth.iter().all(|&grown| grown >= MAX_GROWTH) {
             let (memory, frame) = (resident(), state().frame);

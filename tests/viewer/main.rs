@@ -1,5 +1,6 @@
-//! End-to-end tests of the viewer: keyboard and mouse input arrive through a virtual X server, and the feature `test-hooks` reports the
-//! state of the window. Each case runs in a separate process, because a process has one event loop, on its main thread.
+//! End-to-end tests of the viewer: keyboard and mouse input arrive through a virtual X server, and
+//! the feature `test-hooks` reports the state of the window. Each case runs in a separate process,
+//! because a process has one event loop, on its main thread.
 //!
 //! ```text
 //! cargo test --features viewer --test viewer              all cases
@@ -131,7 +132,8 @@ fn run_on_display(arguments: &[&str]) -> ExitCode {
 
 /// Returns a command that runs this program with other arguments.
 fn child(arguments: &[&str]) -> Command {
-    // Background jobs of a shell ignore SIGINT, jobs under `nohup` SIGHUP, and their children inherit this. One case tests the signals.
+    // Background jobs of a shell ignore SIGINT, jobs under `nohup` SIGHUP, and their children
+    // inherit this. One case tests the signals.
     let mut command = Command::new("env");
     command.arg("--default-signal=INT,TERM,HUP").arg(std::env::current_exe().expect("the path of the test"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
@@ -141,7 +143,8 @@ fn child(arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs the cases whose names contain the filter, as many at a time as there are processors, each worker with its own display.
+/// Runs the cases whose names contain the filter, as many at a time as there are processors, each
+/// worker with its own display.
 fn run_cases(filter: Option<&str>) -> ExitCode {
     let is_selected = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
     let with_display = CASES.iter().filter(is_selected).map(|case| (case.0, true));

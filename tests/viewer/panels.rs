@@ -79,7 +79,8 @@ fn show_closed(size: [u32; 2], data: Data, act: impl FnOnce(&Input) + Send) -> D
     show_window(size, ViewerOptions::default().with_panels(false), Viewer::new(), data, act)
 }
 
-/// A window with place for both side panels and the picture has them at the start, unless the options close them.
+/// A window with place for both side panels and the picture has them at the start, unless the
+/// options close them.
 pub fn start() {
     let sides = || [state().panels[2], state().panels[3]];
     for (width, scale, panels, expected) in [
@@ -158,8 +159,8 @@ pub fn style() {
         let corner = || Screen::read(&framebuffer).pixel([2, height as usize - 3]);
         assert!(corner().iter().all(|&part| part < 60), "the panel is dark");
         let left = state().picture[0][0];
-        // A frame between press and release, and none after it but those that the panels request. A long press is a click: on a loaded
-        // machine the release arrives late.
+        // A frame between press and release, and none after it but those that the panels request. A
+        // long press is a click: on a loaded machine the release arrives late.
         input.press(LIGHT, 1, &[]);
         std::thread::sleep(Duration::from_secs(1));
         input.release(1, &[]);
@@ -219,7 +220,8 @@ pub fn redraws() {
             input.move_along((0..80).map(|step| [100, 20 + 4 * step]), 0.02);
             wait_until("the panels are drawn again", || state().frame > frame + 3);
         };
-        // Frames reach the screen in order: after later ones, the first frame with the panel is complete.
+        // Frames reach the screen in order: after later ones, the first frame with the panel is
+        // complete.
         highlight_widgets();
         let mut before = picture();
         wait_until("all of the frame is on the screen", || std::mem::replace(&mut before, picture()) == before);
@@ -263,8 +265,8 @@ pub fn redraws() {
         }
         press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
 
-        // The parts that were repainted form the same image as a complete repaint. If the screen did not show the last frame yet, the
-        // next attempt succeeds.
+        // The parts that were repainted form the same image as a complete repaint. If the screen
+        // did not show the last frame yet, the next attempt succeeds.
         let image = || {
             std::thread::sleep(std::time::Duration::from_millis(300));
             screen(0..SIZE[0] as usize, SIZE[1] as usize)

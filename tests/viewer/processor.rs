@@ -11,8 +11,8 @@ use crate::input::{Input, wait_until};
 
 const SIZE: [u32; 2] = [1066, 666];
 
-/// Checks that a window is not drawn more often than the state changes or than the display shows, and not for a motion of the pointer over
-/// the scene.
+/// Checks that a window is not drawn more often than the state changes or than the display shows,
+/// and not for a motion of the pointer over the scene.
 pub fn frames() {
     let text = r#"<mujoco><option timestep="0.25"/><worldbody><light pos="0 0 3"/>
         <body><joint/><geom type="box" size=".1 .2 .3"/></body></worldbody></mujoco>"#;
@@ -47,7 +47,8 @@ pub fn frames() {
     });
 }
 
-/// Prints the processor time of this process and the frames, both per second, in several situations.
+/// Prints the processor time of this process and the frames, both per second, in several
+/// situations.
 pub fn measure() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
@@ -95,7 +96,8 @@ pub fn measure() {
     });
 }
 
-/// Prints the processor time, the frames and the passes of the panels during an activity, per second, and the processor time per frame.
+/// Prints the processor time, the frames and the passes of the panels during an activity, per
+/// second, and the processor time per frame.
 fn report(name: &str, act: impl Fn()) {
     let counts = || (test_hooks::passes(), state().frame);
     let (start, used, (passes, frames)) = (Instant::now(), processor_time(), counts());

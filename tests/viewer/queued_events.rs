@@ -86,8 +86,8 @@ fn panels() {
             "keys in a text field have no bindings"
         );
 
-        // A drag from the scene to the slider belongs to the scene, even if the pointer is over the slider before the panels
-        // process the press.
+        // A drag from the scene to the slider belongs to the scene, even if the pointer is over the
+        // slider before the panels process the press.
         during_a_frame(input, || {
             input.press([60, rail[1]], 1, &[]);
             input.move_by([rail[0] - 60 + 20, 0]);

@@ -40,7 +40,8 @@ fn save(directory: &Path, name: &str) {
     Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), state().size);
 }
 
-/// Waits until no frame is drawn for a moment, for example after scrolling. A running simulation is drawn continuously.
+/// Waits until no frame is drawn for a moment, for example after scrolling. A running simulation is
+/// drawn continuously.
 fn wait_for_idle() {
     for _ in 0..10 {
         let frame = state().frame;

@@ -23,7 +23,8 @@ pub fn keys() {
         ] {
             press(input, key, "the window is resized", |state| state.size == size);
         }
-        // Without a window manager the size does not change, so the test checks the requested state only.
+        // Without a window manager the size does not change, so the test checks the requested state
+        // only.
         press(input, "F11", "the window fills the screen", |state| state.full_screen);
         press(input, "F5", "full screen is off", |state| !state.full_screen);
         input.resize([300, 200]);

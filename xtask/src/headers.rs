@@ -14,7 +14,8 @@ use std::process::Command;
 
 use crate::Generated;
 
-/// Generates both files for the engine in `MUJOCO_DIR`, or else on the system. Their names contain the engine's version.
+/// Generates both files for the engine in `MUJOCO_DIR`, or else on the system. Their names contain
+/// the engine's version.
 pub(crate) fn generate(root: &Path) -> Result<Vec<Generated>, String> {
     let headers =
         include::roots().iter().map(|root| include::probe(root)).reduce(Result::or).ok_or("no place to search")??;

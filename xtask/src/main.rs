@@ -6,8 +6,9 @@
 //! cargo xtask generate --check      writes nothing, and fails if a committed file is out of date
 //! ```
 //!
-//! The headers are those in `MUJOCO_DIR`, else those of the system, as for the build script of `mujoco-sys`. The tool does not depend on
-//! the library, so it also works while the library does not compile against a new engine.
+//! The headers are those in `MUJOCO_DIR`, else those of the system, as for the build script of
+//! `mujoco-sys`. The tool does not depend on the library, so it also works while the library does
+//! not compile against a new engine.
 
 #![forbid(unsafe_code)]
 
@@ -38,7 +39,8 @@ struct Generated {
     text: String,
 }
 
-/// The field table that the committed accessors are generated from. The build script generates those of other versions.
+/// The field table that the committed accessors are generated from. The build script generates
+/// those of other versions.
 const FIELD_TABLE: &str = "mujoco-sys/fields/v2_2_2.tsv";
 
 fn main() -> ExitCode {

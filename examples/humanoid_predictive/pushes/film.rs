@@ -1,4 +1,5 @@
-//! Film of some pushes that topple the regulator: the regulator on the left, the planner on the right.
+//! Film of some pushes that topple the regulator: the regulator on the left, the planner on the
+//! right.
 
 use std::error::Error;
 use std::path::Path;

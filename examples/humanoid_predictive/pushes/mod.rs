@@ -1,8 +1,10 @@
-//! Pushes of random direction against the humanoid on its left leg: the regulator alone, and iLQR over a receding horizon.
+//! Pushes of random direction against the humanoid on its left leg: the regulator alone, and iLQR
+//! over a receding horizon.
 //!
-//! Both controllers start from the same pose. A humanoid counts as fallen when its centre of mass is below 80 % of the initial height; it may put down its
-//! right foot. The direction of a push is a function of its seed. Each run is simulated in lock-step with its planner in one thread, so the results depend
-//! neither on the clock nor on the number of threads.
+//! Both controllers start from the same pose. A humanoid counts as fallen when its centre of mass
+//! is below 80 % of the initial height; it may put down its right foot. The direction of a push is
+//! a function of its seed. Each run is simulated in lock-step with its planner in one thread, so
+//! the results depend neither on the clock nor on the number of threads.
 
 #[cfg(feature = "renderer")]
 mod film;

@@ -21,8 +21,8 @@ pub fn draw(path: &Path, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
     })
 }
 
-/// Draws a dot for each push, in the direction of the force: the front of the humanoid is at the top. The distance of a fall from the middle is the time
-/// until the fall.
+/// Draws a dot for each push, in the direction of the force: the front of the humanoid is at the
+/// top. The distance of a fall from the middle is the time until the fall.
 fn circle(
     area: &Area<'_>,
     name: &str,

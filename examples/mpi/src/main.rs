@@ -1,5 +1,5 @@
-//! Distributed batch: each MPI rank steps its share of the simulations on all of its threads, and rank 0 gathers the final states and
-//! parameters.
+//! Distributed batch: each MPI rank steps its share of the simulations on all of its threads, and
+//! rank 0 gathers the final states and parameters.
 //!
 //! ```text
 //! scripts/mpi                                               # installs Open MPI, builds, and runs this example with 1, 2 and 4 ranks
@@ -13,10 +13,11 @@
 //! - `--seed N`: seed of the initial states, the controls and the parameters (1)
 //! - `--check`: repeats all simulations on rank 0 and compares the results
 //!
-//! Humanoids start in a standing posture with random velocities, move under random controls, and start again after a fall. Each has other
-//! masses, damping and friction in each episode. All random numbers depend on the index of the simulation among those of all ranks, and on the
-//! number of its episode or step. The final states and parameters are therefore bitwise equal for any number of ranks and threads, if all
-//! ranks use the same engine and the same kind of processor.
+//! Humanoids start in a standing posture with random velocities, move under random controls, and
+//! start again after a fall. Each has other masses, damping and friction in each episode. All
+//! random numbers depend on the index of the simulation among those of all ranks, and on the number
+//! of its episode or step. The final states and parameters are therefore bitwise equal for any
+//! number of ranks and threads, if all ranks use the same engine and the same kind of processor.
 
 use std::error::Error;
 use std::ops::Range;

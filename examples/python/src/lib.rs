@@ -1,4 +1,5 @@
-//! Python module with a batch of simulations whose states and sensor readings are NumPy arrays without a copy.
+//! Python module with a batch of simulations whose states and sensor readings are NumPy arrays
+//! without a copy.
 //!
 //! ```text
 //! scripts/python-module                                     # builds and tests the module
@@ -17,14 +18,17 @@
 //!
 //! # Aliasing
 //!
-//! The arrays borrow the memory that the next step overwrites. Python can read an array at any time, from any thread, since NumPy releases
-//! the interpreter's lock during its loops. Rust must therefore not write to the memory while an array exists. The base of each array is a
-//! [`View`], which the batch counts. The methods that change the batch raise `BufferError` if there is a view, as a `bytearray` does that
-//! is resized while a `memoryview` of it exists. Slices and other views of an array keep its base. The arrays are read-only, and
-//! NumPy refuses to make them writable, because their base does not offer a writable buffer. Code that ignores this, for example by
-//! `ctypes`, can still write to the memory.
+//! The arrays borrow the memory that the next step overwrites. Python can read an array at any
+//! time, from any thread, since NumPy releases the interpreter's lock during its loops. Rust must
+//! therefore not write to the memory while an array exists. The base of each array is a [`View`],
+//! which the batch counts. The methods that change the batch raise `BufferError` if there is a
+//! view, as a `bytearray` does that is resized while a `memoryview` of it exists. Slices and other
+//! views of an array keep its base. The arrays are read-only, and NumPy refuses to make them
+//! writable, because their base does not offer a writable buffer. Code that ignores this, for
+//! example by `ctypes`, can still write to the memory.
 //!
-//! A step releases the lock. If another thread uses the batch in the meantime, PyO3's check of borrows raises `RuntimeError`.
+//! A step releases the lock. If another thread uses the batch in the meantime, PyO3's check of
+//! borrows raises `RuntimeError`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -82,14 +86,15 @@ impl Batch {
         self.batch.model().nu()
     }
 
-    /// States `(count, nstate)`: time, `qpos`, `qvel`, `act`, warm start, controls, and further inputs. Read-only, without a copy.
+    /// States `(count, nstate)`: time, `qpos`, `qvel`, `act`, warm start, controls, and further
+    /// inputs. Read-only, without a copy.
     #[getter]
     fn states(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray2<f64>>> {
         view(slf, |batch| batch.states())
     }
 
-    /// Sensor readings `(count, nsensordata)` of the last step, which are those of the state before it; zero after a reset, NaN in a
-    /// failed simulation. Read-only, without a copy.
+    /// Sensor readings `(count, nsensordata)` of the last step, which are those of the state before
+    /// it; zero after a reset, NaN in a failed simulation. Read-only, without a copy.
     #[getter]
     fn sensordata(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray2<f64>>> {
         view(slf, |batch| batch.observations())
@@ -103,7 +108,8 @@ impl Batch {
         if controls.shape() != [count, nu] {
             return Err(PyValueError::new_err(format!("the controls must have the shape ({count}, {nu})")));
         }
-        // Copied before the lock is released, because another thread could change the array afterwards.
+        // Copied before the lock is released, because another thread could change the array
+        // afterwards.
         let controls: Vec<f64> = controls.as_array().iter().copied().collect();
         let batch = &mut self.batch;
         py.detach(|| {
@@ -134,7 +140,8 @@ impl Batch {
 }
 
 impl Batch {
-    /// Checks that no array borrows the memory. The exclusive borrow of the batch prevents new ones.
+    /// Checks that no array borrows the memory. The exclusive borrow of the batch prevents new
+    /// ones.
     fn check_views(&self) -> PyResult<()> {
         match self.views.load(Ordering::Acquire) {
             0 => Ok(()),
@@ -156,8 +163,9 @@ fn view(
     let matrix = ArrayView2::from_shape(matrix.shape(), matrix.as_slice()).expect("Bug: the matrix is not contiguous");
     borrowed.views.fetch_add(1, Ordering::Relaxed);
     let base = Bound::new(batch.py(), View { _batch: batch.clone().unbind(), views: borrowed.views.clone() })?;
-    // SAFETY: the base keeps the batch, whose matrices are neither moved nor reallocated after its creation. Its counter prevents
-    // writes until the base is dropped, which is when NumPy drops the last view of the array.
+    // SAFETY: the base keeps the batch, whose matrices are neither moved nor reallocated after its
+    // creation. Its counter prevents writes until the base is dropped, which is when NumPy drops
+    // the last view of the array.
     let array = unsafe { PyArray2::borrow_from_array(&matrix, base.into_any()) };
     array.try_readwrite()?.make_nonwriteable();
     Ok(array.unbind())

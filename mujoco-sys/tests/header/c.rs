@@ -80,7 +80,8 @@ struct Names<'a> {
     tags: HashMap<&'a str, &'static str>,
     /// bindgen's names of the unnamed structs of fields, with the owner and the name of the field.
     unnamed: Vec<(&'a str, &'a str, &'a str)>,
-    /// Unnamed unions whose fields belong in C to the enclosing struct, with the names of that struct and of the first field.
+    /// Unnamed unions whose fields belong in C to the enclosing struct, with the names of that
+    /// struct and of the first field.
     merged: HashMap<&'a str, (&'a str, &'a str)>,
 }
 
@@ -89,7 +90,8 @@ impl<'a> Names<'a> {
         let mut names = Names { tags: HashMap::new(), unnamed: Vec::new(), merged: HashMap::new() };
         for item in items {
             match item {
-                // The tag of an enum is `mjtJoint_` in older headers, and `mjtJoint` like its type in newer ones.
+                // The tag of an enum is `mjtJoint_` in older headers, and `mjtJoint` like its type
+                // in newer ones.
                 Item::Alias { name, of: Type::Named(of) }
                     if (name.ends_with('_') || name.starts_with("mjt")) && is_int(of) =>
                 {
@@ -183,7 +185,8 @@ impl<'a> Names<'a> {
         }
         let int = matches!(of, Type::Named(of) if is_int(of));
         if int && self.tags.contains_key(name) {
-            // The compiler chooses the integer type of an enum: its signedness and size must match bindgen's.
+            // The compiler chooses the integer type of an enum: its signedness and size must match
+            // bindgen's.
             let condition = format!("__builtin_types_compatible_p(enum {name}, {})", self.declare(of, "", false));
             claim(&condition, &format!("integer type of {name}"))
         } else {
@@ -207,7 +210,8 @@ impl<'a> Names<'a> {
 
     fn layout(&self, layout: &Layout) -> String {
         match layout {
-            // The size of an unnamed union shows in the offset of the next field and in its owner's size.
+            // The size of an unnamed union shows in the offset of the next field and in its owner's
+            // size.
             Layout::Size { of, .. } | Layout::Alignment { of, .. } if self.merged.contains_key(of.as_str()) => {
                 String::new()
             }

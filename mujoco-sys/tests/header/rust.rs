@@ -1,4 +1,5 @@
-//! Parser of the bindings. It accepts only the Rust that bindgen writes and panics on anything else, so that every declaration is checked.
+//! Parser of the bindings. It accepts only the Rust that bindgen writes and panics on anything
+//! else, so that every declaration is checked.
 
 /// Type in the bindings.
 #[derive(Clone, Debug)]

@@ -109,7 +109,8 @@ impl Backward {
         }
     }
 
-    /// Expands the cost along a trajectory, in up to `threads` threads. If several steps fail, returns the error of the first one.
+    /// Expands the cost along a trajectory, in up to `threads` threads. If several steps fail,
+    /// returns the error of the first one.
     pub(super) fn expand(&mut self, nominal: &Trial, cost: &dyn TrajectoryCost, threads: usize) -> Result<()> {
         let steps = nominal.controls.nrows();
         let (nx, nu) = (self.nx, self.nu);
@@ -122,8 +123,8 @@ impl Backward {
         })
     }
 
-    /// Computes the policy that minimises the expanded cost, and the decrease that it predicts. Returns `None` if the expanded
-    /// cost is unbounded below in some step.
+    /// Computes the policy that minimises the expanded cost, and the decrease that it predicts.
+    /// Returns `None` if the expanded cost is unbounded below in some step.
     pub(super) fn solve(
         &mut self,
         systems: &[(StateSpace, LinearisationReport)],
@@ -199,8 +200,8 @@ impl Backward {
 }
 
 vectorised! {
-/// Replaces rows of a matrix by the solution `X` of `L Lᵀ X = rows`, with one row for each of the increasing indices. The factor `L` is
-/// lower triangular.
+/// Replaces rows of a matrix by the solution `X` of `L Lᵀ X = rows`, with one row for each of the
+/// increasing indices. The factor `L` is lower triangular.
 fn solve_rows(factor: MatrixView<'_>, index: &[usize], matrix: &mut Matrix) {
     let width = matrix.ncols();
     let values = matrix.as_mut_slice();

@@ -10,14 +10,16 @@ use crate::model::Model;
 
 /// Cost of a trajectory: the sum of the costs of all steps and of a terminal cost.
 ///
-/// A state is `[qpos; qvel; act]`. Without controls, the methods refer to the terminal cost, and the state is the one after all
-/// steps. Several threads call the methods at the same time, for different steps or trajectories.
+/// A state is `[qpos; qvel; act]`. Without controls, the methods refer to the terminal cost, and
+/// the state is the one after all steps. Several threads call the methods at the same time, for
+/// different steps or trajectories.
 ///
-/// [`QuadraticCost`](super::QuadraticCost) penalises the deviation from a state, and [`ResidualCost`](crate::control::residual::ResidualCost) functions of
-/// poses, velocities, momenta and sensors.
+/// [`QuadraticCost`](super::QuadraticCost) penalises the deviation from a state, and
+/// [`ResidualCost`](crate::control::residual::ResidualCost) functions of poses, velocities, momenta
+/// and sensors.
 pub trait TrajectoryCost: Sync {
-    /// Prepares for trajectories that start in the present state of `data`. A cost that depends on time, mocap poses or applied
-    /// forces reads them here. By default does nothing.
+    /// Prepares for trajectories that start in the present state of `data`. A cost that depends on
+    /// time, mocap poses or applied forces reads them here. By default does nothing.
     ///
     /// # Errors
     ///
@@ -33,8 +35,9 @@ pub trait TrajectoryCost: Sync {
     /// Any error of the cost. The line search discards the trajectory.
     fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64>;
 
-    /// Writes the first and second derivatives of [`value`](Self::value). All entries of `expansion` are zero before the call. By default
-    /// returns [`Error::Unsupported`], which suffices for a [`SamplingPlanner`](crate::control::predictive::SamplingPlanner).
+    /// Writes the first and second derivatives of [`value`](Self::value). All entries of
+    /// `expansion` are zero before the call. By default returns [`Error::Unsupported`], which
+    /// suffices for a [`SamplingPlanner`](crate::control::predictive::SamplingPlanner).
     ///
     /// # Errors
     ///
@@ -49,11 +52,13 @@ pub trait TrajectoryCost: Sync {
         Err(Error::Unsupported("this cost has no derivatives, which iLQR needs".to_owned()))
     }
 
-    /// Returns the cost of a trajectory of `N` steps, without derivatives: `states` `(N + 1, nq + nv + na)` and `controls` `(N, nu)`.
+    /// Returns the cost of a trajectory of `N` steps, without derivatives: `states`
+    /// `(N + 1, nq + nv + na)` and `controls` `(N, nu)`.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] unless there is one state more than controls, and the errors of [`value`](Self::value).
+    /// [`Error::Shape`] unless there is one state more than controls, and the errors of
+    /// [`value`](Self::value).
     fn total(&self, states: MatrixView<'_>, controls: MatrixView<'_>) -> Result<f64> {
         let steps = controls.nrows();
         Error::check_length("the states of a trajectory", states.nrows(), steps + 1)?;
@@ -65,8 +70,8 @@ pub trait TrajectoryCost: Sync {
     }
 }
 
-/// First and second derivatives of a cost with respect to the state, in its tangent space of dimension `nx = 2 nv + na`, and with
-/// respect to the `nu` controls.
+/// First and second derivatives of a cost with respect to the state, in its tangent space of
+/// dimension `nx = 2 nv + na`, and with respect to the `nu` controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostExpansion {
     /// `(nx)`: gradient with respect to the state.

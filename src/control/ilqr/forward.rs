@@ -1,5 +1,6 @@
-//! The forward pass: parallel simulations from one state, each under its own control law. iLQR simulates the policy of the backward pass
-//! with several step sizes, and a planner by sampling its candidates.
+//! The forward pass: parallel simulations from one state, each under its own control law. iLQR
+//! simulates the policy of the backward pass with several step sizes, and a planner by sampling its
+//! candidates.
 
 use std::sync::Arc;
 
@@ -14,8 +15,9 @@ use crate::matrix::Matrix;
 use crate::model::Model;
 use crate::rollout::restart;
 
-/// Number of step sizes that a line search with a sufficient decrease simulates at the same time. The result must not depend on the
-/// number of threads, so this is a constant. Most of these searches end after the first two step sizes.
+/// Number of step sizes that a line search with a sufficient decrease simulates at the same time.
+/// The result must not depend on the number of threads, so this is a constant. Most of these
+/// searches end after the first two step sizes.
 const STEP_SIZES_AT_ONCE: usize = 2;
 
 /// Trajectory with its cost.
@@ -72,8 +74,8 @@ impl Forward {
         Ok(())
     }
 
-    /// Simulates the nominal controls with and without the feedback of the policy, and replaces the nominal trajectory by the better
-    /// of both. If both fail, returns the error of the first one.
+    /// Simulates the nominal controls with and without the feedback of the policy, and replaces the
+    /// nominal trajectory by the better of both. If both fail, returns the error of the first one.
     pub(super) fn restart(
         &mut self,
         policy: &AffinePolicy,
@@ -92,8 +94,8 @@ impl Forward {
         Ok(())
     }
 
-    /// Simulates the policy with each step size, until the cost decreases sufficiently. If the trajectory of minimal cost improves the
-    /// nominal one, replaces it and returns `true`.
+    /// Simulates the policy with each step size, until the cost decreases sufficiently. If the
+    /// trajectory of minimal cost improves the nominal one, replaces it and returns `true`.
     pub(super) fn improve(
         &mut self,
         policy: &AffinePolicy,
@@ -125,19 +127,22 @@ impl Forward {
         Ok(improved)
     }
 
-    /// Returns the trajectories of the last run, or their errors. If the run had fewer trajectories than an earlier one, infinite costs follow.
+    /// Returns the trajectories of the last run, or their errors. If the run had fewer trajectories
+    /// than an earlier one, infinite costs follow.
     pub(in crate::control) fn trials(&mut self) -> &mut [(Trial, Result<()>)] {
         &mut self.trials
     }
 
-    /// Returns the index of the trajectory of minimal cost of the last run. Discards unstable simulations.
+    /// Returns the index of the trajectory of minimal cost of the last run. Discards unstable
+    /// simulations.
     pub(in crate::control) fn cheapest(&self) -> Option<usize> {
         let stable =
             self.trials.iter().enumerate().filter(|(_, (trial, result))| result.is_ok() && trial.cost.is_finite());
         stable.min_by(|(_, (a, _)), (_, (b, _))| a.cost.total_cmp(&b.cost)).map(|(index, _)| index)
     }
 
-    /// Returns the error of the first trajectory of the last run, if it failed or if its cost is not finite.
+    /// Returns the error of the first trajectory of the last run, if it failed or if its cost is
+    /// not finite.
     pub(in crate::control) fn check_first(&mut self, what: &str) -> Result<()> {
         let (trial, result) = &mut self.trials[0];
         std::mem::replace(result, Ok(()))?;
@@ -206,7 +211,8 @@ impl Simulation {
         trial: &mut Trial,
     ) -> Result<()> {
         let Self { data, feedback } = self;
-        // The result must not depend on the earlier use of the simulation, which may have become unstable.
+        // The result must not depend on the earlier use of the simulation, which may have become
+        // unstable.
         restart(data)?;
         data.set_state(StateSpec::INTEGRATION, start)?;
         data.physics_state_into(trial.states.row_mut(0))?;

@@ -1,24 +1,31 @@
 //! Trajectory optimisation: the iterative linear-quadratic regulator (iLQR) with control limits.
 //!
-//! Among the trajectories of `N` steps from a given state, [`Ilqr::solve`] finds a local minimum of a cost, starting from given
-//! controls. Each iteration
+//! Among the trajectories of `N` steps from a given state, [`Ilqr::solve`] finds a local minimum of
+//! a cost, starting from given controls. Each iteration
 //!
-//! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to second order;
-//! 2. computes the optimal change of the controls in a backward pass: in each step it solves a quadratic program whose box
-//!    constraints are the control ranges, which yields a feedforward and a gain;
-//! 3. simulates the new controls with several step sizes in parallel, and accepts the best trajectory if its cost is lower. Otherwise it
-//!    repeats the backward pass with a larger regularisation.
+//! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to
+//!    second order;
+//! 2. computes the optimal change of the controls in a backward pass: in each step it solves a
+//!    quadratic program whose box constraints are the control ranges, which yields a feedforward
+//!    and a gain;
+//! 3. simulates the new controls with several step sizes in parallel, and accepts the best
+//!    trajectory if its cost is lower. Otherwise it repeats the backward pass with a larger
+//!    regularisation.
 //!
-//! The result is a trajectory and a table of gains for a controller that follows it: [`IlqrSolution::controller`].
+//! The result is a trajectory and a table of gains for a controller that follows it:
+//! [`IlqrSolution::controller`].
 //!
 //! The method is differential dynamic programming without the second derivatives of the dynamics.
 //!
 //! # Sources
 //!
-//! * W. Li, E. Todorov, *Iterative linear quadratic regulator design for nonlinear biological movement systems*, ICINCO 2004.
-//! * Y. Tassa, T. Erez, E. Todorov, *Synthesis and stabilization of complex behaviors through online trajectory optimization*,
-//!   IROS 2012: the regularisation of the states, and its schedule.
-//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA 2014: the control limits.
+//! * W. Li, E. Todorov, *Iterative linear quadratic regulator design for nonlinear biological
+//!   movement systems*, ICINCO 2004.
+//! * Y. Tassa, T. Erez, E. Todorov, *Synthesis and stabilization of complex behaviors through
+//!   online trajectory optimization*, IROS 2012: the regularisation of the states, and its
+//!   schedule.
+//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA
+//!   2014: the control limits.
 
 mod backward;
 mod cost;
@@ -47,18 +54,21 @@ use crate::model::IntoModel;
 pub struct IlqrOptions {
     /// Maximum number of iterations; 200 by default.
     pub iterations: usize,
-    /// Relative decrease of the cost, achieved or predicted, below which the search has converged; 1e-8 by default.
+    /// Relative decrease of the cost, achieved or predicted, below which the search has converged;
+    /// 1e-8 by default.
     pub tolerance: f64,
-    /// Maximum number of steps that are linearised at the same time, as in [`TransitionOptions::threads`]; 1 by default. An
-    /// [`IlqrPlanner`](super::predictive::IlqrPlanner) also simulates that many trajectories at the same time, while [`Ilqr::solve`] simulates in all threads of
-    /// rayon's pool. The result does not depend on it.
+    /// Maximum number of steps that are linearised at the same time, as in
+    /// [`TransitionOptions::threads`]; 1 by default. An
+    /// [`IlqrPlanner`](super::predictive::IlqrPlanner) also simulates that many trajectories at the
+    /// same time, while [`Ilqr::solve`] simulates in all threads of rayon's pool. The result does
+    /// not depend on it.
     pub threads: usize,
-    /// Step sizes of the line search, as fractions of the feedforward, in the order of the search. By default eleven values from 1 to
-    /// 0.001.
+    /// Step sizes of the line search, as fractions of the feedforward, in the order of the search.
+    /// By default eleven values from 1 to 0.001.
     pub step_sizes: Vec<f64>,
-    /// Fraction of the predicted decrease of the cost that ends a line search. The step sizes are then simulated two at a time. By
-    /// default infinite: all step sizes are simulated, and the best is accepted. A finite value such as 0.3 shortens the plans of predictive
-    /// control.
+    /// Fraction of the predicted decrease of the cost that ends a line search. The step sizes are
+    /// then simulated two at a time. By default infinite: all step sizes are simulated, and the
+    /// best is accepted. A finite value such as 0.3 shortens the plans of predictive control.
     pub sufficient_decrease: f64,
 }
 
@@ -103,8 +113,8 @@ with_methods!(IlqrOptions {
 pub enum IlqrStatus {
     /// The trajectory is a local minimum of the cost, within the tolerance.
     Converged,
-    /// No step size lowers the cost at any regularisation: the derivatives do not predict the simulation, for example because of
-    /// contacts. The trajectory is the best one found.
+    /// No step size lowers the cost at any regularisation: the derivatives do not predict the
+    /// simulation, for example because of contacts. The trajectory is the best one found.
     NoDescent,
     /// The search reached the maximum number of iterations. The trajectory is the best one found.
     IterationLimit,
@@ -128,8 +138,8 @@ pub struct IlqrSolution {
     pub states: Matrix,
     /// Controls `(N, nu)`, within their ranges.
     pub controls: Matrix,
-    /// Feedback gains along the trajectory: `N` matrices, each `(nu, 2 nv + na)`. The rows of controls at a limit of their range
-    /// are zero.
+    /// Feedback gains along the trajectory: `N` matrices, each `(nu, 2 nv + na)`. The rows of
+    /// controls at a limit of their range are zero.
     pub gains: Vec<Matrix>,
     /// Cost before the first iteration and after each successful one, in decreasing order.
     pub costs: Vec<f64>,
@@ -150,7 +160,8 @@ impl IlqrSolution {
         self.costs[self.costs.len() - 1]
     }
 
-    /// Creates a regulator that follows the trajectory, starting at the present time of a simulation.
+    /// Creates a regulator that follows the trajectory, starting at the present time of a
+    /// simulation.
     ///
     /// # Errors
     ///
@@ -187,13 +198,15 @@ pub struct Ilqr {
 }
 
 impl Ilqr {
-    /// Creates an optimiser for simulations of this model. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
-    /// `&Arc<Model>`.
+    /// Creates an optimiser for simulations of this model. Takes a [`Model`](crate::Model), an
+    /// `Arc<Model>` or an `&Arc<Model>`.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless there is at least one thread and one step size, all step sizes are above 0 and at most 1, the
-    /// tolerance is not negative, and the sufficient decrease is above 0; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
+    /// [`Error::Invalid`] unless there is at least one thread and one step size, all step sizes are
+    /// above 0 and at most 1, the tolerance is not negative, and the sufficient decrease is above
+    /// 0; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the
+    /// simulations.
     pub fn new(model: impl IntoModel, options: IlqrOptions) -> Result<Self> {
         let model = model.into_model();
         options.check()?;
@@ -208,15 +221,17 @@ impl Ilqr {
         &self.options
     }
 
-    /// Minimises the cost of a trajectory of `N` steps from the present state of `data`. The search starts from the given
-    /// controls, `(N, nu)`, clamped to their ranges. Applied forces, mocap poses and user data are those of `data` in all steps.
+    /// Minimises the cost of a trajectory of `N` steps from the present state of `data`. The search
+    /// starts from the given controls, `(N, nu)`, clamped to their ranges. Applied forces, mocap
+    /// poses and user data are those of `data` in all steps.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is no step or if a cost or a derivative of it is
-    /// not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of [`Data::step`]
-    /// for the trajectory of the given controls, those of the cost, for example of a [`QuadraticCost`] for a model with other sizes,
-    /// and those of [`Lineariser::along`].
+    /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is no step or if
+    /// a cost or a derivative of it is not finite, [`Error::OtherModel`] for a simulation of a
+    /// model that was loaded separately, the errors of [`Data::step`] for the trajectory of the
+    /// given controls, those of the cost, for example of a [`QuadraticCost`] for a model with other
+    /// sizes, and those of [`Lineariser::along`].
     ///
     /// # Panics
     ///

@@ -49,7 +49,8 @@ fn timed<T>(sum: &mut Duration, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// State of a search, with its buffers. A search over a receding horizon keeps it from one plan to the next.
+/// State of a search, with its buffers. A search over a receding horizon keeps it from one plan to
+/// the next.
 pub(in crate::control) struct Search {
     pub(in crate::control) nominal: Trial,
     pub(in crate::control) policy: AffinePolicy,
@@ -82,7 +83,8 @@ impl Search {
         })
     }
 
-    /// Moves the nominal trajectory and the gains forward by some steps. The last controls and gains are repeated.
+    /// Moves the nominal trajectory and the gains forward by some steps. The last controls and
+    /// gains are repeated.
     pub(in crate::control) fn shift(&mut self, steps: usize) {
         let shift_rows = |matrix: &mut Matrix| {
             let (rows, width) = matrix.shape();
@@ -119,7 +121,8 @@ impl Search {
         self.regularisation = Regularisation::default();
     }
 
-    /// Simulates the nominal controls from the start of `forward`, with feedback if that lowers the cost.
+    /// Simulates the nominal controls from the start of `forward`, with feedback if that lowers the
+    /// cost.
     pub(in crate::control) fn restart(&mut self, cost: &dyn TrajectoryCost, forward: &mut Forward) -> Result<()> {
         timed(&mut self.times.initial, || forward.restart(&self.policy, cost, &mut self.nominal))
     }
@@ -140,8 +143,8 @@ impl Search {
         })
     }
 
-    /// Finds a better trajectory, and increases the regularisation until it succeeds, at most `attempts` times. If the search ends,
-    /// returns the reason.
+    /// Finds a better trajectory, and increases the regularisation until it succeeds, at most
+    /// `attempts` times. If the search ends, returns the reason.
     pub(in crate::control) fn iterate(
         &mut self,
         cost: &dyn TrajectoryCost,

@@ -7,8 +7,8 @@ use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::{Error, Result};
 
-/// Controller that plans every few steps, in the thread of the simulation, and follows the plan with its gains in between. The
-/// simulation waits for the planner, so a run is reproducible.
+/// Controller that plans every few steps, in the thread of the simulation, and follows the plan
+/// with its gains in between. The simulation waits for the planner, so a run is reproducible.
 ///
 /// The [module](crate::control::predictive) has an example.
 #[derive(Debug)]
@@ -39,7 +39,8 @@ impl<P: Planner, C: TrajectoryCost> PredictiveController<P, C> {
         Ok(Self { planner, cost, policy, interval, steps_left: 0, time: data.time(), report: None })
     }
 
-    /// Returns the present plan. Before the first one, it holds the controls of the simulation that the controller was created with.
+    /// Returns the present plan. Before the first one, it holds the controls of the simulation that
+    /// the controller was created with.
     pub fn policy(&self) -> &TimeVaryingLqr {
         &self.policy
     }
@@ -77,8 +78,8 @@ impl<P: Planner, C: TrajectoryCost> PredictiveController<P, C> {
 }
 
 impl<P: Planner, C: TrajectoryCost> Controller for PredictiveController<P, C> {
-    /// Plans if it is time, and sets the controls. If the time of the simulation went back, because of a reset, discards the plan
-    /// first.
+    /// Plans if it is time, and sets the controls. If the time of the simulation went back, because
+    /// of a reset, discards the plan first.
     fn control(&mut self, data: &mut Data) -> Result<()> {
         if data.time() < self.time {
             self.reset();

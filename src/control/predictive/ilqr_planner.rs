@@ -15,14 +15,16 @@ use crate::model::IntoModel;
 /// Number of values of the regularisation that an iteration tries. It bounds the time of a plan.
 const ATTEMPTS: usize = 4;
 
-/// Planner that improves its plan by a few iterations of [iLQR](crate::control::ilqr) at a time (Tassa, Erez and Todorov,
-/// *Synthesis and stabilization of complex behaviors through online trajectory optimization*, IROS 2012).
+/// Planner that improves its plan by a few iterations of [iLQR](crate::control::ilqr) at a time
+/// (Tassa, Erez and Todorov, *Synthesis and stabilization of complex behaviors through online
+/// trajectory optimization*, IROS 2012).
 ///
-/// Each plan starts from the previous one, moved forward to the present time: from its controls with feedback about its states, or
-/// without feedback if that costs less. The regularisation carries over too. The gains are those of the last backward pass.
+/// Each plan starts from the previous one, moved forward to the present time: from its controls
+/// with feedback about its states, or without feedback if that costs less. The regularisation
+/// carries over too. The gains are those of the last backward pass.
 ///
-/// After the first plan, a plan in one thread does not allocate, and a plan in several threads allocates only what the queue of rayon's
-/// pool needs.
+/// After the first plan, a plan in one thread does not allocate, and a plan in several threads
+/// allocates only what the queue of rayon's pool needs.
 pub struct IlqrPlanner {
     options: IlqrOptions,
     lineariser: Lineariser,
@@ -36,9 +38,9 @@ pub struct IlqrPlanner {
 }
 
 impl IlqrPlanner {
-    /// Creates a planner for plans of `horizon` steps of the model's time step. Each plan makes up to
-    /// [`iterations`](IlqrOptions::iterations) iterations; one suffices if plans are frequent. The first plan starts from zero controls,
-    /// clamped to their ranges.
+    /// Creates a planner for plans of `horizon` steps of the model's time step. Each plan makes up
+    /// to [`iterations`](IlqrOptions::iterations) iterations; one suffices if plans are frequent.
+    /// The first plan starts from zero controls, clamped to their ranges.
     ///
     /// # Errors
     ///
@@ -73,8 +75,9 @@ impl IlqrPlanner {
         Ok(self)
     }
 
-    /// Sets the components of the state that plans start from. By default, these are all of [`StateSpec::INTEGRATION`] except applied
-    /// forces: a plan ignores a push. The other components have the values after a reset.
+    /// Sets the components of the state that plans start from. By default, these are all of
+    /// [`StateSpec::INTEGRATION`] except applied forces: a plan ignores a push. The other
+    /// components have the values after a reset.
     #[must_use]
     pub fn with_foreseen(mut self, foreseen: StateSpec) -> Self {
         self.observation.foresee(foreseen);

@@ -1,17 +1,21 @@
-//! Predictive control: a planner optimises a trajectory from the present state at intervals, and a regulator follows it.
+//! Predictive control: a planner optimises a trajectory from the present state at intervals, and a
+//! regulator follows it.
 //!
-//! A [`Planner`] improves a plan of a fixed number of steps, the horizon, from the present state of a simulation.
-//! The plan is a [`TimeVaryingLqr`], whose gains correct deviations until the next plan. There are two planners:
+//! A [`Planner`] improves a plan of a fixed number of steps, the horizon, from the present state of
+//! a simulation. The plan is a [`TimeVaryingLqr`], whose gains correct deviations until the next
+//! plan. There are two planners:
 //!
 //! - [`IlqrPlanner`] iterates [iLQR](super::ilqr). It needs derivatives, and finds the gains.
-//! - [`SamplingPlanner`] simulates random variations of the previous plan: predictive sampling, or MPPI. It needs the values of the cost
-//!   only, which need not be smooth.
+//! - [`SamplingPlanner`] simulates random variations of the previous plan: predictive sampling, or
+//!   MPPI. It needs the values of the cost only, which need not be smooth.
 //!
-//! Two controllers plan and apply the plan in between; they are [`Controller`](crate::Controller)s, so recordings and the
-//! viewer accept them:
+//! Two controllers plan and apply the plan in between; they are [`Controller`](crate::Controller)s,
+//! so recordings and the viewer accept them:
 //!
-//! - [`PredictiveController`] plans at intervals in the thread of the simulation, which waits for the planner. A run is reproducible.
-//! - [`ThreadedPredictiveController`] plans in a second thread, for simulations and robots that run in real time.
+//! - [`PredictiveController`] plans at intervals in the thread of the simulation, which waits for
+//!   the planner. A run is reproducible.
+//! - [`ThreadedPredictiveController`] plans in a second thread, for simulations and robots that run
+//!   in real time.
 //!
 //! ```
 //! use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
@@ -77,14 +81,16 @@ pub trait Planner: Send {
     /// Returns the number of steps of a plan, at least one.
     fn horizon(&self) -> usize;
 
-    /// Plans from the present state of a simulation and writes the plan to `policy`, whose table starts at the present time. The
-    /// search starts from the previous plan, moved forward to the present time. The state includes the time and the inputs; results such
-    /// as poses may be missing.
+    /// Plans from the present state of a simulation and writes the plan to `policy`, whose table
+    /// starts at the present time. The search starts from the previous plan, moved forward to the
+    /// present time. The state includes the time and the inputs; results such as poses may be
+    /// missing.
     ///
     /// # Errors
     ///
-    /// The errors of the cost, and [`Error::Unstable`](crate::Error::Unstable) if all initial trajectories are unstable. The plan and the
-    /// policy are then unchanged, or incomplete; [`reset`](Self::reset) makes the planner usable.
+    /// The errors of the cost, and [`Error::Unstable`](crate::Error::Unstable) if all initial
+    /// trajectories are unstable. The plan and the policy are then unchanged, or incomplete;
+    /// [`reset`](Self::reset) makes the planner usable.
     fn plan(&mut self, data: &Data, cost: &dyn TrajectoryCost, policy: &mut TimeVaryingLqr) -> Result<PlanReport>;
 
     /// Discards the previous plan. The next search starts from the initial controls.

@@ -6,7 +6,8 @@ use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// Components of the state that a plan starts from, by default: all except applied forces, which are unknown on a robot.
+/// Components of the state that a plan starts from, by default: all except applied forces, which
+/// are unknown on a robot.
 const FORESEEN: StateSpec = StateSpec::INTEGRATION.difference(StateSpec::QFRC_APPLIED.union(StateSpec::XFRC_APPLIED));
 
 /// Simulation of a planner with the observed part of the state of another simulation.
@@ -34,8 +35,8 @@ impl Observation {
         &self.data
     }
 
-    /// Takes the state of a simulation, and its model if it was edited. Returns `true` if the model is new. `what` names the simulation
-    /// in an error.
+    /// Takes the state of a simulation, and its model if it was edited. Returns `true` if the model
+    /// is new. `what` names the simulation in an error.
     pub(super) fn observe(&mut self, data: &Data, what: &'static str) -> Result<bool> {
         if !data.model().is_same_structure(self.data.model()) {
             return Err(Error::OtherModel { what });
@@ -49,8 +50,8 @@ impl Observation {
         Ok(is_new)
     }
 
-    /// Returns the number of steps since the start of the previous plan, or `None` if there is none. A time before that start means that
-    /// the simulation was reset.
+    /// Returns the number of steps since the start of the previous plan, or `None` if there is
+    /// none. A time before that start means that the simulation was reset.
     pub(super) fn steps_since(&self, start: Option<f64>) -> Option<usize> {
         let steps = ((self.data.time() - start?) / self.data.model().timestep()).round();
         (steps >= 0.0).then_some(steps as usize)

@@ -15,19 +15,22 @@ use crate::model::Model;
 
 /// Controller that plans in a second thread, and follows the newest plan with its gains.
 ///
-/// The planner starts a plan from the present state as soon as the previous plan is finished. A plan that took 20 ms is 20 ms old when
-/// the controller receives it; its table starts at the time of the state that it was planned from, so the controller enters it at the
-/// present time. The horizon must be longer than the time of two plans, and the simulation must run in real time: if it
-/// runs faster, plans become older.
+/// The planner starts a plan from the present state as soon as the previous plan is finished. A
+/// plan that took 20 ms is 20 ms old when the controller receives it; its table starts at the time
+/// of the state that it was planned from, so the controller enters it at the present time. The
+/// horizon must be longer than the time of two plans, and the simulation must run in real time: if
+/// it runs faster, plans become older.
 ///
-/// [`control`](Controller::control) does not wait for the planner and does not allocate. If the planner delivers a plan at
-/// that moment, the controller receives it in its next step. Only after a reset of the simulation, as in [`new`](Self::new), does it wait for
-/// a plan from the new state.
+/// [`control`](Controller::control) does not wait for the planner and does not allocate. If the
+/// planner delivers a plan at that moment, the controller receives it in its next step. Only after
+/// a reset of the simulation, as in [`new`](Self::new), does it wait for a plan from the new state.
 ///
-/// The number of plans depends on the speed of the machine, so a run is not reproducible. [`PredictiveController`](super::PredictiveController) plans in the
-/// thread of the simulation, and its runs are.
+/// The number of plans depends on the speed of the machine, so a run is not reproducible.
+/// [`PredictiveController`](super::PredictiveController) plans in the thread of the simulation, and
+/// its runs are.
 ///
-/// A planner that uses several [threads](crate::control::ilqr::IlqrOptions::threads) runs them in rayon's global pool.
+/// A planner that uses several [threads](crate::control::ilqr::IlqrOptions::threads) runs them in
+/// rayon's global pool.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::IlqrOptions;
@@ -143,7 +146,8 @@ impl<P: Planner, C: TrajectoryCost> Link<P, C> {
 
     /// Plans until the controller is dropped or the planner panics.
     fn work(&self, mut planner: P, mut cost: C, mut data: Data) {
-        // Unlocked only while it plans or waits, so that a controller that has noticed a new plan can lock the exchange at once.
+        // Unlocked only while it plans or waits, so that a controller that has noticed a new plan
+        // can lock the exchange at once.
         let mut exchange = self.lock();
         while !exchange.is_closed {
             match mem::replace(&mut exchange.state, PlanState::Planning) {
@@ -174,7 +178,8 @@ impl<P: Planner, C: TrajectoryCost> Link<P, C> {
 }
 
 impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiveController<P, C> {
-    /// Starts the thread of the planner, and waits for the first plan from the present state of `data`.
+    /// Starts the thread of the planner, and waits for the first plan from the present state of
+    /// `data`.
     ///
     /// # Errors
     ///
@@ -222,7 +227,8 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiv
         self.plans
     }
 
-    /// Changes the planner or the cost, for example weights and targets, before the next plan. The planner's thread calls the closure.
+    /// Changes the planner or the cost, for example weights and targets, before the next plan. The
+    /// planner's thread calls the closure.
     pub fn edit(&mut self, edit: impl FnOnce(&mut P, &mut C) + Send + 'static) {
         self.link.edits.lock().unwrap_or_else(PoisonError::into_inner).push(Box::new(edit));
     }
@@ -237,7 +243,8 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiv
         self.take(&mut link.wait())
     }
 
-    /// Discards the plan, and plans from the initial controls and the present state of a simulation. Waits for the planner.
+    /// Discards the plan, and plans from the initial controls and the present state of a
+    /// simulation. Waits for the planner.
     ///
     /// # Errors
     ///
@@ -294,13 +301,15 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiv
 }
 
 impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> Controller for ThreadedPredictiveController<P, C> {
-    /// Takes the newest plan, requests another one if the planner is idle, and sets the controls. If the time of the simulation went back,
-    /// because of a reset, waits for a plan from the present state.
+    /// Takes the newest plan, requests another one if the planner is idle, and sets the controls.
+    /// If the time of the simulation went back, because of a reset, waits for a plan from the
+    /// present state.
     ///
     /// # Errors
     ///
-    /// The errors of [`Planner::plan`], once for each failed plan; the next plan then starts from the initial controls or, for some planners, from the
-    /// previous plan. [`Error::Panicked`] in this and in all later steps if the planner panicked. The present plan remains available from
+    /// The errors of [`Planner::plan`], once for each failed plan; the next plan then starts from
+    /// the initial controls or, for some planners, from the previous plan. [`Error::Panicked`] in
+    /// this and in all later steps if the planner panicked. The present plan remains available from
     /// [`policy`](ThreadedPredictiveController::policy).
     fn control(&mut self, data: &mut Data) -> Result<()> {
         let was_reset = data.time() < self.time;

@@ -8,7 +8,8 @@ use crate::model::Model;
 
 /// Difference of all controls from a target, with `nu` components.
 ///
-/// At the end of a trajectory the controls count as zero, so a target adds a constant to the terminal cost.
+/// At the end of a trajectory the controls count as zero, so a target adds a constant to the
+/// terminal cost.
 #[derive(Clone, Debug)]
 pub struct Controls {
     target: Vec<f64>,

@@ -7,11 +7,14 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::IntoModel;
 
-/// Cost of a trajectory as a sum of weighted norms of residuals; see the [module](crate::control::residual).
+/// Cost of a trajectory as a sum of weighted norms of residuals; see the
+/// [module](crate::control::residual).
 ///
-/// Residuals are evaluated in simulations of this cost, one for each thread, created on demand. Time, mocap poses, applied forces and
-/// user data are those at the last [`begin`](TrajectoryCost::begin), which [`Ilqr::solve`](crate::control::ilqr::Ilqr::solve) calls; before the
-/// first one, those after a reset. After the first evaluation in each thread, values and expansions do not allocate.
+/// Residuals are evaluated in simulations of this cost, one for each thread, created on demand.
+/// Time, mocap poses, applied forces and user data are those at the last
+/// [`begin`](TrajectoryCost::begin), which [`Ilqr::solve`](crate::control::ilqr::Ilqr::solve)
+/// calls; before the first one, those after a reset. After the first evaluation in each thread,
+/// values and expansions do not allocate.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions};
@@ -52,12 +55,14 @@ pub struct ResidualCost {
 }
 
 impl ResidualCost {
-    /// Creates a cost from its terms. Takes a [`Model`](crate::Model), an `Arc<Model>` or an `&Arc<Model>`.
+    /// Creates a cost from its terms. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
+    /// `&Arc<Model>`.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for two terms of the same name, or for a norm whose width is not above zero, [`Error::Shape`] unless there
-    /// is one scale for each component, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a simulation.
+    /// [`Error::Invalid`] for two terms of the same name, or for a norm whose width is not above
+    /// zero, [`Error::Shape`] unless there is one scale for each component, [`Error::Engine`] or
+    /// [`Error::OutOfMemory`] if the engine cannot allocate a simulation.
     pub fn new(model: impl IntoModel, terms: impl IntoIterator<Item = Term>) -> Result<Self> {
         let terms: Vec<Term> = terms.into_iter().collect();
         for (index, term) in terms.iter().enumerate() {
@@ -97,12 +102,13 @@ impl ResidualCost {
         Err(Error::invalid("the name of a term", name, format!("one of {}", names.join(", "))))
     }
 
-    /// Writes the cost of each term in a step, or at the end without controls, to a slice with one entry for each term. Their sum is
-    /// [`value`](TrajectoryCost::value).
+    /// Writes the cost of each term in a step, or at the end without controls, to a slice with one
+    /// entry for each term. Their sum is [`value`](TrajectoryCost::value).
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length, the errors of the residuals, and of [`Data::forward`] if a residual needs it.
+    /// [`Error::Shape`] for a wrong length, the errors of the residuals, and of [`Data::forward`]
+    /// if a residual needs it.
     pub fn values_into(&self, step: usize, state: &[f64], controls: Option<&[f64]>, values: &mut [f64]) -> Result<()> {
         Error::check_length("the values of the terms", values.len(), self.terms.len())?;
         values.fill(0.0);

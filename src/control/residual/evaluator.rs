@@ -58,7 +58,8 @@ impl Evaluator {
         }
         let time = start + point.step as f64 * data.model().timestep();
         data.set_time(time);
-        // The solver starts from the same accelerations at all points, so the result does not depend on their order.
+        // The solver starts from the same accelerations at all points, so the result does not
+        // depend on their order.
         data.set_state(StateSpec::WARMSTART, warmstart)?;
         jacobian.move_point();
         needs.compute(data)
@@ -92,7 +93,8 @@ impl Evaluator {
 }
 
 vectorised! {
-/// Adds the derivatives of the cost of a component, from those of the component by the state and the controls.
+/// Adds the derivatives of the cost of a component, from those of the component by the state and
+/// the controls.
 fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostExpansion) {
     let CostExpansion { x, u, xx, uu, xu } = expansion;
     let (nx, nu) = (x.len(), u.len());
@@ -108,8 +110,8 @@ fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostEx
 }
 }
 
-/// Adds `factor · left · rightᵀ` to a matrix, whose columns have the length of `left`. Returns the range of entries of `left` that
-/// are not zero.
+/// Adds `factor · left · rightᵀ` to a matrix, whose columns have the length of `left`. Returns the
+/// range of entries of `left` that are not zero.
 #[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #[inline(always)]
 fn add_products(matrix: &mut [f64], rows: usize, left: &[f64], right: &[f64], factor: f64) -> Range<usize> {

@@ -55,7 +55,8 @@ impl Frame {
     }
 }
 
-/// Position of a body's or a site's frame relative to a target: three components in metres, world frame.
+/// Position of a body's or a site's frame relative to a target: three components in metres, world
+/// frame.
 ///
 /// ```
 /// use mujoco_safe::control::residual::{FramePosition, Norm, ResidualCost, Term};
@@ -79,7 +80,8 @@ impl FramePosition {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown body.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown body.
     ///
     /// # Panics
     ///
@@ -92,7 +94,8 @@ impl FramePosition {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown site.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown site.
     ///
     /// # Panics
     ///
@@ -134,8 +137,9 @@ impl Residual for FramePosition {
     }
 }
 
-/// Orientation of a body or a site relative to a target: the rotation vector from the target to the frame, three components in
-/// radians, in the axes of the target. Its length is the angle between both, at most π.
+/// Orientation of a body or a site relative to a target: the rotation vector from the target to the
+/// frame, three components in radians, in the axes of the target. Its length is the angle between
+/// both, at most π.
 ///
 /// The derivative is not defined for half a turn, where the shortest rotation changes.
 #[derive(Clone, Debug)]
@@ -149,7 +153,8 @@ impl FrameOrientation {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown body.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown body.
     ///
     /// # Panics
     ///
@@ -162,7 +167,8 @@ impl FrameOrientation {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown site.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown site.
     ///
     /// # Panics
     ///
@@ -195,7 +201,8 @@ impl Residual for FrameOrientation {
 
     fn differentiate(&self, data: &mut Data, jacobian: &mut ResidualJacobian) -> Result<()> {
         self.frame.jacobian_into(data, None, Some(&mut jacobian.angular))?;
-        // The derivative refers to rotations in the axes of the frame, and the Jacobian to the axes of the world.
+        // The derivative refers to rotations in the axes of the frame, and the Jacobian to the axes
+        // of the world.
         let derivative = sub_quat_derivative(&self.frame.quaternion(data), &self.target).da;
         let rotation = self.frame.rotation(data);
         for component in 0..3 {

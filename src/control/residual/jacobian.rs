@@ -14,8 +14,9 @@ const EPS: f64 = 1e-5;
 /// State components that differences perturb, or that the evaluation of a perturbed state changes.
 const SAVED: StateSpec = StateSpec::PHYSICS.union(StateSpec::WARMSTART).union(StateSpec::CTRL);
 
-/// Jacobian of a residual with `n` components, `(n, nx)` with respect to the state `[dq; dv; da]`, with `nx = 2 nv + na` and `dq` in
-/// the tangent space of positions, and `(n, nu)` with respect to the controls.
+/// Jacobian of a residual with `n` components, `(n, nx)` with respect to the state `[dq; dv; da]`,
+/// with `nx = 2 nv + na` and `dq` in the tangent space of positions, and `(n, nu)` with respect to
+/// the controls.
 ///
 /// ```
 /// use mujoco_safe::control::residual::{JointPosition, Residual, ResidualJacobian};
@@ -115,9 +116,10 @@ impl ResidualJacobian {
         &mut self.matrix.row_mut(component)[nx..]
     }
 
-    /// Computes the Jacobian by central differences. This is the default of [`Residual::differentiate`]. It evaluates the residual
-    /// and the results that it needs `2 (nx + nu)` times, which for a humanoid takes several hundred times as long as a Jacobian in
-    /// closed form. The relative error is about 1e-10.
+    /// Computes the Jacobian by central differences. This is the default of
+    /// [`Residual::differentiate`]. It evaluates the residual and the results that it needs
+    /// `2 (nx + nu)` times, which for a humanoid takes several hundred times as long as a Jacobian
+    /// in closed form. The relative error is about 1e-10.
     ///
     /// The state and the results of the simulation are unchanged afterwards, except for rounding.
     ///

@@ -38,8 +38,10 @@ impl Coordinates {
     }
 }
 
-/// Difference of the positions of a joint, or of all joints, from a target: m for slides, rad for hinges, a rotation vector in rad for
-/// balls, and both for free joints. [`Model::differentiate_pos_into`] defines the difference, which has one component for each degree of freedom.
+/// Difference of the positions of a joint, or of all joints, from a target: m for slides, rad for
+/// hinges, a rotation vector in rad for balls, and both for free joints.
+/// [`Model::differentiate_pos_into`] defines the difference, which has one component for each
+/// degree of freedom.
 ///
 /// ```
 /// use mujoco_safe::control::residual::{JointPosition, Residual};
@@ -76,7 +78,8 @@ impl JointPosition {
         Ok(Self::with_joints(model, Coordinates::of(model, Some(joint))))
     }
 
-    /// Creates the residual of all joints, with `nv` components. The target is the reference position, `qpos0`.
+    /// Creates the residual of all joints, with `nv` components. The target is the reference
+    /// position, `qpos0`.
     pub fn all(model: &Model) -> Self {
         Self::with_joints(model, Coordinates::of(model, None))
     }
@@ -159,7 +162,8 @@ impl Residual for JointPosition {
     }
 }
 
-/// Difference of the velocities of a joint, or of all joints, from a target: entries of `qvel`, in m/s or rad/s.
+/// Difference of the velocities of a joint, or of all joints, from a target: entries of `qvel`, in
+/// m/s or rad/s.
 #[derive(Clone, Debug)]
 pub struct JointVelocity {
     dofs: Range<usize>,

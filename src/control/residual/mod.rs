@@ -6,9 +6,9 @@
 //! cost(x, u) = Σ_t w_t Σ_i ρ_t(s_ti r_ti(x, u))
 //! ```
 //!
-//! with a weight w, a [`Norm`] ρ, scales s and a residual r, such as the distance of a hand from its target. It is a
-//! [`TrajectoryCost`](super::ilqr::TrajectoryCost): [`Ilqr`](super::ilqr::Ilqr) minimises it. Weights, norms and targets can change
-//! between two searches.
+//! with a weight w, a [`Norm`] ρ, scales s and a residual r, such as the distance of a hand from
+//! its target. It is a [`TrajectoryCost`](super::ilqr::TrajectoryCost): [`Ilqr`](super::ilqr::Ilqr)
+//! minimises it. Weights, norms and targets can change between two searches.
 //!
 //! | residual | components | unit |
 //! |---|---|---|
@@ -20,13 +20,15 @@
 //! | [`SensorReading`] | reading of a sensor, minus a target | of the sensor |
 //! | [`Controls`] | controls, minus a target | of the actuators |
 //!
-//! These have Jacobians in closed form. Implement [`Residual`] for others, with a Jacobian or with differences.
+//! These have Jacobians in closed form. Implement [`Residual`] for others, with a Jacobian or with
+//! differences.
 //!
 //! # Derivatives
 //!
-//! With the Jacobian J of the scaled residual, the gradient of a term is `w Jᵀ ρ′`, and the second derivatives are approximated by
-//! `w Jᵀ diag(ρ″) J`, without the second derivatives of the residual (the Gauss–Newton approximation; J. Nocedal and S. J. Wright,
-//! *Numerical Optimization*, 2006, chapter 10). This matrix is positive semidefinite, because the norms are convex.
+//! With the Jacobian J of the scaled residual, the gradient of a term is `w Jᵀ ρ′`, and the second
+//! derivatives are approximated by `w Jᵀ diag(ρ″) J`, without the second derivatives of the
+//! residual (the Gauss–Newton approximation; J. Nocedal and S. J. Wright, *Numerical Optimization*,
+//! 2006, chapter 10). This matrix is positive semidefinite, because the norms are convex.
 
 mod controls;
 mod cost;
@@ -53,16 +55,19 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::id::Lineage;
 
-/// Results of the pipeline that a [`Residual`] reads, apart from the state and the controls. Each includes the one before it.
+/// Results of the pipeline that a [`Residual`] reads, apart from the state and the controls. Each
+/// includes the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Needs {
     /// None: positions, velocities, activations, controls and other inputs suffice.
     State,
-    /// Poses, centres of mass, and what [`Data::jac_site`] and similar functions need: [`Data::kinematics`] and [`Data::com_pos`].
+    /// Poses, centres of mass, and what [`Data::jac_site`] and similar functions need:
+    /// [`Data::kinematics`] and [`Data::com_pos`].
     Poses,
     /// Velocities of bodies and momenta of subtrees: [`Data::com_vel`] and [`Data::subtree_vel`].
     Velocities,
-    /// All results of [`Data::forward`], such as contacts, accelerations and sensor readings. It takes about as long as a step.
+    /// All results of [`Data::forward`], such as contacts, accelerations and sensor readings. It
+    /// takes about as long as a step.
     Forward,
 }
 
@@ -119,18 +124,20 @@ pub trait Residual: Send + Sync {
     /// Returns the number of components.
     fn size(&self) -> usize;
 
-    /// Returns the results that [`evaluate`](Self::evaluate) and [`differentiate`](Self::differentiate) read.
+    /// Returns the results that [`evaluate`](Self::evaluate) and
+    /// [`differentiate`](Self::differentiate) read.
     fn needs(&self) -> Needs;
 
-    /// Writes the residual of the present state and controls of a simulation. At the end of a trajectory, controls are zero. The
-    /// state must not be changed.
+    /// Writes the residual of the present state and controls of a simulation. At the end of a
+    /// trajectory, controls are zero. The state must not be changed.
     ///
     /// # Errors
     ///
     /// Any error of the residual.
     fn evaluate(&self, data: &mut Data, residual: &mut [f64]) -> Result<()>;
 
-    /// Writes the Jacobian, whose entries are zero before the call. By default calls [`ResidualJacobian::difference`], which is slow.
+    /// Writes the Jacobian, whose entries are zero before the call. By default calls
+    /// [`ResidualJacobian::difference`], which is slow.
     ///
     /// # Errors
     ///

@@ -12,7 +12,8 @@ pub(super) struct Momenta {
     /// `(nbody)`: inertias and momenta of subtrees, about the reference point of the tree.
     pub(super) inertias: Vec<Inertia>,
     pub(super) sums: Vec<Spatial>,
-    /// `(nv)`: change ψ of the velocity of the bodies that a degree of freedom moves, with its position.
+    /// `(nv)`: change ψ of the velocity of the bodies that a degree of freedom moves, with its
+    /// position.
     pub(super) changes: Vec<Spatial>,
 }
 
@@ -25,8 +26,8 @@ impl Momenta {
         }
     }
 
-    /// Computes all values of the present state. For the world, only the linear part of the momentum has a meaning, because trees
-    /// have different reference points.
+    /// Computes all values of the present state. For the world, only the linear part of the
+    /// momentum has a meaning, because trees have different reference points.
     pub(super) fn compute(&mut self, data: &Data) {
         let model = data.model();
         self.inertias.copy_from_slice(data.cinert());

@@ -1,6 +1,7 @@
 //! Norms: the cost of a residual.
 
-/// Cost ρ(r) of each component r of a residual. The cost of a residual is the sum over its components.
+/// Cost ρ(r) of each component r of a residual. The cost of a residual is the sum over its
+/// components.
 ///
 /// | norm | ρ(r) | ρ′(r) | ρ″(r) |
 /// |---|---|---|---|
@@ -9,12 +10,13 @@
 /// | Huber, width w, `|r| ≤ w` | `r²/2` | `r` | `1` |
 /// | Huber, width w, `|r| > w` | `w (|r| − w/2)` | `w sign r` | `0` |
 ///
-/// The last two grow linearly, so a large residual does not outweigh all others. Near zero, the smooth absolute value is `r²/(2w)`.
-/// All norms are convex.
+/// The last two grow linearly, so a large residual does not outweigh all others. Near zero, the
+/// smooth absolute value is `r²/(2w)`. All norms are convex.
 ///
-/// Sources: P. J. Huber, *Robust estimation of a location parameter*, Annals of Mathematical Statistics 35, 1964; P. Charbonnier,
-/// L. Blanc-Féraud, G. Aubert, M. Barlaud, *Two deterministic half-quadratic regularization algorithms for computed imaging*, ICIP
-/// 1994, for the smooth absolute value.
+/// Sources: P. J. Huber, *Robust estimation of a location parameter*, Annals of Mathematical
+/// Statistics 35, 1964; P. Charbonnier, L. Blanc-Féraud, G. Aubert, M. Barlaud, *Two deterministic
+/// half-quadratic regularization algorithms for computed imaging*, ICIP 1994, for the smooth
+/// absolute value.
 ///
 /// ```
 /// use mujoco_safe::control::residual::Norm;

@@ -1,15 +1,17 @@
 //! Residuals of the centre of mass of a subtree, of its velocity, and of the angular momentum.
 //!
-//! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the inertia of this part, and h its
-//! momentum, about the reference point of the tree. With the axis S_j, the change ψ_j of velocities, the mass m, the centre of mass c
-//! and the linear momentum p of the whole subtree,
+//! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the
+//! inertia of this part, and h its momentum, about the reference point of the tree. With the axis
+//! S_j, the change ψ_j of velocities, the mass m, the centre of mass c and the linear momentum p of
+//! the whole subtree,
 //!
 //! ```text
 //! ∂h/∂q_j = S_j ×* h + I ψ_j,      ∂h/∂v_j = I S_j,      ∂c/∂q_j = (I S_j)_linear/m
 //! ```
 //!
-//! The velocity is h_linear/m. The angular momentum about c is `h_angular − r × h_linear`, with r from the reference point to c, and
-//! changes also by `−∂c × p`. (D. Orin, A. Goswami and S.-H. Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 2013.)
+//! The velocity is h_linear/m. The angular momentum about c is `h_angular − r × h_linear`, with r
+//! from the reference point to c, and changes also by `−∂c × p`. (D. Orin, A. Goswami and S.-H.
+//! Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 2013.)
 
 use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;
@@ -27,8 +29,8 @@ enum Quantity {
     AngularMomentum,
 }
 
-/// Centre of mass of a body and all bodies below it, the velocity of the centre of mass, or the angular momentum about it. Three
-/// components, minus a target, world frame.
+/// Centre of mass of a body and all bodies below it, the velocity of the centre of mass, or the
+/// angular momentum about it. Three components, minus a target, world frame.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::TrajectoryCost;
@@ -57,7 +59,8 @@ impl Subtree {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown body, [`Error::Invalid`] for a subtree without mass.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown body, [`Error::Invalid`] for
+    /// a subtree without mass.
     ///
     /// # Panics
     ///
@@ -79,7 +82,8 @@ impl Subtree {
         Self::new(Quantity::Velocity, model, body)
     }
 
-    /// Creates the residual of the angular momentum about the centre of mass, kg·m²/s. The target is zero.
+    /// Creates the residual of the angular momentum about the centre of mass, kg·m²/s. The target
+    /// is zero.
     ///
     /// # Errors
     ///
@@ -110,7 +114,8 @@ impl Subtree {
     }
 }
 
-/// Returns the degrees of freedom that move a subtree, each with the root of the part of the subtree that it moves.
+/// Returns the degrees of freedom that move a subtree, each with the root of the part of the
+/// subtree that it moves.
 fn moving_dofs(model: &Model, root: usize) -> Vec<(usize, usize)> {
     let parents = model.body_parentid();
     // Parents have smaller indices.

@@ -33,7 +33,8 @@ impl Term {
         }
     }
 
-    /// Sets [`weight`](Self#structfield.weight) and [`terminal_weight`](Self#structfield.terminal_weight).
+    /// Sets [`weight`](Self#structfield.weight) and
+    /// [`terminal_weight`](Self#structfield.terminal_weight).
     #[must_use]
     pub fn with_weight(mut self, weight: f64) -> Self {
         self.weight = weight;
@@ -55,8 +56,9 @@ impl Term {
         self
     }
 
-    /// Sets the factors of the components; 1 by default. A component with the factor zero has no cost.
-    /// [`ResidualCost::new`](super::ResidualCost::new) checks that there is one for each component.
+    /// Sets the factors of the components; 1 by default. A component with the factor zero has no
+    /// cost. [`ResidualCost::new`](super::ResidualCost::new) checks that there is one for each
+    /// component.
     #[must_use]
     pub fn with_scales(mut self, scales: impl Into<Vec<f64>>) -> Self {
         self.scales = scales.into();

@@ -1,13 +1,15 @@
 //! Balancing: units of the states in which the matrices have entries of similar size.
 //!
-//! The substitution `x = D⁻¹ z` with a diagonal `D` preserves the form of the equation: `A` becomes `D A D⁻¹`, `G` becomes
-//! `D G D`, `H` becomes `D⁻¹ H D⁻¹`, and the solution is `P = D P' D` for the balanced solution `P'`. As in the balancing of
-//! eigenvalue problems, `D` is chosen such that row `i` of `[A, G]` and column `i` of `[A; H]` have about the same norm. Its
-//! entries are powers of two, so the substitution causes no rounding errors.
+//! The substitution `x = D⁻¹ z` with a diagonal `D` preserves the form of the equation: `A` becomes
+//! `D A D⁻¹`, `G` becomes `D G D`, `H` becomes `D⁻¹ H D⁻¹`, and the solution is `P = D P' D` for
+//! the balanced solution `P'`. As in the balancing of eigenvalue problems, `D` is chosen such that
+//! row `i` of `[A, G]` and column `i` of `[A; H]` have about the same norm. Its entries are powers
+//! of two, so the substitution causes no rounding errors.
 //!
-//! (B. N. Parlett and C. Reinsch, *Balancing a matrix for calculation of eigenvalues and eigenvectors*, Numerische Mathematik 13
-//! (1969) 293–304; applied to symplectic pencils: P. Benner, *Symplectic balancing of Hamiltonian matrices*, SIAM Journal on
-//! Scientific Computing 22 (2001) 1885–1904.)
+//! (B. N. Parlett and C. Reinsch, *Balancing a matrix for calculation of eigenvalues and
+//! eigenvectors*, Numerische Mathematik 13 (1969) 293–304; applied to symplectic pencils: P.
+//! Benner, *Symplectic balancing of Hamiltonian matrices*, SIAM Journal on Scientific Computing 22
+//! (2001) 1885–1904.)
 
 use super::dense::PackedMatrix;
 

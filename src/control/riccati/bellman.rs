@@ -1,12 +1,13 @@
-//! The Bellman backup of a linear system with quadratic costs: the cost to go before a step from that after the step.
+//! The Bellman backup of a linear system with quadratic costs: the cost to go before a step from
+//! that after the step.
 
 use nalgebra::DMatrix;
 
 use super::dense::{InstructionSet, PackedMatrix};
 use crate::matrix::MatrixView;
 
-/// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both. Only the
-/// symmetric parts of `q` and `r` matter.
+/// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is
+/// the same for both. Only the symmetric parts of `q` and `r` matter.
 #[derive(Clone, Copy)]
 pub(in crate::control) struct StepCost<'a> {
     pub(in crate::control) q: &'a DMatrix<f64>,
@@ -65,8 +66,8 @@ impl BellmanBackup {
         self.p.copy_symmetric_part(p);
     }
 
-    /// Computes [`uu`](Self::uu) and [`ux`](Self::ux) of a step of the system `dx⁺ = A dx + B du`. The regularisation ρ acts as an
-    /// additional cost of the next state.
+    /// Computes [`uu`](Self::uu) and [`ux`](Self::ux) of a step of the system `dx⁺ = A dx + B du`.
+    /// The regularisation ρ acts as an additional cost of the next state.
     pub(in crate::control) fn expand(
         &mut self,
         a: MatrixView<'_>,
@@ -92,7 +93,8 @@ impl BellmanBackup {
         self.ux.add_transposed_product(self.simd, &self.pb, &self.a);
     }
 
-    /// Replaces `P` by the cost to go before the step under the control `du = −K dx`, for any [`k`](Self::k):
+    /// Replaces `P` by the cost to go before the step under the control `du = −K dx`, for any
+    /// [`k`](Self::k):
     ///
     /// ```text
     /// P ← (A − BK)ᵀ P (A − BK) + KᵀRK − SK − KᵀSᵀ + Q
@@ -141,7 +143,8 @@ mod tests {
         assert!(error < 1e-13, "relative error {error:e}");
     }
 
-    /// The sizes are below, at and above multiples of the block of the kernels; the last are those of the humanoid.
+    /// The sizes are below, at and above multiples of the block of the kernels; the last are those
+    /// of the humanoid.
     #[test]
     fn a_backup_equals_its_definition() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);

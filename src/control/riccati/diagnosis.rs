@@ -1,4 +1,5 @@
-//! Diagnosis of equations without a stabilising solution, by the Popov–Belevitch–Hautus tests. Runs only after a failure.
+//! Diagnosis of equations without a stabilising solution, by the Popov–Belevitch–Hautus tests. Runs
+//! only after a failure.
 
 use nalgebra::{Complex, DMatrix, SVD, Schur};
 
@@ -8,17 +9,20 @@ use super::problem::{MAX_EIGENVALUE_ITERATIONS, Problem};
 /// Tolerances of the tests.
 #[derive(Clone, Copy)]
 struct Tolerances {
-    /// Distance from the unit circle below which an eigenvalue counts as on it. An error of the matrices moves an eigenvalue of
-    /// multiplicity `j` by its `j`-th root, and free bodies have double eigenvalues at one.
+    /// Distance from the unit circle below which an eigenvalue counts as on it. An error of the
+    /// matrices moves an eigenvalue of multiplicity `j` by its `j`-th root, and free bodies have
+    /// double eigenvalues at one.
     unit_circle: f64,
-    /// Relative distance from an uncontrollable system below which a system counts as uncontrollable.
+    /// Relative distance from an uncontrollable system below which a system counts as
+    /// uncontrollable.
     uncontrollable: f64,
 }
 
 /// Tolerances for matrices in closed form, which have rounding errors.
 const ROUNDING: Tolerances = Tolerances { unit_circle: 1e-6, uncontrollable: 1e-8 };
 
-/// Tolerances for matrices by differences, whose errors give a control a minute effect on a mode that it does not reach.
+/// Tolerances for matrices by differences, whose errors give a control a minute effect on a mode
+/// that it does not reach.
 const DIFFERENCES: Tolerances = Tolerances { unit_circle: 1e-3, uncontrollable: 1e-5 };
 
 /// Returns the mode that prevents a stabilising solution, if there is one.
@@ -26,8 +30,9 @@ pub(super) fn diagnose(problem: &mut Problem) -> Option<RiccatiError> {
     diagnose_within(problem, ROUNDING)
 }
 
-/// Returns the mode that explains best why no solution was found, for matrices that may be differences. The equation has a solution in
-/// theory, with gains as large as the reciprocal of the error.
+/// Returns the mode that explains best why no solution was found, for matrices that may be
+/// differences. The equation has a solution in theory, with gains as large as the reciprocal of the
+/// error.
 pub(super) fn diagnose_failure(problem: &mut Problem) -> Option<RiccatiError> {
     diagnose_within(problem, ROUNDING).or_else(|| diagnose_within(problem, DIFFERENCES))
 }
@@ -46,8 +51,9 @@ fn diagnose_within(problem: &mut Problem, tolerances: Tolerances) -> Option<Ricc
         .map(|(eigenvalue, distance)| RiccatiError::UnobservableMode { eigenvalue, distance })
 }
 
-/// Returns the least controllable eigenvalue of `a` among those with a `relevant` modulus, and its distance. Returns `None` if
-/// that eigenvalue is farther than `tolerance` from an uncontrollable one.
+/// Returns the least controllable eigenvalue of `a` among those with a `relevant` modulus, and its
+/// distance. Returns `None` if that eigenvalue is farther than `tolerance` from an uncontrollable
+/// one.
 fn uncontrollable_mode(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -67,7 +73,8 @@ fn uncontrollable_mode(
         .filter(|&(_, distance)| distance <= tolerance)
 }
 
-/// Returns the smallest singular value of `[A − λI, B]`, with `A` and `B` scaled to unit norm, unless it overflows.
+/// Returns the smallest singular value of `[A − λI, B]`, with `A` and `B` scaled to unit norm,
+/// unless it overflows.
 fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, eigenvalue: Complex<f64>) -> Option<f64> {
     let (size, controls) = b.shape();
     let (norm_of_a, norm_of_b) = (a.norm(), b.norm());

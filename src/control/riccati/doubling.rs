@@ -1,8 +1,9 @@
 //! The doubling iteration, with deflation of the fast modes.
 //!
-//! The equation here is `X = H + AᵀX (I + GX)⁻¹ A`. A doubling replaces it by another equation of the same form with the same
-//! solution. `A` becomes a growing power of the closed loop, so its fast modes fall below the rounding error. Then `A = U Wᵀ`
-//! with few columns in `U` and `W`, and the equation implies that `X = H + W x Wᵀ` for some small `x`. Inserting this, with
+//! The equation here is `X = H + AᵀX (I + GX)⁻¹ A`. A doubling replaces it by another equation of
+//! the same form with the same solution. `A` becomes a growing power of the closed loop, so its
+//! fast modes fall below the rounding error. Then `A = U Wᵀ` with few columns in `U` and `W`, and
+//! the equation implies that `X = H + W x Wᵀ` for some small `x`. Inserting this, with
 //! `M = I + GH`,
 //!
 //! ```text
@@ -10,25 +11,29 @@
 //!   = UᵀHM⁻¹U + (WᵀM⁻¹U)ᵀ x (I + WᵀM⁻¹GW x)⁻¹ (WᵀM⁻¹U)
 //! ```
 //!
-//! by the Sherman–Morrison–Woodbury formula. This equation has the same form, its dimension is the number of remaining slow
-//! modes, and its closed loop has exactly the remaining eigenvalues. So the slow modes, which need many doublings, are iterated
-//! in a low dimension.
+//! by the Sherman–Morrison–Woodbury formula. This equation has the same form, its dimension is the
+//! number of remaining slow modes, and its closed loop has exactly the remaining eigenvalues. So
+//! the slow modes, which need many doublings, are iterated in a low dimension.
 
 use super::dense::{InstructionSet, LowRank, LuFactors, PackedMatrix};
 
-/// Maximum number of doublings. Even a closed loop whose spectral radius is the largest `f64` below one converges in fewer.
+/// Maximum number of doublings. Even a closed loop whose spectral radius is the largest `f64` below
+/// one converges in fewer.
 const MAX_DOUBLINGS: usize = 64;
 
-/// Norm of `A` at which the doubling has converged. The relative change of `X` by the next doubling is the square of it.
+/// Norm of `A` at which the doubling has converged. The relative change of `X` by the next doubling
+/// is the square of it.
 const CONVERGED: f64 = 1e-8;
 
 /// Smallest dimension that is worth deflating.
 const MIN_ROWS_TO_DEFLATE: usize = 12;
 
-/// Number of squarings in [`Doubling::log_spectral_radius`]. The last one has the weight 2⁻⁵², the resolution of an `f64`.
+/// Number of squarings in [`Doubling::log_spectral_radius`]. The last one has the weight 2⁻⁵², the
+/// resolution of an `f64`.
 const SQUARINGS: i32 = 52;
 
-/// Equation `X = H + AᵀX (I + GX)⁻¹ A` with symmetric `G` and `H`, which the caller fills in, and the buffers to solve it.
+/// Equation `X = H + AᵀX (I + GX)⁻¹ A` with symmetric `G` and `H`, which the caller fills in, and
+/// the buffers to solve it.
 #[derive(Clone, Debug)]
 pub(super) struct Doubling {
     simd: InstructionSet,
@@ -51,7 +56,8 @@ pub(super) struct Doubling {
     product: PackedMatrix,
 }
 
-/// Equation that was deflated. The solution `x` of the smaller equation yields its solution `X = h + w x wᵀ`.
+/// Equation that was deflated. The solution `x` of the smaller equation yields its solution
+/// `X = h + w x wᵀ`.
 #[derive(Clone, Debug, Default)]
 struct Deflation {
     w: PackedMatrix,
@@ -97,7 +103,8 @@ impl Doubling {
         }
     }
 
-    /// Doubles until `A` has vanished. Does not try to deflate before `patience` doublings; this limit only saves time.
+    /// Doubles until `A` has vanished. Does not try to deflate before `patience` doublings; this
+    /// limit only saves time.
     pub(super) fn solve(&mut self, patience: usize) -> Result<Doubled, NoConvergence> {
         self.depth = 0;
         let mut first_deflation = None;
@@ -141,7 +148,8 @@ impl Doubling {
         regular
     }
 
-    /// Doubles once. Returns the new norm of `A`, or `None` if it is not finite or `I + GH` is singular.
+    /// Doubles once. Returns the new norm of `A`, or `None` if it is not finite or `I + GH` is
+    /// singular.
     fn double(&mut self) -> Option<f64> {
         let simd = self.simd;
         self.w.copy_from(&self.a);
@@ -225,8 +233,9 @@ impl Doubling {
         Some((self.log_spectral_radius() * 0.5_f64.powi(self.doublings)).exp())
     }
 
-    /// Returns the natural logarithm of the spectral radius of `self.w`, by Gelfand's formula `ρ = lim ‖Mᵗ‖^(1/t)` with
-    /// `t = 1, 2, 4, …`. Unlike a Schur decomposition it always terminates.
+    /// Returns the natural logarithm of the spectral radius of `self.w`, by Gelfand's formula
+    /// `ρ = lim ‖Mᵗ‖^(1/t)` with `t = 1, 2, 4, …`. Unlike a Schur decomposition it always
+    /// terminates.
     fn log_spectral_radius(&mut self) -> f64 {
         let Self { simd, w: matrix, product, .. } = self;
         let mut logarithm = 0.0;

@@ -23,12 +23,13 @@ pub enum RiccatiMatrix {
     P,
 }
 
-/// Error of [`Riccati::solve`](super::Riccati::solve) or of a [`RiccatiRecursion`](super::RiccatiRecursion). Rows and columns
-/// are counted from zero.
+/// Error of [`Riccati::solve`](super::Riccati::solve) or of a
+/// [`RiccatiRecursion`](super::RiccatiRecursion). Rows and columns are counted from zero.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum RiccatiError {
-    /// The shape of a matrix does not match the number of rows of `A` (states) and of columns of `B` (controls).
+    /// The shape of a matrix does not match the number of rows of `A` (states) and of columns of
+    /// `B` (controls).
     WrongShape {
         /// Offending matrix.
         matrix: RiccatiMatrix,
@@ -66,11 +67,13 @@ pub enum RiccatiError {
         /// Smallest eigenvalue of `R`.
         smallest_eigenvalue: f64,
     },
-    /// Some combination of controls has no cost and no effect, so the optimal control is not unique: `R` and `BᵀB` have a common
-    /// null vector, and the pencil whose eigenvalues are those of the closed loop is singular.
+    /// Some combination of controls has no cost and no effect, so the optimal control is not
+    /// unique: `R` and `BᵀB` have a common null vector, and the pencil whose eigenvalues are those
+    /// of the closed loop is singular.
     SingularPencil,
-    /// The cost over a finite number of steps has no minimum: `R + BᵀPB` is not positive definite in some step, so the cost is
-    /// unbounded below. With a positive definite `R`, the cause is a `Q` or a terminal `P` that is not positive semidefinite.
+    /// The cost over a finite number of steps has no minimum: `R + BᵀPB` is not positive definite
+    /// in some step, so the cost is unbounded below. With a positive definite `R`, the cause is a
+    /// `Q` or a terminal `P` that is not positive semidefinite.
     NoLeastCost {
         /// Smallest eigenvalue of `R + BᵀPB`.
         smallest_eigenvalue: f64,
@@ -79,30 +82,34 @@ pub enum RiccatiError {
     UncontrollableMode {
         /// Eigenvalue of the mode, of `A`.
         eigenvalue: Complex<f64>,
-        /// Smallest singular value of `[A − λI, B]`, each block scaled to unit norm. It is zero for an uncontrollable mode, up to rounding, or
-        /// up to the error of differences, with which a control seems to have a minute effect on the mode.
+        /// Smallest singular value of `[A − λI, B]`, each block scaled to unit norm. It is zero for
+        /// an uncontrollable mode, up to rounding, or up to the error of differences, with which a
+        /// control seems to have a minute effect on the mode.
         distance: f64,
     },
-    /// A mode on the unit circle has no cost, so the optimal control leaves it there and no solution is stabilising.
+    /// A mode on the unit circle has no cost, so the optimal control leaves it there and no
+    /// solution is stabilising.
     ///
-    /// Any positive cost suffices: with a weight of 10⁻¹⁰ next to weights of 10⁵, the closed loop is slow but stable, and the
-    /// equation is solved.
+    /// Any positive cost suffices: with a weight of 10⁻¹⁰ next to weights of 10⁵, the closed loop
+    /// is slow but stable, and the equation is solved.
     UnobservableMode {
         /// Eigenvalue of the mode, of `A − BR⁻¹Sᵀ`.
         eigenvalue: Complex<f64>,
-        /// Smallest singular value of `A − BR⁻¹Sᵀ − λI` stacked on `Q − SR⁻¹Sᵀ`, each block scaled to unit norm. It is zero for a mode
-        /// without cost, up to rounding or up to the error of differences.
+        /// Smallest singular value of `A − BR⁻¹Sᵀ − λI` stacked on `Q − SR⁻¹Sᵀ`, each block scaled
+        /// to unit norm. It is zero for a mode without cost, up to rounding or up to the error of
+        /// differences.
         distance: f64,
     },
-    /// The doubling did not converge, and no single mode explains it: the problem may be badly scaled, or `Q − SR⁻¹Sᵀ` not
-    /// positive semidefinite.
+    /// The doubling did not converge, and no single mode explains it: the problem may be badly
+    /// scaled, or `Q − SR⁻¹Sᵀ` not positive semidefinite.
     NoConvergence {
         /// Number of doublings.
         iterations: usize,
     },
     /// The residual of the solution exceeds the tolerance.
     Inaccurate {
-        /// Residual of the solution, as in [`RiccatiSolution`](super::RiccatiSolution::relative_residual).
+        /// Residual of the solution, as in
+        /// [`RiccatiSolution`](super::RiccatiSolution::relative_residual).
         relative_residual: f64,
         /// Tolerance of the residual.
         tolerance: f64,

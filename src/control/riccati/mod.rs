@@ -1,23 +1,24 @@
 //! Solver for the discrete algebraic Riccati equation, by doubling.
 //!
-//! For a system `x⁺ = A x + B u` and the cost `Σ xᵀQx + uᵀRu + 2 xᵀSu`, the cost to go from `x` under the optimal control is
-//! `xᵀPx`, where `P` is the stabilising solution of
+//! For a system `x⁺ = A x + B u` and the cost `Σ xᵀQx + uᵀRu + 2 xᵀSu`, the cost to go from `x`
+//! under the optimal control is `xᵀPx`, where `P` is the stabilising solution of
 //!
 //! ```text
 //! P = AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q
 //! ```
 //!
-//! and the optimal control is `u = −K x` with `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`. Stabilising means that every eigenvalue of `A − BK`
-//! lies inside the unit circle. [`Riccati`] holds the equation, and [`Riccati::solve`] solves it or returns the reason why it has
-//! no solution.
+//! and the optimal control is `u = −K x` with `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`. Stabilising means that
+//! every eigenvalue of `A − BK` lies inside the unit circle. [`Riccati`] holds the equation, and
+//! [`Riccati::solve`] solves it or returns the reason why it has no solution.
 //!
-//! Over a finite number of steps, or if the system varies from step to step, use [`RiccatiRecursion`] instead.
+//! Over a finite number of steps, or if the system varies from step to step, use
+//! [`RiccatiRecursion`] instead.
 //!
 //! # Algorithm
 //!
-//! The solver first eliminates the cross term: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. It then balances these
-//! matrices by choosing units of the states, which makes the humanoid's solution more accurate by two digits. A step of the
-//! structure-preserving doubling algorithm,
+//! The solver first eliminates the cross term: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`.
+//! It then balances these matrices by choosing units of the states, which makes the humanoid's
+//! solution more accurate by two digits. A step of the structure-preserving doubling algorithm,
 //!
 //! ```text
 //! A⁺ = A (I + GH)⁻¹ A
@@ -25,20 +26,22 @@
 //! H⁺ = H + AᵀH (I + GH)⁻¹ A
 //! ```
 //!
-//! doubles the number of steps of the Riccati recursion that have been taken, so `H` converges to `P` quadratically: after `k`
-//! doublings the error is proportional to `ρ` to the power `2ᵏ⁺¹`, where `ρ` is the spectral radius of `A − BK`. Even a humanoid
-//! whose position on the floor has a tiny weight, `1 − ρ ≈ 10⁻⁹`, needs only about forty. Most of these are nearly free, because
-//! by then the rank of `A` is small and the iteration continues in that dimension; `doubling.rs` has the derivation. If the
-//! residual exceeds the rounding error, Newton steps follow (Hewer 1971).
+//! doubles the number of steps of the Riccati recursion that have been taken, so `H` converges to
+//! `P` quadratically: after `k` doublings the error is proportional to `ρ` to the power `2ᵏ⁺¹`,
+//! where `ρ` is the spectral radius of `A − BK`. Even a humanoid whose position on the floor has a
+//! tiny weight, `1 − ρ ≈ 10⁻⁹`, needs only about forty. Most of these are nearly free, because by
+//! then the rank of `A` is small and the iteration continues in that dimension; `doubling.rs` has
+//! the derivation. If the residual exceeds the rounding error, Newton steps follow (Hewer 1971).
 //!
 //! # Sources
 //!
 //! * B. D. O. Anderson, *Second-order convergent algorithms for the steady-state Riccati equation*,
 //!   International Journal of Control 28 (1978) 295–306.
-//! * E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati
-//!   equations*, International Journal of Control 77 (2004) 767–788.
-//! * G. A. Hewer, *An iterative technique for the computation of the steady state gains for the discrete optimal
-//!   regulator*, IEEE Transactions on Automatic Control 16 (1971) 382–384.
+//! * E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, *Structure-preserving algorithms for periodic
+//!   discrete-time algebraic Riccati equations*, International Journal of Control 77 (2004)
+//!   767–788.
+//! * G. A. Hewer, *An iterative technique for the computation of the steady state gains for the
+//!   discrete optimal regulator*, IEEE Transactions on Automatic Control 16 (1971) 382–384.
 #![allow(clippy::many_single_char_names, reason = "A, B, Q, R, S, P, K, G and H are the symbols of the field")]
 
 mod balancing;
@@ -62,15 +65,17 @@ use problem::Problem;
 /// Default of [`Riccati::with_residual_tolerance`].
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
 
-/// Largest difference between mirrored entries of `Q` or of `R`, relative to the largest entry, that counts as rounding.
+/// Largest difference between mirrored entries of `Q` or of `R`, relative to the largest entry,
+/// that counts as rounding.
 const SYMMETRY_TOLERANCE: f64 = 1e-8;
 
 /// Discrete algebraic Riccati equation.
 ///
-/// With `n` states and `m` controls, `A` is `(n, n)`, `B` is `(n, m)`, `Q` is `(n, n)`, `R` is `(m, m)` and `S`, zero unless
-/// [`with_cross_term`](Self::with_cross_term) sets it, is `(n, m)`. `R` must be positive semidefinite, and the total cost of a
-/// step should be. The solver uses the symmetric parts of `Q` and `R`, which may differ from their transposes by up to 10⁻⁸ of
-/// the largest entry because of rounding.
+/// With `n` states and `m` controls, `A` is `(n, n)`, `B` is `(n, m)`, `Q` is `(n, n)`, `R` is
+/// `(m, m)` and `S`, zero unless [`with_cross_term`](Self::with_cross_term) sets it, is `(n, m)`.
+/// `R` must be positive semidefinite, and the total cost of a step should be. The solver uses the
+/// symmetric parts of `Q` and `R`, which may differ from their transposes by up to 10⁻⁸ of the
+/// largest entry because of rounding.
 ///
 /// Accepts any nalgebra matrix or view, statically or dynamically sized, column-major or row-major.
 ///
@@ -99,8 +104,8 @@ pub struct Riccati<'a> {
     residual_tolerance: f64,
 }
 
-/// Buffers to solve Riccati equations repeatedly without allocating, by [`Riccati::solve_into`]. They grow to the size of the
-/// largest equation.
+/// Buffers to solve Riccati equations repeatedly without allocating, by [`Riccati::solve_into`].
+/// They grow to the size of the largest equation.
 #[derive(Clone, Debug)]
 pub struct RiccatiWorkspace {
     problem: Problem,
@@ -119,8 +124,8 @@ impl Default for RiccatiWorkspace {
     }
 }
 
-/// Stabilising solution of a Riccati equation, with measures of its quality. The default is empty, as an output of
-/// [`Riccati::solve_into`].
+/// Stabilising solution of a Riccati equation, with measures of its quality. The default is empty,
+/// as an output of [`Riccati::solve_into`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RiccatiSolution {
@@ -129,13 +134,14 @@ pub struct RiccatiSolution {
     /// Gain `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`, `(m, n)`, of the optimal control `u = −K x`.
     pub k: DMatrix<f64>,
     /// Relative residual of the equation: the Frobenius norm of
-    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by that of `P`; zero if both vanish.
+    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by that of `P`; zero if both
+    /// vanish.
     pub relative_residual: f64,
-    /// Spectral radius of `A − BK`, the largest modulus of its eigenvalues, which is below one. In `t` steps a small error
-    /// shrinks, in the slowest direction, by this factor to the power `t`.
+    /// Spectral radius of `A − BK`, the largest modulus of its eigenvalues, which is below one. In
+    /// `t` steps a small error shrinks, in the slowest direction, by this factor to the power `t`.
     ///
-    /// The doubling computes it from a high power of `A − BK`, so it resolves radii close to 1 that an eigenvalue solver would
-    /// round to 1.
+    /// The doubling computes it from a high power of `A − BK`, so it resolves radii close to 1 that
+    /// an eigenvalue solver would round to 1.
     pub spectral_radius: f64,
     /// Number of doublings.
     pub iterations: usize,
@@ -159,9 +165,11 @@ impl<'a> Riccati<'a> {
         self
     }
 
-    /// Sets the relative residual above which [`solve`](Self::solve) returns an error; the default is 10⁻⁹.
+    /// Sets the relative residual above which [`solve`](Self::solve) returns an error; the default
+    /// is 10⁻⁹.
     ///
-    /// The tolerance does not affect the solution, which is always refined as far as rounding permits.
+    /// The tolerance does not affect the solution, which is always refined as far as rounding
+    /// permits.
     #[must_use]
     pub fn with_residual_tolerance(mut self, tolerance: f64) -> Self {
         self.residual_tolerance = tolerance;
@@ -173,21 +181,26 @@ impl<'a> Riccati<'a> {
     /// # Errors
     ///
     /// * [`WrongShape`](RiccatiError::WrongShape), [`NotFinite`](RiccatiError::NotFinite),
-    ///   [`NotSymmetric`](RiccatiError::NotSymmetric), [`ControlCostNotPositive`](RiccatiError::ControlCostNotPositive),
-    ///   [`SingularPencil`](RiccatiError::SingularPencil):
-    ///   the matrices do not define an equation. The error names the first offending matrix.
-    /// * [`UncontrollableMode`](RiccatiError::UncontrollableMode), [`UnobservableMode`](RiccatiError::UnobservableMode):
-    ///   there is no stabilising solution because of this mode.
-    /// * [`NoConvergence`](RiccatiError::NoConvergence): no solution was found, and no single mode is the reason.
-    /// * [`Inaccurate`](RiccatiError::Inaccurate): the residual of the solution is above the tolerance.
+    ///   [`NotSymmetric`](RiccatiError::NotSymmetric),
+    ///   [`ControlCostNotPositive`](RiccatiError::ControlCostNotPositive),
+    ///   [`SingularPencil`](RiccatiError::SingularPencil): the matrices do not define an equation.
+    ///   The error names the first offending matrix.
+    /// * [`UncontrollableMode`](RiccatiError::UncontrollableMode),
+    ///   [`UnobservableMode`](RiccatiError::UnobservableMode): there is no stabilising solution
+    ///   because of this mode.
+    /// * [`NoConvergence`](RiccatiError::NoConvergence): no solution was found, and no single mode
+    ///   is the reason.
+    /// * [`Inaccurate`](RiccatiError::Inaccurate): the residual of the solution is above the
+    ///   tolerance.
     pub fn solve(&self) -> Result<RiccatiSolution, RiccatiError> {
         let mut solution = RiccatiSolution::default();
         self.solve_into(&mut RiccatiWorkspace::new(), &mut solution)?;
         Ok(solution)
     }
 
-    /// Solves the equation as [`solve`](Self::solve) does, with existing buffers and into an existing solution. Allocates nothing
-    /// after the first equation of the same size, except to diagnose a failure and if `R` is singular.
+    /// Solves the equation as [`solve`](Self::solve) does, with existing buffers and into an
+    /// existing solution. Allocates nothing after the first equation of the same size, except to
+    /// diagnose a failure and if `R` is singular.
     ///
     /// ```
     /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiSolution, RiccatiWorkspace};

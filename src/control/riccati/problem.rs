@@ -8,17 +8,20 @@ use super::diagnosis::{diagnose, diagnose_failure};
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
 
-/// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling was inaccurate.
+/// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling was
+/// inaccurate.
 const MAX_NEWTON_STEPS: usize = 6;
 
-/// Relative residual per state, in units of the machine precision, up to which no Newton step is needed.
+/// Relative residual per state, in units of the machine precision, up to which no Newton step is
+/// needed.
 const GOOD_RESIDUAL: f64 = 32.0;
 
-/// Doublings before the first attempt to deflate: the modes of a mechanical system take more than 2⁴ steps to vanish.
+/// Doublings before the first attempt to deflate: the modes of a mechanical system take more than
+/// 2⁴ steps to vanish.
 const PATIENCE: usize = 4;
 
-/// Distance of the spectral radius from one below which rounding alone may have moved an uncontrollable or unobservable mode
-/// into the unit circle.
+/// Distance of the spectral radius from one below which rounding alone may have moved an
+/// uncontrollable or unobservable mode into the unit circle.
 const DOUBTFUL_MARGIN: f64 = 1e-12;
 
 /// Relative residual above which a mode may be controllable by rounding alone.
@@ -30,8 +33,8 @@ const NEGATIVE_TOLERANCE: f64 = 1e-12;
 /// Maximum number of iterations of nalgebra's eigenvalue solvers, so that they terminate.
 pub(super) const MAX_EIGENVALUE_ITERATIONS: usize = 10_000;
 
-/// Riccati equation with validated matrices, symmetric `Q` and `R`, and the buffers to solve it. The states are in balanced
-/// units: see `balancing.rs`.
+/// Riccati equation with validated matrices, symmetric `Q` and `R`, and the buffers to solve it.
+/// The states are in balanced units: see `balancing.rs`.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     simd: InstructionSet,
@@ -101,7 +104,8 @@ impl Problem {
         }
     }
 
-    /// Computes the stabilising solution to the accuracy that rounding permits, and stores it in `candidate`.
+    /// Computes the stabilising solution to the accuracy that rounding permits, and stores it in
+    /// `candidate`.
     pub(super) fn solve(&mut self) -> Result<Doubled, RiccatiError> {
         self.units.clear();
         self.start()?;
@@ -120,16 +124,18 @@ impl Problem {
         }
     }
 
-    /// Sets the initial candidate: `P = 0`, or, if some controls have no cost, a multiple of the identity, which adds a cost of
-    /// these controls.
+    /// Sets the initial candidate: `P = 0`, or, if some controls have no cost, a multiple of the
+    /// identity, which adds a cost of these controls.
     ///
-    /// Any symmetric `X` is a valid start: the difference `Δ = P − X` solves an equation of the same form,
+    /// Any symmetric `X` is a valid start: the difference `Δ = P − X` solves an equation of the
+    /// same form,
     ///
     /// ```text
     /// Δ = FᵀΔF − FᵀΔB (R + BᵀXB + BᵀΔB)⁻¹ BᵀΔF + residual of X,    F = A − B × gain of X
     /// ```
     ///
-    /// which has no cross term. For `X = 0` it is the equation itself with `A − BR⁻¹Sᵀ`, `BR⁻¹Bᵀ` and `Q − SR⁻¹Sᵀ`.
+    /// which has no cross term. For `X = 0` it is the equation itself with `A − BR⁻¹Sᵀ`, `BR⁻¹Bᵀ`
+    /// and `Q − SR⁻¹Sᵀ`.
     fn start(&mut self) -> Result<(), RiccatiError> {
         let states = self.a.rows();
         self.candidate.p.clear(states, states);
@@ -185,11 +191,13 @@ impl Problem {
         if self.evaluate() && doubled.spectral_radius < 1.0 { Ok(doubled) } else { Err(failure) }
     }
 
-    /// Handles a failure of the doubling: returns the reason why there is no solution, or solves from another start.
+    /// Handles a failure of the doubling: returns the reason why there is no solution, or solves
+    /// from another start.
     ///
-    /// Doubling starts from `P = 0`. If a mode outside the unit circle has no cost, `P = 0` remains a solution along this mode,
-    /// but the stabilising solution is larger. So this first solves an equation with a larger `Q`, whose solution is an upper
-    /// bound, and then doubles again for the difference.
+    /// Doubling starts from `P = 0`. If a mode outside the unit circle has no cost, `P = 0` remains
+    /// a solution along this mode, but the stabilising solution is larger. So this first solves an
+    /// equation with a larger `Q`, whose solution is an upper bound, and then doubles again for the
+    /// difference.
     fn solve_from_above(&mut self, failure: NoConvergence) -> Result<Doubled, RiccatiError> {
         if let Some(error) = diagnose(self) {
             return Err(error);
@@ -218,7 +226,8 @@ impl Problem {
         diagnose_failure(self).unwrap_or(failure)
     }
 
-    /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where `Δ = FᵀΔF + residual` and `F = A − BK`.
+    /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where
+    /// `Δ = FᵀΔF + residual` and `F = A − BK`.
     fn refine(&mut self, doubled: &mut Doubled) {
         let good = GOOD_RESIDUAL * self.a.rows() as f64 * f64::EPSILON;
         for _ in 0..MAX_NEWTON_STEPS {
@@ -243,10 +252,12 @@ impl Problem {
         }
     }
 
-    /// Computes the gain and the residual of the candidate. Returns `false` if `R + BᵀPB` is not positive definite.
+    /// Computes the gain and the residual of the candidate. Returns `false` if `R + BᵀPB` is not
+    /// positive definite.
     ///
-    /// With this gain the residual equals `(A − BK)ᵀP(A − BK) + KᵀRK − SK − KᵀSᵀ + Q − P`, which is evaluated instead. Its terms
-    /// are no larger than `P`, whereas `AᵀPA` can be so large that the difference cancels.
+    /// With this gain the residual equals `(A − BK)ᵀP(A − BK) + KᵀRK − SK − KᵀSᵀ + Q − P`, which is
+    /// evaluated instead. Its terms are no larger than `P`, whereas `AᵀPA` can be so large that the
+    /// difference cancels.
     fn evaluate(&mut self) -> bool {
         let Self { simd, a, b, q, r, s, candidate, product, other, units, .. } = self;
         let Candidate { p, k, relative_residual, residual, closed_loop, cost } = candidate;
@@ -304,8 +315,8 @@ impl Problem {
         self.candidate.k.write_to(k, |_, column| unit(column));
     }
 
-    /// Returns `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ` in the original units. If some controls have no cost, the last two are
-    /// those of the difference equation of [`start`](Self::start).
+    /// Returns `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ` in the original units. If some controls have
+    /// no cost, the last two are those of the difference equation of [`start`](Self::start).
     pub(super) fn matrices(&mut self) -> Option<[DMatrix<f64>; 4]> {
         self.start().ok()?;
         let Candidate { closed_loop, residual, .. } = &self.candidate;

@@ -8,12 +8,13 @@ use super::{RiccatiError, RiccatiMatrix, check, check_symmetric};
 use crate::control::LqrWeights;
 use crate::matrix::Matrix;
 
-/// Riccati recursion: the optimal gains of a linear system over a finite number of steps, from the last step to the first
-/// (Bertsekas, *Dynamic Programming and Optimal Control*, volume I, section 4.1). The system and the weights may vary from step
-/// to step.
+/// Riccati recursion: the optimal gains of a linear system over a finite number of steps, from the
+/// last step to the first (Bertsekas, *Dynamic Programming and Optimal Control*, volume I, section
+/// 4.1). The system and the weights may vary from step to step.
 ///
-/// With the terminal cost `dxᵀPdx` and the cost `dxᵀQdx + duᵀRdu + 2dxᵀSdu` of each step, [`step_back`](Self::step_back)
-/// computes the gain of the preceding step, `du = −K dx`, and its cost to go.
+/// With the terminal cost `dxᵀPdx` and the cost `dxᵀQdx + duᵀRdu + 2dxᵀSdu` of each step,
+/// [`step_back`](Self::step_back) computes the gain of the preceding step, `du = −K dx`, and its
+/// cost to go.
 ///
 /// ```
 /// use mujoco_safe::LqrWeights;
@@ -50,7 +51,8 @@ pub struct RiccatiRecursion {
 }
 
 impl RiccatiRecursion {
-    /// Creates a recursion from the terminal cost `dxᵀPdx`: `terminal` is P, `(n, n)` and symmetric.
+    /// Creates a recursion from the terminal cost `dxᵀPdx`: `terminal` is P, `(n, n)` and
+    /// symmetric.
     ///
     /// # Errors
     ///
@@ -66,7 +68,8 @@ impl RiccatiRecursion {
         Ok(Self { backup, p, k: DMatrix::zeros(controls, n), a, b })
     }
 
-    /// Steps back in time over a step of the system `dx⁺ = A dx + B du`, and returns the gain K of that step, `(m, n)`.
+    /// Steps back in time over a step of the system `dx⁺ = A dx + B du`, and returns the gain K of
+    /// that step, `(m, n)`.
     ///
     /// Uses the symmetric parts of `Q` and `R`, as [`Riccati`](super::Riccati) does.
     ///
@@ -114,13 +117,15 @@ impl RiccatiRecursion {
         &self.k
     }
 
-    /// Returns the cost to go P, `(n, n)`, symmetric to the last bit: the cost from `dx` is `dxᵀPdx`.
+    /// Returns the cost to go P, `(n, n)`, symmetric to the last bit: the cost from `dx` is
+    /// `dxᵀPdx`.
     pub fn p(&self) -> &DMatrix<f64> {
         &self.p
     }
 }
 
-/// Returns the symmetric part of a weight `(size, size)`, if the weight is symmetric up to rounding.
+/// Returns the symmetric part of a weight `(size, size)`, if the weight is symmetric up to
+/// rounding.
 fn symmetric(
     matrix: RiccatiMatrix,
     weight: &DMatrixView<'_, f64, Dyn, Dyn>,

@@ -42,7 +42,8 @@ pub enum ContactSide {
     },
 }
 
-/// Force and torque of a contact on its second geom, contact frame. The first geom receives the opposite.
+/// Force and torque of a contact on its second geom, contact frame. The first geom receives the
+/// opposite.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ContactForce {
     /// Force, N, along the normal and the two tangents.
@@ -69,7 +70,8 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn contacts(&self) -> impl ExactSizeIterator<Item = Contact<'_>> {
-        // SAFETY: the array has `ncon` contacts, and they are not modified while `self` is borrowed.
+        // SAFETY: the array has `ncon` contacts, and they are not modified while `self` is
+        // borrowed.
         let contacts: &[mjContact] = unsafe { ffi::array(self.raw().contact, self.ncon()) };
         contacts.iter().enumerate().map(|(index, raw)| Contact { data: self, index, raw })
     }
@@ -91,8 +93,8 @@ impl<'d> Contact<'d> {
         &self.raw.pos
     }
 
-    /// Returns the axes of the contact frame as rows, world frame: the normal, which points from the first geom to the second,
-    /// and two tangents.
+    /// Returns the axes of the contact frame as rows, world frame: the normal, which points from
+    /// the first geom to the second, and two tangents.
     pub fn frame(&self) -> &'d [[f64; 3]; 3] {
         self.raw.frame.as_chunks().0.try_into().expect("Bug: nine values are not three rows")
     }
@@ -102,8 +104,8 @@ impl<'d> Contact<'d> {
         &self.frame()[0]
     }
 
-    /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are more general. Engines before 3.0 have no
-    /// flexes.
+    /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are
+    /// more general. Engines before 3.0 have no flexes.
     #[doc(alias = "geom1")]
     #[doc(alias = "geom2")]
     pub fn geoms(&self) -> Option<[GeomId; 2]> {
@@ -140,7 +142,8 @@ impl<'d> Contact<'d> {
         ffi::size(self.raw.dim)
     }
 
-    /// Returns `true` if the contact has constraint rows. A contact within its gap, for example, has none.
+    /// Returns `true` if the contact has constraint rows. A contact within its gap, for example,
+    /// has none.
     #[doc(alias = "exclude")]
     #[doc(alias = "efc_address")]
     pub fn is_active(&self) -> bool {
@@ -148,12 +151,14 @@ impl<'d> Contact<'d> {
         (0..self.data.raw().nefc).contains(&self.raw.efc_address)
     }
 
-    /// Computes the force and torque of the contact, contact frame. Zero for a contact that is not active.
+    /// Computes the force and torque of the contact, contact frame. Zero for a contact that is not
+    /// active.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before forces were computed, for example between [`step1`](Data::step1) and
-    /// [`step2`](Data::step2), when the engine would return forces of another state.
+    /// [`Error::NotComputed`] before forces were computed, for example between
+    /// [`step1`](Data::step1) and [`step2`](Data::step2), when the engine would return forces of
+    /// another state.
     #[doc(alias = "mj_contactForce")]
     pub fn force(&self) -> Result<ContactForce> {
         self.data.check_computed("contact force", Stage::Acceleration)?;
@@ -161,7 +166,8 @@ impl<'d> Contact<'d> {
             return Ok(ContactForce::default());
         }
         let mut result = [0.0; 6];
-        // SAFETY: the index is below `ncon`, and the forces were computed with the layout of the model's present options.
+        // SAFETY: the index is below `ncon`, and the forces were computed with the layout of the
+        // model's present options.
         unsafe {
             sys::mj_contactForce(
                 self.data.model().as_ptr(),
@@ -221,7 +227,8 @@ pub struct NewContact {
 }
 
 impl NewContact {
-    /// Creates a contact of dimension 3, with the default values of the engine's compiler for geoms.
+    /// Creates a contact of dimension 3, with the default values of the engine's compiler for
+    /// geoms.
     pub fn new(geoms: [impl Into<GeomId>; 2], dist: f64, pos: [f64; 3], normal: [f64; 3]) -> Self {
         Self {
             geoms: geoms.map(Into::into),
@@ -274,14 +281,15 @@ impl NewContact {
 
 /// # Additional contacts
 impl Data {
-    /// Adds a contact to those of the last [`collision`](Self::collision). The constraint rows count as not computed
-    /// afterwards: continue with [`make_constraint`](Self::make_constraint). The next collision detection, for example of a step,
-    /// removes the contact.
+    /// Adds a contact to those of the last [`collision`](Self::collision). The constraint rows
+    /// count as not computed afterwards: continue with [`make_constraint`](Self::make_constraint).
+    /// The next collision detection, for example of a step, removes the contact.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for values that do not describe a contact or for
-    /// two geoms of the same body, [`Error::Unsupported`] if the number of contacts has reached `nconmax` or contacts are disabled.
+    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for values that do
+    /// not describe a contact or for two geoms of the same body, [`Error::Unsupported`] if the
+    /// number of contacts has reached `nconmax` or contacts are disabled.
     ///
     /// # Panics
     ///
@@ -324,7 +332,8 @@ impl Data {
                 "of different bodies",
             ));
         }
-        // The engine would create no rows for the contact, but some engine functions assume that every contact has rows.
+        // The engine would create no rows for the contact, but some engine functions assume that
+        // every contact has rows.
         if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {
             return Err(Error::Unsupported("add_contact to a model whose contacts are disabled".to_owned()));
         }
@@ -343,15 +352,16 @@ impl Data {
         (raw.dim, raw.geom1, raw.geom2, raw.efc_address) = (contact.dim as c_int, geom1, geom2, -1);
         let is_static = |body: BodyId| model.body_weldid()[body.index()] == 0;
         if cfg!(engine_since = "2.3.0") && is_static(first) && is_static(second) {
-            // The value for contacts without degrees of freedom. With a dense Jacobian 3.5.0 would create rows of zeros, which its
-            // `mj_island` rejects.
+            // The value for contacts without degrees of freedom. With a dense Jacobian 3.5.0 would
+            // create rows of zeros, which its `mj_island` rejects.
             raw.exclude = 3;
         }
         // SAFETY: a valid contact between two geoms.
         unsafe { sys::adapted::complete_contact(&raw mut raw) };
         let mut full = 0;
         self.run("mj_addContact", self.after(PipelineFlags::COLLISION), |m, d| {
-            // SAFETY: geoms of this model, a valid dimension, no rows yet, a valid pointer for the result.
+            // SAFETY: geoms of this model, a valid dimension, no rows yet, a valid pointer for the
+            // result.
             unsafe { guard::mj_add_contact(m, d, &raw const raw, &raw mut full) }
         })?;
         // The engine has removed the constraints.

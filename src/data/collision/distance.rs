@@ -35,20 +35,24 @@ const RESOLUTION: f64 = 1e-9;
 
 /// # Distances between geoms
 impl Data {
-    /// Computes the smallest signed distance between two geoms, or `None` if it is larger than `distmax` in m. Newer engines
-    /// provide this as `mj_geomDistance`. Version 2.2.2 does not, so this method uses the collision functions.
+    /// Computes the smallest signed distance between two geoms, or `None` if it is larger than
+    /// `distmax` in m. Newer engines provide this as `mj_geomDistance`. Version 2.2.2 does not, so
+    /// this method uses the collision functions.
     ///
-    /// Pairs of planes, spheres and capsules, and spheres with boxes, have closed-form solutions. For all other pairs of convex
-    /// shapes the engine iterates (Minkowski portal refinement of libccd, to the precision `mpr_tolerance`): a positive distance
-    /// is found by bisection of the collision margin; a penetration depth is enough to separate the shapes, but may not be the
+    /// Pairs of planes, spheres and capsules, and spheres with boxes, have closed-form solutions.
+    /// For all other pairs of convex shapes the engine iterates (Minkowski portal refinement of
+    /// libccd, to the precision `mpr_tolerance`): a positive distance is found by bisection of the
+    /// collision margin; a penetration depth is enough to separate the shapes, but may not be the
     /// smallest one. Meshes are replaced by their convex hulls.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
-    /// [`Error::Unsupported`] for a pair without a collision function, such as two planes, for a signed distance field, or for a
-    /// geom whose pose is not finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is
-    /// not positive. This last error poisons the data, because the engine moves geoms during the call.
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that
+    /// is negative or not finite, [`Error::Unsupported`] for a pair without a collision function,
+    /// such as two planes, for a signed distance field, or for a geom whose pose is not finite,
+    /// [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size
+    /// is not positive. This last error poisons the data, because the engine moves geoms during the
+    /// call.
     ///
     /// # Panics
     ///
@@ -126,7 +130,8 @@ impl Data {
         if let Some(nearest) = self.nearest(pair, function, 0.0)? {
             return Ok(Some(nearest));
         }
-        // The distance of convex shapes is at most that of their centres. A height field is not convex.
+        // The distance of convex shapes is at most that of their centres. A height field is not
+        // convex.
         let [a, b] = pair.map(|geom| self.geom_xpos()[geom]);
         let mut farthest = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt() * (1.0 + 1e-9);
         if types[0] == mjGEOM_HFIELD {
@@ -161,7 +166,8 @@ impl Data {
         Ok(nearest)
     }
 
-    /// Calls `found` for each contact that a collision function finds within a margin, for a pair that is sorted by type.
+    /// Calls `found` for each contact that a collision function finds within a margin, for a pair
+    /// that is sorted by type.
     pub(crate) fn collide(
         &mut self,
         [first, second]: [usize; 2],
@@ -181,9 +187,10 @@ impl Data {
         let mut count = 0;
         let (array, place) = (contacts.as_mut_ptr().cast(), &raw mut count);
         self.call_mut("mjCOLLISIONFUNC", |m, d| {
-            // SAFETY: two geoms of this model, whose poses were computed, and the function for their types or the one for any two
-            // convex shapes; an array for the largest number of contacts that a function may find. The function moves the geoms and
-            // restores them, for which `call_mut` borrows the data exclusively.
+            // SAFETY: two geoms of this model, whose poses were computed, and the function for
+            // their types or the one for any two convex shapes; an array for the largest number of
+            // contacts that a function may find. The function moves the geoms and restores them,
+            // for which `call_mut` borrows the data exclusively.
             unsafe { guard::collide(m, d, array, types[0], types[1], first as i32, second as i32, margin, place) }
         })?;
         let Ok(count) = usize::try_from(count) else {
@@ -192,7 +199,8 @@ impl Data {
             )));
         };
         let contacts = contacts[..count].iter().map(|contact| {
-            // The collision functions leave some fields uninitialised, so a reference to the whole struct would be invalid.
+            // The collision functions leave some fields uninitialised, so a reference to the whole
+            // struct would be invalid.
             let contact = contact.as_ptr();
             // SAFETY: every collision function sets these fields of each contact that it counts.
             let (distance, midpoint, frame) = unsafe { ((*contact).dist, (*contact).pos, (*contact).frame) };

@@ -1,7 +1,8 @@
 //! Ray casting.
 //!
-//! A ray starts at a point and has a direction of any length. Distances are in units of that length, so in metres for a direction
-//! of length 1. A direction of length zero and values that are not finite are errors. (In C, they end the process.)
+//! A ray starts at a point and has a direction of any length. Distances are in units of that
+//! length, so in metres for a direction of length 1. A direction of length zero and values that are
+//! not finite are errors. (In C, they end the process.)
 
 use std::ffi::c_int;
 use std::ptr;
@@ -22,7 +23,8 @@ use crate::model::Model;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RayOptions {
-    /// Selected groups of geoms; `None` selects all. Engines before 2.3.6 always select planes and height fields.
+    /// Selected groups of geoms; `None` selects all. Engines before 2.3.6 always select planes and
+    /// height fields.
     pub geomgroup: Option<[bool; 6]>,
     /// Includes the geoms of the world body.
     #[doc(alias = "flg_static")]
@@ -59,9 +61,10 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction of length zero or a value that is
-    /// not finite, [`Error::Unsupported`] if the model has a height field with more rows than columns, which 2.2.2 reads out of
-    /// bounds, or one whose sizes or orientation are beyond the limits of the engine.
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction of
+    /// length zero or a value that is not finite, [`Error::Unsupported`] if the model has a height
+    /// field with more rows than columns, which 2.2.2 reads out of bounds, or one whose sizes or
+    /// orientation are beyond the limits of the engine.
     ///
     /// # Panics
     ///
@@ -92,13 +95,15 @@ impl Data {
         self.ray_unchecked(point, direction, options)
     }
 
-    /// Writes the nearest intersections of several rays from one point to `hits`. Intersections beyond `cutoff`, in units of the
-    /// length of each direction, are ignored. Each ray is a separate call of the engine. Newer engines have `mj_multiRay`, which may return hits beyond the cutoff.
+    /// Writes the nearest intersections of several rays from one point to `hits`. Intersections
+    /// beyond `cutoff`, in units of the length of each direction, are ignored. Each ray is a
+    /// separate call of the engine. Newer engines have `mj_multiRay`, which may return hits beyond
+    /// the cutoff.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), [`Error::Shape`] unless `hits` and `directions` have the same length, and [`Error::Invalid`] for
-    /// a cutoff that is NaN.
+    /// As for [`ray`](Self::ray), [`Error::Shape`] unless `hits` and `directions` have the same
+    /// length, and [`Error::Invalid`] for a cutoff that is NaN.
     ///
     /// # Panics
     ///
@@ -135,12 +140,13 @@ impl Data {
         Ok(())
     }
 
-    /// Returns the distance at which a ray hits the mesh of a geom, in units of the length of the direction.
+    /// Returns the distance at which a ray hits the mesh of a geom, in units of the length of the
+    /// direction.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, and [`Error::Invalid`] if the
-    /// geom is not a mesh.
+    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown
+    /// key, and [`Error::Invalid`] if the geom is not a mesh.
     ///
     /// # Panics
     ///
@@ -149,7 +155,8 @@ impl Data {
     pub fn ray_mesh(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_mesh", geom, mjGEOM_MESH, "a mesh")?;
         check_ray(&point, &direction)?;
-        // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of three elements.
+        // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of
+        // three elements.
         let distance = unsafe {
             sys::adapted::ray_mesh(
                 self.model().as_ptr(),
@@ -162,12 +169,13 @@ impl Data {
         Ok(hit_distance(distance))
     }
 
-    /// Returns the distance at which a ray hits the height field of a geom, in units of the length of the direction.
+    /// Returns the distance at which a ray hits the height field of a geom, in units of the length
+    /// of the direction.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, and [`Error::Invalid`] if the
-    /// geom is not a height field.
+    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown
+    /// key, and [`Error::Invalid`] if the geom is not a height field.
     ///
     /// # Panics
     ///
@@ -180,8 +188,8 @@ impl Data {
             return Err(out_of_bounds_field(self.model(), index));
         }
         self.check_field_poses()?;
-        // SAFETY: a geom of this model that is a height field which the engine reads within bounds, whose pose was computed, and two
-        // vectors of three elements.
+        // SAFETY: a geom of this model that is a height field which the engine reads within bounds,
+        // whose pose was computed, and two vectors of three elements.
         let distance = unsafe {
             sys::adapted::ray_hfield(
                 self.model().as_ptr(),
@@ -205,16 +213,17 @@ impl Data {
         let groups = groups.as_ref().map_or(ptr::null(), |groups| groups.as_ptr());
         let (with_static, hit) = (options.static_geoms.into(), (&raw mut geom, &raw mut distance));
         self.call("mj_ray", |m, d| {
-            // SAFETY: two vectors of three elements, six groups or NULL, two valid pointers for the results; the poses were computed.
+            // SAFETY: two vectors of three elements, six groups or NULL, two valid pointers for the
+            // results; the poses were computed.
             unsafe { guard::mj_ray(m, d, point, direction, groups, with_static, exclude, hit.0, hit.1) }
         })?;
         let geom = usize::try_from(geom).ok();
         Ok(geom.map(|geom| RayHit { distance, geom: Id::new(geom, self.model().lineage()) }))
     }
 
-    /// Returns an error for a height field whose orientation, in the data or in the model, is so far from a rotation that the
-    /// coordinates of a point in its frame overflow. The engine converts these coordinates to indices. (NaN does not reach that
-    /// conversion.)
+    /// Returns an error for a height field whose orientation, in the data or in the model, is so
+    /// far from a rotation that the coordinates of a point in its frame overflow. The engine
+    /// converts these coordinates to indices. (NaN does not reach that conversion.)
     #[cold]
     pub(crate) fn check_field_poses(&self) -> Result<()> {
         /// Limit of the elements, far above those of rotations and their squares.
@@ -222,7 +231,8 @@ impl Data {
         let model = self.model();
         let is_field = |&geom: &usize| model.geom_type()[geom] == mjGEOM_HFIELD as i32;
         let far = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST);
-        // The present pose, which the program can modify, and the model's quaternions, which determine the next pose.
+        // The present pose, which the program can modify, and the model's quaternions, which
+        // determine the next pose.
         let is_far = |&geom: &usize| {
             let body = ffi::size(model.geom_bodyid()[geom]);
             far(&self.geom_xmat()[geom]) || far(&model.geom_quat()[geom]) || far(&model.body_iquat()[body])

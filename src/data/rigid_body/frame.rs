@@ -30,7 +30,8 @@ pub enum FrameId {
     Camera(CameraId),
 }
 
-/// Axes of the components of a velocity or an acceleration. The reference point is the origin of the object in both cases.
+/// Axes of the components of a velocity or an acceleration. The reference point is the origin of
+/// the object in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axes {
     /// Axes of the world.
@@ -76,18 +77,19 @@ impl Data {
         let (object_type, index) = self.object(object);
         self.check_computed("object_velocity", Stage::Velocity)?;
         self.motion("mj_objectVelocity", |m, d, result| {
-            // SAFETY: an object of this model, of a type with a frame, and a result of six elements.
+            // SAFETY: an object of this model, of a type with a frame, and a result of six
+            // elements.
             unsafe { guard::mj_object_velocity(m, d, object_type, index, result, (axes == Axes::Local).into()) }
         })
     }
 
-    /// Computes the acceleration of a frame as an accelerometer measures it, gravity included: a frame at rest accelerates
-    /// upwards.
+    /// Computes the acceleration of a frame as an accelerometer measures it, gravity included: a
+    /// frame at rest accelerates upwards.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before [`rne_post_constraint`](Self::rne_post_constraint), which computes the accelerations of
-    /// bodies.
+    /// [`Error::NotComputed`] before [`rne_post_constraint`](Self::rne_post_constraint), which
+    /// computes the accelerations of bodies.
     ///
     /// # Panics
     ///
@@ -126,13 +128,13 @@ impl Data {
         Ok(SpatialVector::from_engine(result))
     }
 
-    /// Converts a force (N) and a torque (N·m) on a body to generalised forces, and adds them to `qfrc_target` (nv). The force
-    /// acts at `point` (m). All three vectors are in the world frame.
+    /// Converts a force (N) and a torque (N·m) on a body to generalised forces, and adds them to
+    /// `qfrc_target` (nv). The force acts at `point` (m). All three vectors are in the world frame.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length, [`Error::Engine`] if the
-    /// engine's stack is too small.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length,
+    /// [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -164,13 +166,14 @@ impl Data {
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
         let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
         self.call_mut("mj_applyFT", |m, d| {
-            // SAFETY: a body of this model, three vectors of three elements, and a target of nv elements.
+            // SAFETY: a body of this model, three vectors of three elements, and a target of nv
+            // elements.
             unsafe { guard::mj_apply_ft(m, d, force.as_ptr(), torque.as_ptr(), point.as_ptr(), body, target) }
         })
     }
 
-    /// Transforms a position (m) and an orientation `[w, x, y, z]` from the frame of a body to the world frame. Returns the position
-    /// and the rotation matrix.
+    /// Transforms a position (m) and an orientation `[w, x, y, z]` from the frame of a body to the
+    /// world frame. Returns the position and the rotation matrix.
     ///
     /// # Errors
     ///
@@ -199,7 +202,8 @@ impl Data {
         let body = body.id(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;
         let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
-        // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only reads the data.
+        // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only
+        // reads the data.
         unsafe {
             sys::mj_local2Global(
                 self.as_ptr().cast_mut(),

@@ -42,7 +42,8 @@ impl Data {
         self.check_computed("full_m", Stage::Position)?;
         let nv = self.model().nv();
         Error::check_shape("the output of full_m", full.shape(), (nv, nv))?;
-        // SAFETY: the output has nv × nv elements, and the inertia matrix was computed for this model.
+        // SAFETY: the output has nv × nv elements, and the inertia matrix was computed for this
+        // model.
         unsafe { sys::adapted::full_m(self.model().as_ptr(), self.as_ptr(), full.as_mut_ptr()) };
         Ok(())
     }
@@ -63,12 +64,13 @@ impl Data {
         Ok(())
     }
 
-    /// Solves `M result = vector` with the factorisation that the pipeline computed. Both have length nv, or n·nv for n
-    /// concatenated vectors.
+    /// Solves `M result = vector` with the factorisation that the pipeline computed. Both have
+    /// length nv, or n·nv for n concatenated vectors.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths are the same multiple of nv.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths
+    /// are the same multiple of nv.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -89,14 +91,16 @@ impl Data {
         let names = ["the vector of solve_m_into", "the result of solve_m_into"];
         let n = self.vector_count("solve_m", names, vector.len(), result.len())?;
         self.call_mut("mj_solveM", |m, d| {
-            // SAFETY: both vectors have n × nv elements, and the factor was computed for this model.
+            // SAFETY: both vectors have n × nv elements, and the factor was computed for this
+            // model.
             unsafe { guard::mj_solve_m(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
         })
     }
 
-    /// Computes `result = M^½ vector` with the square root of the factorisation, `D^½ L`, so that the squared length of the result
-    /// is `vectorᵀ M vector`. Both have length nv. (The function of 2.2.2 is not used: it does not scale the off-diagonal elements of
-    /// `L`, so its matrix is not a square root.)
+    /// Computes `result = M^½ vector` with the square root of the factorisation, `D^½ L`, so that
+    /// the squared length of the result is `vectorᵀ M vector`. Both have length nv. (The function
+    /// of 2.2.2 is not used: it does not scale the off-diagonal elements of `L`, so its matrix is
+    /// not a square root.)
     ///
     /// # Errors
     ///
@@ -124,7 +128,8 @@ impl Data {
         let model = self.model();
         for (dof, result) in result.iter_mut().enumerate() {
             let mut sum = vector[dof];
-            // L has ones on its diagonal, and off-diagonal elements for the ancestors of a degree of freedom.
+            // L has ones on its diagonal, and off-diagonal elements for the ancestors of a degree
+            // of freedom.
             if let Some(row) = self.factor_row(dof) {
                 row.iter().for_each(|(ancestor, value)| sum += value * vector[ancestor]);
                 *result = sum / self.qLDiagInv()[dof].sqrt();
@@ -142,12 +147,14 @@ impl Data {
         Ok(())
     }
 
-    /// Computes `result = D^-½ L⁻ᵀ vector`, the first half of a solve, so that the squared length of the result is
-    /// `vectorᵀ M⁻¹ vector`. Both have length nv, or n·nv for n concatenated vectors.
+    /// Computes `result = D^-½ L⁻ᵀ vector`, the first half of a solve, so that the squared length
+    /// of the result is `vectorᵀ M⁻¹ vector`. Both have length nv, or n·nv for n concatenated
+    /// vectors.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths are the same multiple of nv.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths
+    /// are the same multiple of nv.
     #[doc(alias = "mj_solveM2")]
     pub fn solve_m2_into(&mut self, vector: &[f64], result: &mut [f64]) -> Result<()> {
         self.check_computed("solve_m2_into", Stage::Position)?;
@@ -171,14 +178,15 @@ impl Data {
             .map_err(|_| Error::Unsupported(format!("{call} of {n} vectors of length {nv} at once")))
     }
 
-    /// Computes inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone,
-    /// Rigid Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature. With
-    /// [`Accelerations::Zero`] the result is the bias forces.
+    /// Computes inverse dynamics without constraints and passive forces, by the recursive
+    /// Newton–Euler algorithm (Featherstone, Rigid Body Dynamics Algorithms, chapter 5):
+    /// `result = M qacc + bias` of length nv, without the armature. With [`Accelerations::Zero`]
+    /// the result is the bias forces.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before velocities were computed, [`Error::Shape`] for a wrong length, [`Error::Engine`] if the
-    /// engine's stack is too small.
+    /// [`Error::NotComputed`] before velocities were computed, [`Error::Shape`] for a wrong length,
+    /// [`Error::Engine`] if the engine's stack is too small.
     ///
     /// ```
     /// use mujoco_safe::data::Accelerations;
@@ -224,20 +232,23 @@ impl Data {
         Error::check_shape("the sum of add_m", sum.shape(), (nv, nv))?;
         let null = ptr::null_mut;
         self.call_mut("mj_addM", |m, d| {
-            // SAFETY: without index arrays the engine treats the sum as a full matrix, and it has nv × nv elements.
+            // SAFETY: without index arrays the engine treats the sum as a full matrix, and it has
+            // nv × nv elements.
             unsafe { guard::mj_add_m(m, d, sum.as_mut_ptr(), null(), null(), null()) }
         })
     }
 
-    /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` elements, which start at `values[rowadr[r]]`;
-    /// their column indices, in ascending order, start at `colind[rowadr[r]]`. The call adds to existing elements, inserts missing
-    /// columns, and updates `rownnz`. Each row needs enough space for the insertions before the start of the next row.
+    /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` elements,
+    /// which start at `values[rowadr[r]]`; their column indices, in ascending order, start at
+    /// `colind[rowadr[r]]`. The call adds to existing elements, inserts missing columns, and
+    /// updates `rownnz`. Each row needs enough space for the insertions before the start of the
+    /// next row.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and `rowadr` have length nv and
-    /// `colind` has that of `values`, [`Error::Invalid`] for an invalid row or one with too little space, [`Error::Engine`] if the
-    /// engine's stack is too small.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and
+    /// `rowadr` have length nv and `colind` has that of `values`, [`Error::Invalid`] for an invalid
+    /// row or one with too little space, [`Error::Engine`] if the engine's stack is too small.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -274,8 +285,9 @@ impl Data {
         let (values, rownnz, colind) = (values.as_mut_ptr(), rownnz.as_mut_ptr(), colind.as_mut_ptr());
         let rowadr = rowadr.as_ptr().cast_mut();
         self.call_mut("mj_addM", |m, d| {
-            // SAFETY: `check_sparse_row` has checked that the rows are in order and within the arrays, that the columns are ascending
-            // and below nv, and that each row has space for the insertions. The engine only reads the addresses.
+            // SAFETY: `check_sparse_row` has checked that the rows are in order and within the
+            // arrays, that the columns are ascending and below nv, and that each row has space for
+            // the insertions. The engine only reads the addresses.
             unsafe { guard::mj_add_m(m, d, values, rownnz, rowadr, colind) }
         })
     }
@@ -314,7 +326,8 @@ impl Data {
         Ok(())
     }
 
-    /// Returns `true` if the inertia matrix stores an element for two degrees of freedom, of which `later` has the larger index.
+    /// Returns `true` if the inertia matrix stores an element for two degrees of freedom, of which
+    /// `later` has the larger index.
     fn is_in_m(&self, later: usize, earlier: usize) -> bool {
         let model = self.model();
         if model.dof_simplenum()[later] > 0 {

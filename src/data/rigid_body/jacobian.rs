@@ -1,8 +1,9 @@
-//! Jacobians of frames, points and centres of mass, and the matrix of the angular momentum of a subtree.
+//! Jacobians of frames, points and centres of mass, and the matrix of the angular momentum of a
+//! subtree.
 //!
-//! Each function has two forms: one returns new matrices; the other, whose name ends in `_into`, writes to existing matrices and
-//! does not allocate. All need the results of [`Data::com_pos`], which [`Data::fwd_position`], [`Data::forward`] and [`Data::step`] compute
-//! too.
+//! Each function has two forms: one returns new matrices; the other, whose name ends in `_into`,
+//! writes to existing matrices and does not allocate. All need the results of [`Data::com_pos`],
+//! which [`Data::fwd_position`], [`Data::forward`] and [`Data::step`] compute too.
 
 use std::ffi::c_int;
 use std::ptr;
@@ -29,7 +30,8 @@ pub struct Jacobian {
 }
 
 impl Jacobian {
-    /// Returns the matrix `(6, nv)` with the linear part above the angular part, which maps `qvel` to the velocity of the frame.
+    /// Returns the matrix `(6, nv)` with the linear part above the angular part, which maps `qvel`
+    /// to the velocity of the frame.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -48,7 +50,8 @@ impl Jacobian {
     }
 }
 
-/// Returns the pointer to an output of shape `(3, nv)`, or NULL if the caller does not need the output.
+/// Returns the pointer to an output of shape `(3, nv)`, or NULL if the caller does not need the
+/// output.
 #[inline]
 fn output_pointer(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) -> Result<*mut f64> {
     match matrix {
@@ -67,7 +70,8 @@ macro_rules! jacobian_of {
         ///
         /// # Errors
         ///
-        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key,
+        /// [`Error::NotComputed`] before
     /// [`com_pos`](Self::com_pos).
         ///
         /// # Panics
@@ -84,7 +88,8 @@ macro_rules! jacobian_of {
         ///
         /// # Errors
         ///
-        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key,
+        /// [`Error::NotComputed`] before
     /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
         ///
         /// # Panics
@@ -95,7 +100,8 @@ macro_rules! jacobian_of {
         pub fn $into(&self, key: impl Key<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
             let index = self.index_for(stringify!($name), key)?;
             let (jacp, jacr) = self.output_pointers(translation, rotation)?;
-            // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and the engine writes only there.
+            // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and
+            // the engine writes only there.
             unsafe { sys::$function(self.model().as_ptr(), self.as_ptr(), jacp, jacr, index) };
             Ok(())
         }
@@ -135,12 +141,13 @@ impl Data {
         jac_site, jac_site_into, Site, mj_jacSite, "mj_jacSite"
     }
 
-    /// Computes the Jacobian of a point that is attached to a body. The point is in metres, world frame.
+    /// Computes the Jacobian of a point that is attached to a body. The point is in metres, world
+    /// frame.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos).
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos).
     ///
     /// # Panics
     ///
@@ -152,12 +159,13 @@ impl Data {
         Ok(jacobian)
     }
 
-    /// Writes the Jacobians of [`jac`](Self::jac) to matrices of the shape `(3, nv)`. Matrices that are `None` are not computed.
+    /// Writes the Jacobians of [`jac`](Self::jac) to matrices of the shape `(3, nv)`. Matrices that
+    /// are `None` are not computed.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///
@@ -181,8 +189,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -194,13 +202,14 @@ impl Data {
         Ok(jacobian)
     }
 
-    /// Writes the Jacobian of [`jac_subtree_com`](Self::jac_subtree_com) to a matrix of the shape `(3, nv)`.
+    /// Writes the Jacobian of [`jac_subtree_com`](Self::jac_subtree_com) to a matrix of the shape
+    /// `(3, nv)`.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
-    /// engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if
+    /// the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -215,13 +224,13 @@ impl Data {
         })
     }
 
-    /// Computes the Jacobians `(3, nv)` of a point and of an axis that are attached to a body. Both are in the world frame, the
-    /// point in metres.
+    /// Computes the Jacobians `(3, nv)` of a point and of an axis that are attached to a body. Both
+    /// are in the world frame, the point in metres.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -252,14 +261,14 @@ impl Data {
         Ok(jacobians)
     }
 
-    /// Writes the Jacobians of [`jac_point_axis`](Self::jac_point_axis) to matrices of the shape `(3, nv)`. Matrices that are
-    /// `None` are not computed.
+    /// Writes the Jacobians of [`jac_point_axis`](Self::jac_point_axis) to matrices of the shape
+    /// `(3, nv)`. Matrices that are `None` are not computed.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
-    /// engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if
+    /// the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -278,19 +287,21 @@ impl Data {
         let (jac_point, jac_axis) =
             (output_pointer("jac_point", jac_point, nv)?, output_pointer("jac_axis", jac_axis, nv)?);
         self.call_mut("mj_jacPointAxis", |m, d| {
-            // SAFETY: a body of this model, outputs that are NULL or have 3 × nv elements, and two vectors of three elements.
+            // SAFETY: a body of this model, outputs that are NULL or have 3 × nv elements, and two
+            // vectors of three elements.
             unsafe { guard::mj_jac_point_axis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), index) }
         })
     }
 
-    /// Computes the matrix `(3, nv)` that maps `qvel` to the angular momentum, kg·m²/s, of the subtree of a body about its centre
-    /// of mass, world frame (Orin and Goswami, Centroidal momentum matrix of a humanoid robot, IROS 2008). Newer engines provide
-    /// this as `mj_angmomMat`; 2.2.2 does not. [`subtree_vel`](Self::subtree_vel) computes the momenta.
+    /// Computes the matrix `(3, nv)` that maps `qvel` to the angular momentum, kg·m²/s, of the
+    /// subtree of a body about its centre of mass, world frame (Orin and Goswami, Centroidal
+    /// momentum matrix of a humanoid robot, IROS 2008). Newer engines provide this as
+    /// `mj_angmomMat`; 2.2.2 does not. [`subtree_vel`](Self::subtree_vel) computes the momenta.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos).
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos).
     ///
     /// # Panics
     ///
@@ -322,8 +333,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
-    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///

@@ -6,11 +6,13 @@ use crate::matrix::Matrix;
 
 /// # Actuator moments
 impl Data {
-    /// Returns the moments of all actuators as a full matrix with a row per force of the actuators, `(nu, nv)` unless an actuator has several
-    /// controls or forces. Row `i` is the derivative of `actuator_length[i]` with respect to each degree of freedom, including the gear: `momentᵀ · force` is [`qfrc_actuator`](Self::qfrc_actuator).
+    /// Returns the moments of all actuators as a full matrix with a row per force of the actuators,
+    /// `(nu, nv)` unless an actuator has several controls or forces. Row `i` is the derivative of
+    /// `actuator_length[i]` with respect to each degree of freedom, including the gear:
+    /// `momentᵀ · force` is [`qfrc_actuator`](Self::qfrc_actuator).
     ///
-    /// The engine's array `actuator_moment` is this matrix in engines before 3.2.5. Newer engines store sparse rows, which
-    /// `moment_rownnz`, `moment_rowadr` and `moment_colind` describe.
+    /// The engine's array `actuator_moment` is this matrix in engines before 3.2.5. Newer engines
+    /// store sparse rows, which `moment_rownnz`, `moment_rowadr` and `moment_colind` describe.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Derivatives of the generalised forces of `xfrc_applied`, whose forces and torques are constant in the world.
+//! Derivatives of the generalised forces of `xfrc_applied`, whose forces and torques are constant
+//! in the world.
 
 use super::spatial::{Vec3, cross, cross_motion, dot, sub, velocity_at, wrench};
 use super::tree::Tree;
@@ -23,7 +24,8 @@ pub(super) fn differentiate(data: &Data, tree: &Tree, residual: &mut Matrix) {
             for k in tree.chain(tree.last[body]) {
                 let axis = [axes[k][0], axes[k][1], axes[k][2]];
                 let mut change = dot(&axis, &torque);
-                // Along a chain, groups are in the order of their indices: j moves the axes of its own group and of later ones.
+                // Along a chain, groups are in the order of their indices: j moves the axes of its
+                // own group and of later ones.
                 if tree.group[j] <= tree.group[k] {
                     change += dot(&cross_motion(&axes[j], &axes[k]), &applied);
                 }

@@ -1,9 +1,10 @@
 //! The matrix `W = M + h D` of the Euler integrator with implicit damping D.
 //!
-//! D is diagonal, so W has the sparsity of M: an entry is zero unless one degree of freedom is above the other in the tree. The
-//! factorisation `W = Lᵀ Δ L`, Δ diagonal, keeps this sparsity (R. Featherstone, "Efficient factorization of the joint-space
-//! inertia matrix for branched kinematic trees", IJRR 2005). Values are stored as in the `qM` of 2.2.2: for each degree of
-//! freedom, those of its chain to the root.
+//! D is diagonal, so W has the sparsity of M: an entry is zero unless one degree of freedom is
+//! above the other in the tree. The factorisation `W = Lᵀ Δ L`, Δ diagonal, keeps this sparsity (R.
+//! Featherstone, "Efficient factorization of the joint-space inertia matrix for branched kinematic
+//! trees", IJRR 2005). Values are stored as in the `qM` of 2.2.2: for each degree of freedom, those
+//! of its chain to the root.
 
 use super::tree::Tree;
 use crate::data::Data;
@@ -39,7 +40,8 @@ impl DampedInertia {
             for (offset, above) in tree.chain(tree.parent[dof]).enumerate() {
                 let at = start[dof] + 1 + offset;
                 let factor = values[at] / pivot;
-                // The row of `above` is the rest of this chain. Its entries are before those of `dof`.
+                // The row of `above` is the rest of this chain. Its entries are before those of
+                // `dof`.
                 for rest in 0..length - offset {
                     values[start[above] + rest] -= factor * values[at + rest];
                 }
@@ -86,7 +88,8 @@ fn push_row(data: &Data, tree: &Tree, dof: usize, values: &mut Vec<f64>) {
         values.extend_from_slice(&data.inertia_elements()[start..start + tree.chain(Some(dof)).count()]);
         return;
     };
-    // Columns increase, and the chain leads to lower degrees of freedom. Elements that are always zero are not stored.
+    // Columns increase, and the chain leads to lower degrees of freedom. Elements that are always
+    // zero are not stored.
     let mut stored = row.iter().rev().peekable();
     for above in tree.chain(Some(dof)) {
         values.push(stored.next_if(|&(column, _)| column == above).map_or(0.0, |(_, value)| value));

@@ -1,13 +1,16 @@
-//! Step of the Euler integrator with implicit damping D: from the derivatives of the residual to those of the next state.
+//! Step of the Euler integrator with implicit damping D: from the derivatives of the residual to
+//! those of the next state.
 //!
-//! With ∂a = −H⁻¹ ∂g, the matrices `W = M + h D` and `s = W⁻¹ M a` of the integrator, and `w = a − s = h W⁻¹ D a`,
+//! With ∂a = −H⁻¹ ∂g, the matrices `W = M + h D` and `s = W⁻¹ M a` of the integrator, and
+//! `w = a − s = h W⁻¹ D a`,
 //!
 //! ```text
 //! ∂v' = ∂v + h W⁻¹ (∂M w + M ∂a) = ∂v + h (W⁻¹ (∂M w + h D X) − X),      X = H⁻¹ ∂g,
 //! ∂q' = ∂⊕/∂q ∂q + h ∂⊕/∂v ∂v'.
 //! ```
 //!
-//! `∂M w` is the derivative of `M w` by the position at constant w. Without damping, W is M and the terms of W cancel.
+//! `∂M w` is the derivative of `M w` by the position at constant w. Without damping, W is M and the
+//! terms of W cancel.
 
 use super::damped_inertia::DampedInertia;
 use super::rigid_body::RigidBodies;
@@ -40,7 +43,8 @@ impl Euler {
         }
     }
 
-    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the rotations.
+    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the
+    /// rotations.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
@@ -77,8 +81,9 @@ impl Euler {
         rotation::differentiate(model, |dof| qvel[dof] + h * (qacc[dof] - spread[dof]), &mut self.rotations);
     }
 
-    /// Writes the derivatives of the next positions and velocities from those of the next velocities. `columns` selects the
-    /// columns of `velocities` that `result` has: those of A or of B.
+    /// Writes the derivatives of the next positions and velocities from those of the next
+    /// velocities. `columns` selects the columns of `velocities` that `result` has: those of A or
+    /// of B.
     pub(super) fn write(&self, h: f64, velocities: &Matrix, columns: std::ops::Range<usize>, result: &mut Matrix) {
         let nv = velocities.nrows();
         for dof in 0..nv {

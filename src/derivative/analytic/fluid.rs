@@ -1,9 +1,11 @@
 //! Derivatives of the forces of a medium on bodies, each approximated by the box of its inertia.
 //!
-//! In the axes of the body's inertia, each component of force and torque about the centre of mass is a function `−a x − b |x| x`
-//! of the same component x of the velocity relative to the wind ("Fluid forces" in the engine's documentation). Degree of freedom
-//! j changes that velocity, in axes that move with j, by ψ_j (`rigid_body.rs`) and by the turn `ω × wind` of the wind, and the
-//! velocity of j by S_j. With the change ∂W of the force vector W in these axes, the derivative of `S_k · W` is
+//! In the axes of the body's inertia, each component of force and torque about the centre of mass
+//! is a function `−a x − b |x| x` of the same component x of the velocity relative to the wind
+//! ("Fluid forces" in the engine's documentation). Degree of freedom j changes that velocity, in
+//! axes that move with j, by ψ_j (`rigid_body.rs`) and by the turn `ω × wind` of the wind, and the
+//! velocity of j by S_j. With the change ∂W of the force vector W in these axes, the derivative of
+//! `S_k · W` is
 //!
 //! ```text
 //! S_k · ∂W  if j moves the axis of k,      S_k · (∂W + S_j ×* W)  otherwise.
@@ -36,7 +38,8 @@ pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
     has_medium(model) && model.geom_fluid().iter().any(|&[interaction, ..]| interaction > 0.0)
 }
 
-/// Force and torque on a body, for components of the velocity `[ω; v]` in the axes of its inertia: `−(linear + quadratic |x|) x`.
+/// Force and torque on a body, for components of the velocity `[ω; v]` in the axes of its inertia:
+/// `−(linear + quadratic |x|) x`.
 struct Drag {
     linear: Spatial,
     quadratic: Spatial,
@@ -74,7 +77,8 @@ impl Drag {
     }
 }
 
-/// Subtracts the derivatives of the forces of the medium from those of the residual, by positions and velocities.
+/// Subtracts the derivatives of the forces of the medium from those of the residual, by positions
+/// and velocities.
 pub(super) fn differentiate(data: &Data, tree: &Tree, bodies: &RigidBodies, residual: &mut Matrix) {
     let (model, axes) = (data.model(), data.cdof());
     let nv = model.nv();

@@ -1,24 +1,26 @@
-//! Step of the implicit integrator: from the derivatives of the accelerations to those of the next state.
+//! Step of the implicit integrator: from the derivatives of the accelerations to those of the next
+//! state.
 //!
-//! The integrator treats the smooth forces τ as linear in the velocity over the step: with `Q = ∂τ/∂v`, `W = M − h Q` and the
-//! accelerations a,
-//! `s = W⁻¹ M a` and `v' = v + h s` ("Numerical integration" in the engine's documentation). With `w = a − s = −h W⁻¹ Q a` and
-//! `X = −∂a`
+//! The integrator treats the smooth forces τ as linear in the velocity over the step: with
+//! `Q = ∂τ/∂v`, `W = M − h Q` and the accelerations a, `s = W⁻¹ M a` and `v' = v + h s` ("Numerical
+//! integration" in the engine's documentation). With `w = a − s = −h W⁻¹ Q a` and `X = −∂a`
 //!
 //! ```text
 //! ∂v' = ∂v + h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X).
 //! ```
 //!
-//! Q consists of damping, of the velocity gains of actuators, which may depend on controls and activations, and of −∂c/∂v for the
-//! Coriolis and centrifugal forces c. These are quadratic in v, c(v) = b(v, v) with a symmetric b, so `(∂c/∂v) s = 2 b(v, s)`,
-//! and its derivatives are those of inverse dynamics (`rigid_body.rs`) without accelerations and gravity, at other velocities:
+//! Q consists of damping, of the velocity gains of actuators, which may depend on controls and
+//! activations, and of −∂c/∂v for the Coriolis and centrifugal forces c. These are quadratic in v,
+//! c(v) = b(v, v) with a symmetric b, so `(∂c/∂v) s = 2 b(v, s)`, and its derivatives are those of
+//! inverse dynamics (`rigid_body.rs`) without accelerations and gravity, at other velocities:
 //!
 //! ```text
 //! ∂q (∂c/∂v s) = ∂q c(v + s) − ∂q c(v) − ∂q c(s),        ∂v (∂c/∂v s) = (∂c/∂v)(s).
 //! ```
 //!
-//! The engine omits entries of Q for two degrees of freedom of which neither moves the other. In 2.2.2 it takes
-//! neither limits of controls nor limits of forces into account, since 3.5 the latter, and in 3.17 both.
+//! The engine omits entries of Q for two degrees of freedom of which neither moves the other. In
+//! 2.2.2 it takes neither limits of controls nor limits of forces into account, since 3.5 the
+//! latter, and in 3.17 both.
 
 use super::actuators::site_of;
 use super::actuators::velocity_gain;
@@ -62,8 +64,9 @@ fn tendon_damping(model: &Model, tendon: usize) -> f64 {
     if cfg!(engine_since = "3.5.0") { damping } else { damping.max(0.0) }
 }
 
-/// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
-/// formula: forces of a medium, muscles, spatial tendons, and actuators on sites.
+/// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q
+/// depends on the state by terms without a formula: forces of a medium, muscles, spatial tendons,
+/// and actuators on sites.
 pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
     let integrator = Integrator::of_field(model.raw().opt.integrator);
     if matches!(integrator, Integrator::ImplicitFast | Integrator::Discrete) {
@@ -97,7 +100,8 @@ impl ImplicitStep {
         }
     }
 
-    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the rotations.
+    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the
+    /// rotations.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
@@ -183,7 +187,8 @@ impl ImplicitStep {
     }
 }
 
-/// Adds `factor · vector vectorᵀ` to the entries of a matrix for which one degree of freedom moves the other.
+/// Adds `factor · vector vectorᵀ` to the entries of a matrix for which one degree of freedom moves
+/// the other.
 fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut Matrix) {
     for (dof, &value) in vector.iter().enumerate().filter(|&(_, &value)| value != 0.0) {
         matrix[(dof, dof)] += factor * value * value;
@@ -195,7 +200,8 @@ fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut 
     }
 }
 
-/// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend. `moment` is a buffer, `(nv)`.
+/// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend.
+/// `moment` is a buffer, `(nv)`.
 fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], moment: &mut [f64], sum: &mut Matrix) {
     let model = data.model();
     let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);

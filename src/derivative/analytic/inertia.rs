@@ -1,14 +1,16 @@
 //! Derivatives of the inertia matrix by the position.
 //!
-//! For l above k or equal to it, `M_kl = S_l · I_k S_k` with the inertia I_k of the bodies that k moves. Degree of freedom j moves none
-//! of these vectors relative to each other if it moves l. Otherwise
+//! For l above k or equal to it, `M_kl = S_l · I_k S_k` with the inertia I_k of the bodies that k
+//! moves. Degree of freedom j moves none of these vectors relative to each other if it moves l.
+//! Otherwise
 //!
 //! ```text
 //! ∂M_kl/∂q_j = S_l · S_j ×* (I_k S_k)                        if j moves k, but not l,
 //! ∂M_kl/∂q_j = S_l · (S_j ×* (I_j S_k) − I_j (S_j × S_k))    if j is below k, so that it moves a part of the bodies,
 //! ```
 //!
-//! and zero for all others (R. Featherstone, "Rigid Body Dynamics Algorithms", Springer 2008, section 6.2).
+//! and zero for all others (R. Featherstone, "Rigid Body Dynamics Algorithms", Springer 2008,
+//! section 6.2).
 
 use super::rigid_body::RigidBodies;
 use super::spatial::{Spatial, cross_force, cross_motion, dot, momentum, sub};
@@ -17,8 +19,8 @@ use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
 
-/// Writes the derivatives of the stored elements of the inertia matrix, a row for each degree of freedom, after the inertias of the
-/// subtrees were computed.
+/// Writes the derivatives of the stored elements of the inertia matrix, a row for each degree of
+/// freedom, after the inertias of the subtrees were computed.
 pub(super) fn differentiate(data: &Data, tree: &Tree, bodies: &RigidBodies, result: &mut Matrix) {
     let (model, axes) = (data.model(), data.cdof());
     result.as_mut_slice().fill(0.0);
@@ -44,7 +46,8 @@ fn above(tree: &Tree, dof: usize) -> impl Iterator<Item = usize> {
     tree.chain(tree.parent[tree.groups[tree.group[dof]].first])
 }
 
-/// Writes the derivatives of the elements of row k of the inertia matrix by degree of freedom j from that of the momentum `I_k S_k`.
+/// Writes the derivatives of the elements of row k of the inertia matrix by degree of freedom j
+/// from that of the momentum `I_k S_k`.
 fn write(data: &Data, tree: &Tree, (j, k): (usize, usize), change: &Spatial, result: &mut [f64]) {
     let (start, row) = data.inertia_place(k);
     let mut element = |index: usize, l: usize| {

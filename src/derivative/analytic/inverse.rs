@@ -6,9 +6,10 @@
 //! f = M a + c − passive − Jᵀ f(J a − aref)    [− actuator],
 //! ```
 //!
-//! the residual of the equations of motion (`mod.rs`) without applied forces. Here q, v and a are independent, and the constraint
-//! forces are explicit functions of them, so no system of equations is solved: `∂f/∂q` and `∂f/∂v` are sums of the same terms, and
-//! `∂f/∂a = M + Jᵀ 𝒦 J` is the matrix H of `newton.rs`. Sensors have the derivatives of `sensors/` with a as a third input.
+//! the residual of the equations of motion (`mod.rs`) without applied forces. Here q, v and a are
+//! independent, and the constraint forces are explicit functions of them, so no system of equations
+//! is solved: `∂f/∂q` and `∂f/∂v` are sums of the same terms, and `∂f/∂a = M + Jᵀ 𝒦 J` is the
+//! matrix H of `newton.rs`. Sensors have the derivatives of `sensors/` with a as a third input.
 
 use super::inertia;
 use super::sensors::{Point, Sensors};
@@ -38,8 +39,8 @@ impl Inverse {
 }
 
 impl Analytic {
-    /// Differentiates inverse dynamics at the present positions, velocities and accelerations, and the sensors that have a formula, if they
-    /// are wanted.
+    /// Differentiates inverse dynamics at the present positions, velocities and accelerations, and
+    /// the sensors that have a formula, if they are wanted.
     pub(in crate::derivative) fn differentiate_inverse(
         &mut self,
         data: &mut Data,
@@ -75,13 +76,14 @@ impl Analytic {
         Ok(Ok(differenced))
     }
 
-    /// Returns `true` if the last call of [`differentiate_inverse`](Self::differentiate_inverse) has differentiated all sensors.
+    /// Returns `true` if the last call of [`differentiate_inverse`](Self::differentiate_inverse)
+    /// has differentiated all sensors.
     pub(in crate::derivative) fn has_all_inverse_sensors(&self) -> bool {
         self.inverse.as_ref().is_some_and(|inverse| inverse.sensors.in_closed_form().iter().all(|&closed| closed))
     }
 
-    /// Writes the derivatives that [`differentiate_inverse`](Self::differentiate_inverse) has computed, except for sensors without a
-    /// formula.
+    /// Writes the derivatives that [`differentiate_inverse`](Self::differentiate_inverse) has
+    /// computed, except for sensors without a formula.
     pub(in crate::derivative) fn write_inverse(&self, data: &Data, outputs: &mut InverseOutputs<'_>) {
         let nv = data.model().nv();
         let InverseOutputs { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = outputs;

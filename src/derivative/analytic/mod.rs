@@ -1,7 +1,7 @@
 //! Linear system of a step in closed form.
 //!
-//! As in `implicit.rs`, the accelerations a of a state solve g(q, v, a, u) = 0, and ∂a = −H⁻¹ ∂g. Here ∂g is not differenced, but
-//! assembled from the derivatives of its terms,
+//! As in `implicit.rs`, the accelerations a of a state solve g(q, v, a, u) = 0, and ∂a = −H⁻¹ ∂g.
+//! Here ∂g is not differenced, but assembled from the derivatives of its terms,
 //!
 //! ```text
 //! g = M a + c − passive − actuator − applied − Jᵀ f(J a − aref),
@@ -22,13 +22,13 @@
 //!
 //! The derivatives of inverse dynamics (`inverse.rs`) consist of the same terms.
 //!
-//! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
-//! by the twist `cdof[j]`. This holds for all joints: for a free joint `cdof` has the world's axes for translations and the axes of
-//! the body for rotations.
+//! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j
+//! displaces all bodies that it moves by the twist `cdof[j]`. This holds for all joints: for a free
+//! joint `cdof` has the world's axes for translations and the axes of the body for rotations.
 //!
-//! Sources: J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics algorithms", RSS 2018; R. Featherstone,
-//! "Rigid Body Dynamics Algorithms", Springer 2008; E. Todorov, "Convex and analytically-invertible dynamics with contacts and
-//! constraints", ICRA 2014.
+//! Sources: J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics
+//! algorithms", RSS 2018; R. Featherstone, "Rigid Body Dynamics Algorithms", Springer 2008; E.
+//! Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014.
 
 mod actuators;
 mod applied;
@@ -86,7 +86,8 @@ pub(super) struct Analytic {
     inverse: Option<Inverse>,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
-    /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions, velocities, activations and controls.
+    /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions,
+    /// velocities, activations and controls.
     derivative: Matrix,
     /// `(na)`
     next_activation: Vec<NextActivation>,
@@ -105,7 +106,8 @@ pub(super) fn is_sensor_covered(model: &Model, sensor: usize) -> bool {
     sensors::is_covered(model, sensor)
 }
 
-/// Returns the kinks of constraints and springs after inverse dynamics, as far as positions determine them.
+/// Returns the kinks of constraints and springs after inverse dynamics, as far as positions
+/// determine them.
 pub(super) fn kinks_of_positions(data: &Data) -> Kinks {
     constraint::kinks_of_state(data, &[]) | passive::kinks(data)
 }
@@ -131,8 +133,8 @@ impl Analytic {
         }
     }
 
-    /// Writes A and B of the present state, and the rows of C and D [in closed form](Self::sensors_in_closed_form), as far as they
-    /// are wanted.
+    /// Writes A and B of the present state, and the rows of C and D [in closed
+    /// form](Self::sensors_in_closed_form), as far as they are wanted.
     pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
         if !self.newton.solve_accelerations(data, &mut self.row)? {
             return Ok(Err(Fallback::NotConverged));
@@ -173,8 +175,9 @@ impl Analytic {
         Ok(Ok(differenced))
     }
 
-    /// Writes the derivatives of the equations of motion, at fixed accelerations, to `derivative`: with all forces, or with those that
-    /// inverse dynamics subtracts. The sums that sensors need are updated if sensors are wanted.
+    /// Writes the derivatives of the equations of motion, at fixed accelerations, to `derivative`:
+    /// with all forces, or with those that inverse dynamics subtracts. The sums that sensors need
+    /// are updated if sensors are wanted.
     fn differentiate_forces(
         &mut self,
         data: &mut Data,
@@ -205,7 +208,8 @@ impl Analytic {
         Ok(differenced.ok_or(Fallback::Constraint))
     }
 
-    /// Returns the flags of the rows of C and D that the last linearisation has written, `(nsensordata)`.
+    /// Returns the flags of the rows of C and D that the last linearisation has written,
+    /// `(nsensordata)`.
     pub(super) fn sensors_in_closed_form(&self) -> &[bool] {
         self.sensors.in_closed_form()
     }

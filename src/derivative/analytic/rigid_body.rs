@@ -1,21 +1,23 @@
 //! Derivatives of inverse dynamics of the rigid bodies, `τ = M a + c`, by positions and velocities.
 //!
-//! The recursive Newton–Euler algorithm is differentiated as in J. Carpentier and N. Mansard, "Analytical derivatives of rigid
-//! body dynamics algorithms", RSS 2018, with the spatial vectors of R. Featherstone, "Rigid Body Dynamics Algorithms", 2008. All
-//! vectors are in the world's axes, about the fixed point that the engine's `cdof` and `cinert` use for the tree. The derivatives do
+//! The recursive Newton–Euler algorithm is differentiated as in J. Carpentier and N. Mansard,
+//! "Analytical derivatives of rigid body dynamics algorithms", RSS 2018, with the spatial vectors
+//! of R. Featherstone, "Rigid Body Dynamics Algorithms", 2008. All vectors are in the world's axes,
+//! about the fixed point that the engine's `cdof` and `cinert` use for the tree. The derivatives do
 //! not depend on that point, so its own motion with the position does not matter.
 //!
-//! For a degree of freedom j of group g with the axis S (`cdof`), velocity and acceleration before (⁻) and after (⁺) the group,
-//! where the acceleration of the world is minus gravity,
+//! For a degree of freedom j of group g with the axis S (`cdof`), velocity and acceleration before
+//! (⁻) and after (⁺) the group, where the acceleration of the world is minus gravity,
 //!
 //! ```text
 //! ψ = v⁻ × S        χ = a⁻ × S + v⁻ × ψ        σ = (v⁻ + v⁺) × S
 //! ```
 //!
-//! are the derivatives of the velocity by the position, of the acceleration by the position, and of the acceleration by the
-//! velocity, of all bodies that j moves, in axes that move with j. A body has the force F = I a + v ×* I v and the derivative B of
-//! F by v: B u = v ×* I u + u ×* I v − I (v × u). With I, B and F summed over the bodies that the lower of the two degrees of
-//! freedom moves,
+//! are the derivatives of the velocity by the position, of the acceleration by the position, and of
+//! the acceleration by the velocity, of all bodies that j moves, in axes that move with j. A body
+//! has the force F = I a + v ×* I v and the derivative B of F by v: B u = v ×* I u + u ×* I v − I
+//! (v × u). With I, B and F summed over the bodies that the lower of the two degrees of freedom
+//! moves,
 //!
 //! ```text
 //! ∂τ_k/∂q_j = S_k · (I χ_j + B ψ_j  [+ S_j ×* F if k is above the group of j])
@@ -78,8 +80,8 @@ impl RigidBodies {
         }
     }
 
-    /// Writes `∂τ/∂q` at the given velocities and accelerations to the first nv columns of `result`, and `∂τ/∂v` to the next nv,
-    /// where they are not zero.
+    /// Writes `∂τ/∂q` at the given velocities and accelerations to the first nv columns of
+    /// `result`, and `∂τ/∂v` to the next nv, where they are not zero.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
@@ -112,7 +114,8 @@ impl RigidBodies {
                 row[nv + j] = dot(axis, &by_velocity);
             }
             let with_force = add(&by_position, &cross_force(axis, &subtree.force));
-            // Derivatives of τ_j by the degrees of freedom above: I and B act on them through their products with S_j.
+            // Derivatives of τ_j by the degrees of freedom above: I and B act on them through their
+            // products with S_j.
             let axis_inertia = momentum(&subtree.inertia, axis);
             let mut axis_bias = [0.0; 6];
             for (row, &factor) in subtree.bias.iter().zip(axis) {
@@ -149,7 +152,8 @@ impl RigidBodies {
         &self.subtrees[body].force
     }
 
-    /// Returns the change of F by changes of the acceleration and the velocity of all bodies of a subtree, `I ∂a + B ∂v`.
+    /// Returns the change of F by changes of the acceleration and the velocity of all bodies of a
+    /// subtree, `I ∂a + B ∂v`.
     pub(super) fn subtree_change(&self, body: usize, acceleration: &Spatial, velocity: &Spatial) -> Spatial {
         let subtree = &self.subtrees[body];
         add(&momentum(&subtree.inertia, acceleration), &subtree.bias.map(|row| dot(&row, velocity)))
@@ -160,7 +164,8 @@ impl RigidBodies {
         &self.subtrees[body].inertia
     }
 
-    /// Writes `∂(M a)/∂q` at constant `a` to the first nv columns of `result`, where it is not zero.
+    /// Writes `∂(M a)/∂q` at constant `a` to the first nv columns of `result`, where it is not
+    /// zero.
     ///
     /// This is the derivative of inverse dynamics without velocity and gravity.
     pub(super) fn differentiate_inertia(&mut self, data: &Data, tree: &Tree, qacc: &[f64], result: &mut Matrix) {
@@ -187,7 +192,8 @@ impl RigidBodies {
         }
     }
 
-    /// Computes the motion before and after each group, from the root to the leaves. Velocities are zero without `qvel`.
+    /// Computes the motion before and after each group, from the root to the leaves. Velocities are
+    /// zero without `qvel`.
     fn sweep(&mut self, tree: &Tree, axes: &[Spatial], qvel: Option<&[f64]>, qacc: &[f64], gravity: [f64; 3]) {
         for (index, group) in tree.groups.iter().enumerate() {
             let before = match group.parent {

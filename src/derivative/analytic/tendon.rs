@@ -1,15 +1,17 @@
 //! Curvature of spatial tendons: derivatives of their moment arms.
 //!
-//! A spatial tendon is a path of straight segments between sites. A segment from p₁ to p₂ with the length l, the unit vector n, and
-//! the divisor d of a pulley contributes `J = nᵀ (Jp₂ − Jp₁)/d`: the generalised force of a unit tension is that of the force `φ
-//! = n/d` on the second body at p₂, and −φ on the first at p₁. As for a contact, degree of freedom j changes the force vectors by
+//! A spatial tendon is a path of straight segments between sites. A segment from p₁ to p₂ with the
+//! length l, the unit vector n, and the divisor d of a pulley contributes `J = nᵀ (Jp₂ − Jp₁)/d`:
+//! the generalised force of a unit tension is that of the force `φ = n/d` on the second body at p₂,
+//! and −φ on the first at p₁. As for a contact, degree of freedom j changes the force vectors by
 //!
 //! ```text
 //! ∂(r × φ, φ) = (∂p × φ + r × ∂φ, ∂φ),      ∂φ = (1 − n nᵀ) (∂p₂ − ∂p₁)/(l d),
 //! ```
 //!
-//! which gives `K = ∂J/∂q`, `(nv, nv)`. A tension T adds `K T` to the derivatives of the generalised forces. Velocities w have the
-//! derivative `(∂J) w = Kᵀ w`. The moment arms of a fixed tendon are constant.
+//! which gives `K = ∂J/∂q`, `(nv, nv)`. A tension T adds `K T` to the derivatives of the
+//! generalised forces. Velocities w have the derivative `(∂J) w = Kᵀ w`. The moment arms of a fixed
+//! tendon are constant.
 //!
 //! Paths around spheres and cylinders have no formula here while they touch them.
 
@@ -67,8 +69,9 @@ impl Tendons {
         self.acceleration.row(tendon)
     }
 
-    /// Computes the derivatives of the moment arms, and subtracts those of the forces of all tensions at constant tension from the
-    /// derivatives of the residual. Those of actuators count if the residual contains them. Returns `false` if a tendon has no formula.
+    /// Computes the derivatives of the moment arms, and subtracts those of the forces of all
+    /// tensions at constant tension from the derivatives of the residual. Those of actuators count
+    /// if the residual contains them. Returns `false` if a tendon has no formula.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
@@ -165,9 +168,9 @@ impl Tendons {
         true
     }
 
-    /// Returns the sum of all tensions of a tendon: of its spring and damper, its actuators as requested, and its
-    /// constraints. Returns `None` for
-    /// an equality constraint, which has no formula.
+    /// Returns the sum of all tensions of a tendon: of its spring and damper, its actuators as
+    /// requested, and its constraints. Returns `None` for an equality constraint, which has no
+    /// formula.
     fn tension(&mut self, data: &Data, tendon: usize, has_actuators: bool) -> Option<f64> {
         let model = data.model();
         let mut tension = 0.0;
@@ -196,7 +199,8 @@ impl Tendons {
         Some(tension)
     }
 
-    /// Returns the sign of the moment arms of a tendon in the Jacobian of a constraint: −1 for an upper limit.
+    /// Returns the sign of the moment arms of a tendon in the Jacobian of a constraint: −1 for an
+    /// upper limit.
     pub(super) fn sign(&mut self, data: &Data, tendon: usize, row: usize) -> f64 {
         data.tendon_row(tendon).write_into(&mut self.row);
         self.constraint.fill(0.0);

@@ -1,8 +1,10 @@
-//! Groups of degrees of freedom that are perturbed together, and the chains of degrees of freedom that move each body.
+//! Groups of degrees of freedom that are perturbed together, and the chains of degrees of freedom
+//! that move each body.
 //!
-//! A hinge and a slide are a group of one. A ball is a group of three. A free joint has two groups, translations and rotations.
-//! Degree of freedom `j` displaces the axes of `k` if the group of `k` is that of `j` or comes after it on the way to a leaf.
-//! Within a group all pairs count: the axes of a ball are those of its body, and turn with it.
+//! A hinge and a slide are a group of one. A ball is a group of three. A free joint has two groups,
+//! translations and rotations. Degree of freedom `j` displaces the axes of `k` if the group of `k`
+//! is that of `j` or comes after it on the way to a leaf. Within a group all pairs count: the axes
+//! of a ball are those of its body, and turn with it.
 
 use std::iter;
 use std::ops::Range;
@@ -38,7 +40,8 @@ pub(super) struct Tree {
     pub(super) group: Vec<usize>,
     /// `(nv)`: next degree of freedom towards the root.
     pub(super) parent: Vec<Option<usize>>,
-    /// `(nbody)`: last degree of freedom that moves the body; `None` for a body that is fixed to the world.
+    /// `(nbody)`: last degree of freedom that moves the body; `None` for a body that is fixed to
+    /// the world.
     pub(super) last: Vec<Option<usize>>,
 }
 

@@ -23,13 +23,14 @@ impl Data {
     }
 }
 
-/// A simulation whose positions, velocities and accelerations are perturbed. Restores them after each perturbation, and when
-/// dropped.
+/// A simulation whose positions, velocities and accelerations are perturbed. Restores them after
+/// each perturbation, and when dropped.
 pub(super) struct InversePerturbation<'a> {
     data: &'a mut Data,
     eps: f64,
     force: InverseForce,
-    /// Memory on the engine's stack: the saved values, and a direction in the tangent space of positions.
+    /// Memory on the engine's stack: the saved values, and a direction in the tangent space of
+    /// positions.
     saved: &'a mut [f64],
     /// Top of the stack to restore.
     stack: guard::StackMark,
@@ -80,8 +81,8 @@ impl<'a> InversePerturbation<'a> {
             // SAFETY: a valid data, and a valid pointer for the result.
             unsafe { guard::mj_stack_alloc(d, size, &raw mut start) }
         })?;
-        // SAFETY: the engine has reserved `length` numbers (NULL for none). It uses only the stack above them until `drop` restores
-        // the stack.
+        // SAFETY: the engine has reserved `length` numbers (NULL for none). It uses only the stack
+        // above them until `drop` restores the stack.
         let saved = unsafe {
             if length > 0 {
                 start.write_bytes(0, length);
@@ -108,9 +109,11 @@ impl<'a> InversePerturbation<'a> {
         match self.force {
             InverseForce::Total => self.data.inverse_skip(skip, sensors),
             InverseForce::WithoutActuators => {
-                // Inverse dynamics does not compute the forces of actuators, but sensors read them: those of the previous perturbation.
+                // Inverse dynamics does not compute the forces of actuators, but sensors read them:
+                // those of the previous perturbation.
                 let saved = &self.saved[Layout::of(self.data).actuator_force];
-                // SAFETY: the engine allocated the array with this length, and the data is borrowed exclusively.
+                // SAFETY: the engine allocated the array with this length, and the data is borrowed
+                // exclusively.
                 let forces = unsafe { ffi::array_mut(self.data.raw_mut().actuator_force, saved.len()) };
                 forces.copy_from_slice(saved);
                 self.data.inverse_skip(skip, sensors)?;
@@ -123,7 +126,8 @@ impl<'a> InversePerturbation<'a> {
         let nv = self.data.model().nv();
         let InverseOutputs { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = outputs;
 
-        // First stores the perturbed outputs in each row, from the cheapest stage to the most expensive.
+        // First stores the perturbed outputs in each row, from the cheapest stage to the most
+        // expensive.
         if df_da.is_some() || ds_da.is_some() || df_dv.is_some() || ds_dv.is_some() {
             self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
         }
@@ -160,7 +164,8 @@ impl<'a> InversePerturbation<'a> {
             }
         }
 
-        // Then subtracts the unperturbed outputs, which also leaves the data at the unperturbed state.
+        // Then subtracts the unperturbed outputs, which also leaves the data at the unperturbed
+        // state.
         self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
         let Self { data, eps, force, .. } = &self;
         for df in [df_dq, df_dv, df_da].into_iter().flatten() {

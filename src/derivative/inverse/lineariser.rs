@@ -14,25 +14,27 @@ const EPS: f64 = 1e-6;
 
 /// # Derivatives of inverse dynamics
 impl Lineariser {
-    /// Computes the derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), and reports the
-    /// method that was used.
+    /// Computes the derivatives of inverse dynamics at the present positions, velocities and
+    /// accelerations (`qacc`), and reports the method that was used.
     ///
-    /// The method is [`Analytic`](TransitionMethod::Analytic) if the [options](Self::options) select it and if it applies. All other
-    /// methods are the forward differences of [`Data::inverse_fd`], with a step of `1e-6` unless the options have another, and the
-    /// report names them [`Engine`](TransitionMethod::Engine). Neither the integrator nor the no-slip solver affects inverse dynamics, and
-    /// [`InverseForce::Total`] does not depend on actuators.
+    /// The method is [`Analytic`](TransitionMethod::Analytic) if the [options](Self::options)
+    /// select it and if it applies. All other methods are the forward differences of
+    /// [`Data::inverse_fd`], with a step of `1e-6` unless the options have another, and the report
+    /// names them [`Engine`](TransitionMethod::Engine). Neither the integrator nor the no-slip
+    /// solver affects inverse dynamics, and [`InverseForce::Total`] does not depend on actuators.
     ///
-    /// In closed form, the forces of the constraints are explicit functions of positions, velocities and accelerations, and those of
-    /// the bodies have the derivatives of the recursive Newton–Euler algorithm (J. Carpentier and N. Mansard, "Analytical derivatives of
-    /// rigid body dynamics algorithms", RSS 2018). Sensors without a formula ([`differenced_sensors`](Self::differenced_sensors)) are
-    /// differenced.
+    /// In closed form, the forces of the constraints are explicit functions of positions,
+    /// velocities and accelerations, and those of the bodies have the derivatives of the recursive
+    /// Newton–Euler algorithm (J. Carpentier and N. Mansard, "Analytical derivatives of rigid body
+    /// dynamics algorithms", RSS 2018). Sensors without a formula
+    /// ([`differenced_sensors`](Self::differenced_sensors)) are differenced.
     ///
-    /// At a kink, for example where two geoms begin to touch, closed forms are the derivatives of the
-    /// present side, and differences those to the right. The report names
+    /// At a kink, for example where two geoms begin to touch, closed forms are the derivatives of
+    /// the present side, and differences those to the right. The report names
     /// [`CONSTRAINTS`](crate::derivative::Kinks::CONSTRAINTS) and
     /// [`SPRINGS`](crate::derivative::Kinks::SPRINGS) with both methods, and
-    /// [`FORCES`](crate::derivative::Kinks::FORCES), friction loss at its limit and kinks of impedances
-    /// with the closed form. Other kinks of differences are not reported.
+    /// [`FORCES`](crate::derivative::Kinks::FORCES), friction loss at its limit and kinks of
+    /// impedances with the closed form. Other kinks of differences are not reported.
     ///
     /// # Errors
     ///
@@ -61,16 +63,18 @@ impl Lineariser {
         Ok((jacobians, report))
     }
 
-    /// Computes the derivatives as [`inverse_jacobians`](Self::inverse_jacobians) does, into the caller's matrices, any of which may
-    /// be omitted. Allocates nothing after the first call.
+    /// Computes the derivatives as [`inverse_jacobians`](Self::inverse_jacobians) does, into the
+    /// caller's matrices, any of which may be omitted. Allocates nothing after the first call.
     ///
-    /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it has
-    /// [callbacks](crate::callback): these are called on the simulation itself, as by [`Data::inverse_fd_into`].
+    /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it
+    /// has [callbacks](crate::callback): these are called on the simulation itself, as by
+    /// [`Data::inverse_fd_into`].
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`](crate::Error::Shape) for a wrong shape, [`Error::OtherModel`](crate::Error::OtherModel) for a simulation of a
-    /// model that was loaded separately, and the errors of [`Data::inverse_fd_into`].
+    /// [`Error::Shape`](crate::Error::Shape) for a wrong shape,
+    /// [`Error::OtherModel`](crate::Error::OtherModel) for a simulation of a model that was loaded
+    /// separately, and the errors of [`Data::inverse_fd_into`].
     pub fn inverse_jacobians_into<'a>(
         &mut self,
         data: &mut Data,
@@ -91,7 +95,8 @@ impl Lineariser {
         let obstacle = self.obstacles.to_inverse(force);
         let worker = self.set_first_base(data)?;
         if Integrator::from_raw(data.model().raw().opt.integrator) == Some(Integrator::Discrete) {
-            // Inverse dynamics of this integrator reads results of the last computation of the forces.
+            // Inverse dynamics of this integrator reads results of the last computation of the
+            // forces.
             worker.point.data.forward()?;
         }
         worker.point.data.qacc_mut().copy_from_slice(data.qacc());
@@ -126,7 +131,8 @@ fn by_differences(
     Ok(report(data, reason))
 }
 
-/// Computes the forces of actuators, which inverse dynamics does not compute, but which sensors read.
+/// Computes the forces of actuators, which inverse dynamics does not compute, but which sensors
+/// read.
 fn compute_actuation(data: &mut Data) -> Result<()> {
     if data.model().nactuator() > 0 && data.model().nsensor() > 0 {
         data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;

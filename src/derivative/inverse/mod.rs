@@ -10,12 +10,14 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Derivatives of inverse dynamics: of the forces f (`qfrc_inverse`), the sensors s (`sensordata`) and the inertia matrix m
-/// (`qM`, in the engine's sparse layout) with respect to positions q, velocities v and accelerations a.
+/// Derivatives of inverse dynamics: of the forces f (`qfrc_inverse`), the sensors s (`sensordata`)
+/// and the inertia matrix m (`qM`, in the engine's sparse layout) with respect to positions q,
+/// velocities v and accelerations a.
 ///
-/// As in the engine, **a row belongs to an input** and a column to an output, which is the transpose of a Jacobian in control
-/// theory: `df_dv[(i, j)]` is the derivative of `qfrc_inverse[j]` with respect to `qvel[i]`. Positions are perturbed in their
-/// tangent space, one degree of freedom at a time, as by [`Model::integrate_pos`](crate::Model::integrate_pos).
+/// As in the engine, **a row belongs to an input** and a column to an output, which is the
+/// transpose of a Jacobian in control theory: `df_dv[(i, j)]` is the derivative of
+/// `qfrc_inverse[j]` with respect to `qvel[i]`. Positions are perturbed in their tangent space, one
+/// degree of freedom at a time, as by [`Model::integrate_pos`](crate::Model::integrate_pos).
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseJacobians {
     /// `(nv, nv)`: derivatives of forces with respect to positions.
@@ -24,7 +26,8 @@ pub struct InverseJacobians {
     /// `(nv, nv)`: derivatives of forces with respect to velocities.
     #[doc(alias = "DfDv")]
     pub df_dv: Matrix,
-    /// `(nv, nv)`: derivatives of forces with respect to accelerations. Without constraints this is the inertia matrix.
+    /// `(nv, nv)`: derivatives of forces with respect to accelerations. Without constraints this is
+    /// the inertia matrix.
     #[doc(alias = "DfDa")]
     pub df_da: Matrix,
     /// `(nv, nsensordata)`: derivatives of sensors with respect to positions.
@@ -58,8 +61,9 @@ impl InverseJacobians {
     }
 }
 
-/// Outputs of [`Data::inverse_fd_into`] and [`Lineariser::inverse_jacobians_into`](super::Lineariser::inverse_jacobians_into). Matrices
-/// that are `None` are not computed, at no cost.
+/// Outputs of [`Data::inverse_fd_into`] and
+/// [`Lineariser::inverse_jacobians_into`](super::Lineariser::inverse_jacobians_into). Matrices that
+/// are `None` are not computed, at no cost.
 #[derive(Debug, Default)]
 pub struct InverseOutputs<'a> {
     /// `(nv, nv)`
@@ -131,24 +135,28 @@ impl InverseOutputs<'_> {
 pub enum InverseForce {
     /// All forces of inverse dynamics: `qfrc_inverse`.
     Total,
-    /// Without the forces of the actuators under the present controls: `qfrc_inverse − qfrc_actuator`.
+    /// Without the forces of the actuators under the present controls:
+    /// `qfrc_inverse − qfrc_actuator`.
     WithoutActuators,
 }
 
 /// # Derivatives of inverse dynamics
 impl Data {
-    /// Computes the derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
-    /// differences with the step `eps`; `1e-6` is a good choice.
+    /// Computes the derivatives of inverse dynamics at the present positions, velocities and
+    /// accelerations (`qacc`), by forward differences with the step `eps`; `1e-6` is a good choice.
     ///
-    /// The state, `qacc` and all inputs are unchanged afterwards, to the last bit, and everything else is as after
-    /// [`inverse`](Self::inverse). [`Lineariser::inverse_jacobians`](super::Lineariser::inverse_jacobians) computes them in closed
-    /// form, which is faster and more accurate. (Newer engines provide this function in C. They reject the Runge–Kutta integrator and the
-    /// `noslip` solver, neither of which affects inverse dynamics.)
+    /// The state, `qacc` and all inputs are unchanged afterwards, to the last bit, and everything
+    /// else is as after [`inverse`](Self::inverse).
+    /// [`Lineariser::inverse_jacobians`](super::Lineariser::inverse_jacobians) computes them in
+    /// closed form, which is faster and more accurate. (Newer engines provide this function in C.
+    /// They reject the Runge–Kutta integrator and the `noslip` solver, neither of which affects
+    /// inverse dynamics.)
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse). The state is
-    /// unchanged even after [`Error::Engine`], which poisons the data.
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of
+    /// [`inverse`](Self::inverse). The state is unchanged even after [`Error::Engine`], which
+    /// poisons the data.
     ///
     /// ```
     /// use mujoco_safe::derivative::InverseForce;
@@ -169,8 +177,9 @@ impl Data {
         Ok(jacobians)
     }
 
-    /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's matrices, any of which may be
-    /// omitted. Allocates nothing, but uses space for `nq + 3 nv + 4 nmocap + nu` numbers on the engine's stack.
+    /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's
+    /// matrices, any of which may be omitted. Allocates nothing, but uses space for
+    /// `nq + 3 nv + 4 nmocap + nu` numbers on the engine's stack.
     ///
     /// # Errors
     ///

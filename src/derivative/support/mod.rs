@@ -1,9 +1,11 @@
-//! Decides which computations of this crate apply to a model: closed forms, and differences of inverse dynamics.
+//! Decides which computations of this crate apply to a model: closed forms, and differences of
+//! inverse dynamics.
 //!
-//! `build/knowledge/derivative.tsv` states which fields of the model each part of a computation understands, and the build script
-//! generates the checks from these statements and from the fields of the linked engine. A field that no statement is about must have
-//! its default value, so that a feature of a new engine is not understood until a statement is made. All parts are checked once for a model or an
-//! edit, and the method is chosen from all results.
+//! `build/knowledge/derivative.tsv` states which fields of the model each part of a computation
+//! understands, and the build script generates the checks from these statements and from the fields
+//! of the linked engine. A field that no statement is about must have its default value, so that a
+//! feature of a new engine is not understood until a statement is made. All parts are checked once
+//! for a model or an edit, and the method is chosen from all results.
 
 mod predicates;
 
@@ -95,7 +97,8 @@ macro_rules! check {
         find_other(path!($($field).+), &[$model.raw().$($field).+], 1, Default::default())
     };
     (array $model:ident, $array:ident, $rows:expr, $columns:expr) => {
-        // SAFETY: the engine allocated the array with this shape, and nothing writes to it while the model is borrowed.
+        // SAFETY: the engine allocated the array with this shape, and nothing writes to it while
+        // the model is borrowed.
         find_other(path!($array), unsafe { crate::ffi::array($model.raw().$array, $rows * $columns) }, $columns, Default::default())
     };
     (ids $model:ident, $array:ident, $rows:expr, $columns:expr) => {

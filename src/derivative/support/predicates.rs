@@ -1,5 +1,6 @@
-//! Statements about the values of fields that are understood in part, by the names in `build/knowledge/derivative.tsv`. Enumerations and
-//! flags are understood by name, so a value that a new engine adds is not.
+//! Statements about the values of fields that are understood in part, by the names in
+//! `build/knowledge/derivative.tsv`. Enumerations and flags are understood by name, so a value that
+//! a new engine adds is not.
 
 use crate::derivative::analytic;
 use crate::derivative::method::Fallback;
@@ -20,7 +21,8 @@ fn unless(is_understood: bool, field: &'static str) -> Option<Fallback> {
     (!is_understood).then_some(Fallback::NotUnderstood { field, element: 0 })
 }
 
-/// Defines predicates of arrays with the values of an enumeration: each names the variants that are understood.
+/// Defines predicates of arrays with the values of an enumeration: each names the variants that are
+/// understood.
 macro_rules! enumerations {
     ($($(#[$doc:meta])* $name:ident: $array:ident, $enum:ident { $($variant:ident)|+ };)*) => {$(
         $(#[$doc])*
@@ -34,15 +36,16 @@ enumerations! {
     joint: jnt_type, JointType { Free | Ball | Slide | Hinge };
     equality: eq_type, EqualityType { Connect | Weld | Joint | Tendon };
     wrap: wrap_type, WrapType { Joint | Pulley | Site | Sphere | Cylinder };
-    /// Actuators whose force changes with the control in constant moments, as the differences of inverse dynamics assume.
+    /// Actuators whose force changes with the control in constant moments, as the differences of
+    /// inverse dynamics assume.
     transmission: actuator_trntype, TransmissionType { Joint | JointInParent | SliderCrank | Tendon | Site | Body };
     /// Dynamics whose step `actuation.rs` repeats.
     dynamics: actuator_dyntype, ActuatorDynamics { None | Integrator | Filter | FilterExact | Muscle | User };
     /// Gains and biases for which the force is linear in the control or the activation.
     gain: actuator_gaintype, ActuatorGain { Fixed | Affine | Muscle | User };
     bias: actuator_biastype, ActuatorBias { None | Affine | Muscle | User };
-    /// Sensors of positions, velocities and accelerations, and the forces of actuators. All others that depend on a control directly would
-    /// lack that part of D.
+    /// Sensors of positions, velocities and accelerations, and the forces of actuators. All others
+    /// that depend on a control directly would lack that part of D.
     sensor: sensor_type, SensorType {
         Touch | Accelerometer | Velocimeter | Gyro | Force | Torque | Magnetometer | Rangefinder | JointPosition
             | JointVelocity | TendonPosition | TendonVelocity | ActuatorPosition | ActuatorVelocity | ActuatorForce
@@ -55,7 +58,8 @@ enumerations! {
     };
 }
 
-/// Joints of fixed tendons whose position is a length or an angle. Compilers before 4.0 accept others.
+/// Joints of fixed tendons whose position is a length or an angle. Compilers before 4.0 accept
+/// others.
 pub(super) fn wrapped_joints(model: &Model) -> Option<Fallback> {
     let is_scalar = |joint: i32| {
         let kind = JointType::from_raw(model.jnt_type()[crate::ffi::size(joint)]);
@@ -66,7 +70,8 @@ pub(super) fn wrapped_joints(model: &Model) -> Option<Fallback> {
     Some(Fallback::NotUnderstood { field: "wrap_objid", element })
 }
 
-/// Sensors whose rows are differences of inverse dynamics, which are also those that are differenced beside closed forms.
+/// Sensors whose rows are differences of inverse dynamics, which are also those that are
+/// differenced beside closed forms.
 pub(super) fn sensors_by_differences(model: &Model) -> Option<Fallback> {
     let pulls = analytic::reads_tendons(model);
     let reads = |raw: i32| matches!(SensorType::from_raw(raw), Some(SensorType::Force | SensorType::Torque));
@@ -171,7 +176,8 @@ pub(super) fn jacobian(model: &Model) -> Option<Fallback> {
     unless(is_understood, "opt.jacobian")
 }
 
-/// Flags that disable features of 2.2.2, with those that newer engines split off, and those that select the engine's algorithms.
+/// Flags that disable features of 2.2.2, with those that newer engines split off, and those that
+/// select the engine's algorithms.
 const DISABLED: DisableFlags = DisableFlags::CONSTRAINT
     .union(DisableFlags::EQUALITY)
     .union(DisableFlags::FRICTIONLOSS)
@@ -196,7 +202,8 @@ const AUTORESET: u32 = mujoco_sys::mjDSBL_AUTORESET;
 #[cfg(not(engine_since = "3.5.0"))]
 const AUTORESET: u32 = 0;
 
-/// Returns `true` if an option of the engine has no other flags than these. A flag that the engine lacks is above all that it has.
+/// Returns `true` if an option of the engine has no other flags than these. A flag that the engine
+/// lacks is above all that it has.
 fn has_only(raw: i32, flags: u32) -> bool {
     raw as u32 & !(flags & (FIRST_ABSENT_FLAG - 1)) == 0
 }

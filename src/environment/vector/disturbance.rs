@@ -14,9 +14,9 @@ pub(super) const STREAM: u64 = u64::MAX;
 
 /// # Noise and delays
 ///
-/// A policy that is learnt with noise and delays tolerates those of a robot. An episode draws them from
-/// [`Random::stream`]`(seed, index, episode, u64::MAX)`: the delay, the noise of the first observation, and for each step the noise of the
-/// actions and that of the observation.
+/// A policy that is learnt with noise and delays tolerates those of a robot. An episode draws them
+/// from [`Random::stream`]`(seed, index, episode, u64::MAX)`: the delay, the noise of the first
+/// observation, and for each step the noise of the actions and that of the observation.
 ///
 /// ```
 /// use mujoco_safe::environment::{Hopper, VectorEnvironment};
@@ -32,13 +32,13 @@ pub(super) const STREAM: u64 = u64::MAX;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 impl<T: Task + 'static> VectorEnvironment<T> {
-    /// Adds normally distributed noise of these standard deviations `(nu)` to the actions, and starts new episodes. The reward depends
-    /// on the actions with noise.
+    /// Adds normally distributed noise of these standard deviations `(nu)` to the actions, and
+    /// starts new episodes. The reward depends on the actions with noise.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `nu` deviations, and [`Error::Invalid`] if one is negative or not finite. Those of
-    /// [`reset`](Self::reset).
+    /// [`Error::Shape`] if there are not `nu` deviations, and [`Error::Invalid`] if one is negative
+    /// or not finite. Those of [`reset`](Self::reset).
     pub fn action_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nu = self.batch.model().nu();
         Error::check_length("the standard deviations of the action noise (nu)", deviations.len(), nu)?;
@@ -47,13 +47,14 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         self.disturb()
     }
 
-    /// Adds normally distributed noise of these standard deviations `(nobs)` to the observations, and starts new episodes. The reward,
-    /// the end of an episode and [`Batch::observations`](crate::Batch::observations) do not depend on this noise.
+    /// Adds normally distributed noise of these standard deviations `(nobs)` to the observations,
+    /// and starts new episodes. The reward, the end of an episode and
+    /// [`Batch::observations`](crate::Batch::observations) do not depend on this noise.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `nobs` deviations, and [`Error::Invalid`] if one is negative or not finite. Those of
-    /// [`reset`](Self::reset).
+    /// [`Error::Shape`] if there are not `nobs` deviations, and [`Error::Invalid`] if one is
+    /// negative or not finite. Those of [`reset`](Self::reset).
     pub fn observation_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nobs = self.final_observations.ncols();
         Error::check_length("the standard deviations of the observation noise (nobs)", deviations.len(), nobs)?;
@@ -62,8 +63,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         self.disturb()
     }
 
-    /// Delays the actions by a number of steps of the environment, and starts new episodes. The number is drawn from this range for each
-    /// episode. Until the first action arrives, the controls are zero, plus noise.
+    /// Delays the actions by a number of steps of the environment, and starts new episodes. The
+    /// number is drawn from this range for each episode. Until the first action arrives, the
+    /// controls are zero, plus noise.
     ///
     /// # Errors
     ///
@@ -105,14 +107,16 @@ struct Row {
     delay: usize,
 }
 
-/// Noise and delays of a vector environment, and the arrays with them, which are empty without noise and delays.
+/// Noise and delays of a vector environment, and the arrays with them, which are empty without
+/// noise and delays.
 pub(super) struct Disturbance {
     action_deviations: Vec<f64>,
     observation_deviations: Vec<f64>,
     /// Delays of the actions, steps.
     range: RangeInclusive<usize>,
     rows: Vec<Row>,
-    /// Ring buffers of the last actions `(n, slots × nu)`. Step `k` of an episode has slot `k % slots`.
+    /// Ring buffers of the last actions `(n, slots × nu)`. Step `k` of an episode has slot
+    /// `k % slots`.
     recent: Matrix,
     /// Actions with noise and delay `(n, nu)`.
     actions: Matrix,
@@ -151,7 +155,8 @@ impl Disturbance {
         row.add_noise(&self.observation_deviations, self.observations.row_mut(index));
     }
 
-    /// Delays actions `(n, nu)` and adds noise to them. `steps` are the numbers of steps of the episodes so far.
+    /// Delays actions `(n, nu)` and adds noise to them. `steps` are the numbers of steps of the
+    /// episodes so far.
     pub(super) fn disturb_actions(&mut self, actions: &[f64], steps: &[u64]) {
         if !self.changes_actions() {
             return;

@@ -16,9 +16,11 @@ use crate::rollout::{Batch, Parameters, Random};
 
 /// Simulations of a [`Task`] that step together, each of which starts a new episode when one ends.
 ///
-/// All outputs are contiguous row-major arrays, one row per simulation. After the last step of an episode, [`observations`](Self::observations)
-/// has the first observation of the next episode, and [`final_observations`](Self::final_observations) the last one of the ended episode
-/// (the mode `SameStep` of Gymnasium's vector environments). Results depend on the seed and the actions only, not on the number of threads.
+/// All outputs are contiguous row-major arrays, one row per simulation. After the last step of an
+/// episode, [`observations`](Self::observations) has the first observation of the next episode, and
+/// [`final_observations`](Self::final_observations) the last one of the ended episode (the mode
+/// `SameStep` of Gymnasium's vector environments). Results depend on the seed and the actions only,
+/// not on the number of threads.
 ///
 /// The module [`environment`](crate::environment) has examples.
 pub struct VectorEnvironment<T> {
@@ -40,8 +42,8 @@ pub struct VectorEnvironment<T> {
 }
 
 impl<T: Task + 'static> VectorEnvironment<T> {
-    /// Creates `count` simulations of the task, and starts their first episodes. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
-    /// `&Arc<Model>`.
+    /// Creates `count` simulations of the task, and starts their first episodes. Takes a
+    /// [`Model`](crate::Model), an `Arc<Model>` or an `&Arc<Model>`.
     ///
     /// # Errors
     ///
@@ -75,14 +77,16 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         Ok(environment)
     }
 
-    /// Computes all quantities of the present state before an observation: see [`Batch::forward_after_step`].
+    /// Computes all quantities of the present state before an observation: see
+    /// [`Batch::forward_after_step`].
     #[must_use]
     pub fn forward_after_step(mut self) -> Self {
         self.batch = self.batch.forward_after_step();
         self
     }
 
-    /// Draws new values of these parameters of the model at the start of each episode, and starts new episodes.
+    /// Draws new values of these parameters of the model at the start of each episode, and starts
+    /// new episodes.
     ///
     /// ```
     /// use mujoco_safe::environment::{Hopper, VectorEnvironment};
@@ -106,9 +110,10 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         Ok(self)
     }
 
-    /// Sets the index that the random numbers of the first simulation depend on, zero by default, and starts new episodes. If each of several
-    /// processes has a part of the simulations, and calls this with the index of its first one, all together compute what one process
-    /// computes that calls `first_index(0)`.
+    /// Sets the index that the random numbers of the first simulation depend on, zero by default,
+    /// and starts new episodes. If each of several processes has a part of the simulations, and
+    /// calls this with the index of its first one, all together compute what one process computes
+    /// that calls `first_index(0)`.
     ///
     /// # Errors
     ///
@@ -133,14 +138,16 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         Ok(())
     }
 
-    /// Applies the actions `(n, nu)`, row by row, with the noise and the delay if there are any, steps all simulations, and starts a new
-    /// episode where one has ended.
+    /// Applies the actions `(n, nu)`, row by row, with the noise and the delay if there are any,
+    /// steps all simulations, and starts a new episode where one has ended.
     ///
-    /// A simulation that fails, for example by an instability, counts as terminated, with a reward of zero and a final observation of NaN.
+    /// A simulation that fails, for example by an instability, counts as terminated, with a reward
+    /// of zero and a final observation of NaN.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `n × nu` actions. The error of [`Task::start`] with the smallest index.
+    /// [`Error::Shape`] if there are not `n × nu` actions. The error of [`Task::start`] with the
+    /// smallest index.
     ///
     /// # Panics
     ///
@@ -211,7 +218,8 @@ impl<T> VectorEnvironment<T> {
         self.rewards.is_empty()
     }
 
-    /// Returns the present observations `(n, nobs)`: after the end of an episode, the first of the next one.
+    /// Returns the present observations `(n, nobs)`: after the end of an episode, the first of the
+    /// next one.
     pub fn observations(&self) -> MatrixView<'_> {
         if self.disturbance.has_observation_noise() {
             self.disturbance.observations.view()
@@ -230,7 +238,8 @@ impl<T> VectorEnvironment<T> {
         &self.rewards
     }
 
-    /// Returns the simulations `(n)` whose episode was ended by the task, or by a failure, in the last step.
+    /// Returns the simulations `(n)` whose episode was ended by the task, or by a failure, in the
+    /// last step.
     pub fn terminated(&self) -> &[bool] {
         &self.terminated
     }

@@ -15,16 +15,19 @@ use crate::id::Lineage;
 use crate::messages::{self, HeldBack, collecting_warnings};
 use crate::model::{Model, xml_guard};
 
-/// State of the engine's XML compiler, one per process: the XML tree of the last model, under a lock.
+/// State of the engine's XML compiler, one per process: the XML tree of the last model, under a
+/// lock.
 pub(in crate::model) struct XmlState {
     /// The model to which the tree belongs.
     pub(in crate::model) last: Option<Lineage>,
-    /// Engine error that left the compiler by a `longjmp`, with the compiler's lock still held. Another call would deadlock.
+    /// Engine error that left the compiler by a `longjmp`, with the compiler's lock still held.
+    /// Another call would deadlock.
     locked: Option<String>,
 }
 
 impl XmlState {
-    /// Waits for concurrent loads, as the engine does, and returns an error if the engine would deadlock.
+    /// Waits for concurrent loads, as the engine does, and returns an error if the engine would
+    /// deadlock.
     pub(in crate::model) fn enter() -> Result<XmlLock> {
         static STATE: Mutex<XmlState> = Mutex::new(XmlState { last: None, locked: None });
         let held = HeldBack::new();
@@ -35,8 +38,8 @@ impl XmlState {
         }
     }
 
-    /// Converts the status of a call into the compiler, and records whether the engine's lock is still held: an engine error
-    /// skips its release, a C++ exception does not.
+    /// Converts the status of a call into the compiler, and records whether the engine's lock is
+    /// still held: an engine error skips its release, a C++ exception does not.
     pub(in crate::model) fn leave(&mut self, function: &'static str, status: c_int) -> Result<()> {
         let result = ffi::check_without_data(function, status);
         if let Err(error) = &result
@@ -70,10 +73,12 @@ impl DerefMut for XmlLock {
     }
 }
 
-/// Limit of the length of a file name in the engine's table, in bytes with the final NUL (`mjMAXVFSNAME`, which newer engines do not have).
+/// Limit of the length of a file name in the engine's table, in bytes with the final NUL
+/// (`mjMAXVFSNAME`, which newer engines do not have).
 const MAX_NAME: usize = 1000;
 
-/// Files in memory, which the engine finds by the last part of their path. The structure has 2 MB of tables, so it is on the heap.
+/// Files in memory, which the engine finds by the last part of their path. The structure has 2 MB
+/// of tables, so it is on the heap.
 pub(in crate::model) struct VirtualFiles {
     raw: Box<mjVFS>,
 }
@@ -81,7 +86,8 @@ pub(in crate::model) struct VirtualFiles {
 impl VirtualFiles {
     pub(super) fn new() -> Self {
         let mut raw = Box::<mjVFS>::new_uninit();
-        // SAFETY: the engine sets the whole structure to zero, which is a valid value for the ints, chars and pointers in it.
+        // SAFETY: the engine sets the whole structure to zero, which is a valid value for the ints,
+        // chars and pointers in it.
         let raw = unsafe {
             sys::mj_defaultVFS(raw.as_mut_ptr());
             raw.assume_init()
@@ -89,7 +95,8 @@ impl VirtualFiles {
         Self { raw }
     }
 
-    /// Adds a file. Rejects a file for which the engine would raise a fatal error, or whose errors it does not detect.
+    /// Adds a file. Rejects a file for which the engine would raise a fatal error, or whose errors
+    /// it does not detect.
     pub(super) fn add(&mut self, name: &str, content: &[u8]) -> Result<()> {
         let invalid = |value: String, expected: &str| Error::Invalid {
             what: format!("the in-memory file '{name}'"),
@@ -119,8 +126,8 @@ impl VirtualFiles {
         let name_c: CString = ffi::c_string("the name of an in-memory file", name)?;
         let mut outcome = 0;
         let (vfs, buffer) = (&raw mut *self.raw, content.as_ptr().cast());
-        // SAFETY: a valid table, a valid string, `size` bytes, and a pointer for the result. If the engine runs out of memory, it leaves
-        // at most a name after the last file.
+        // SAFETY: a valid table, a valid string, `size` bytes, and a pointer for the result. If the
+        // engine runs out of memory, it leaves at most a name after the last file.
         let status = unsafe { guard::mj_add_buffer_vfs(vfs, name_c.as_ptr(), buffer, size, &raw mut outcome) };
         ffi::check_without_data("mj_addBufferVFS", status)?;
         match outcome {
@@ -152,13 +159,15 @@ impl Model {
         source_name: &str,
     ) -> Result<Self> {
         const MESSAGE: usize = 4096;
-        // The engine replaces its tree before it returns a model, which may still be rejected below.
+        // The engine replaces its tree before it returns a model, which may still be rejected
+        // below.
         let last = xml.last.take();
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
         let ((status, printed), mut warnings) = collecting_warnings(|| {
             stderr::captured(|| {
-                // SAFETY: a valid name and table, a buffer of the given size, and a pointer for the result.
+                // SAFETY: a valid name and table, a buffer of the given size, and a pointer for the
+                // result.
                 unsafe {
                     let (message, loaded) = (message.as_mut_ptr(), &raw mut loaded);
                     guard::mj_load_xml(name.as_ptr(), files.as_ptr(), message, MESSAGE as i32, loaded)

@@ -32,19 +32,22 @@ const FROM_MEMORY: &str = "the given XML";
 /// Name of a binary model from memory in error messages.
 const BINARY_FROM_MEMORY: &str = "the given buffer";
 
-/// Function that runs the engine's compiler on a file. The last argument is the name in error messages.
+/// Function that runs the engine's compiler on a file. The last argument is the name in error
+/// messages.
 type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
 
 /// # Loading
 impl Model {
-    /// Loads a model from an MJCF or URDF file. Paths in it (includes, meshes, textures, height fields) are relative to it.
+    /// Loads a model from an MJCF or URDF file. Paths in it (includes, meshes, textures, height
+    /// fields) are relative to it.
     ///
     /// The engine's own compiler reads the file and is not safe for all malicious inputs; see
     /// [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::Load`] with the compiler's message if it is not a valid model.
+    /// [`Error::File`] if the file cannot be read, [`Error::Load`] with the compiler's message if
+    /// it is not a valid model.
     ///
     /// ```
     /// use mujoco_safe::{Error, Model};
@@ -58,18 +61,19 @@ impl Model {
         Self::from_xml_path_with(path, &LoadOptions::default())
     }
 
-    /// Loads a model from an MJCF or URDF file with [`LoadOptions`]: some of the files that it names can be in memory, and a URDF
-    /// can name meshes by `package://` URIs.
+    /// Loads a model from an MJCF or URDF file with [`LoadOptions`]: some of the files that it
+    /// names can be in memory, and a URDF can name meshes by `package://` URIs.
     ///
-    /// The file itself is read from disk. The compiler searches for the files that it names first in memory, by the part of
-    /// their names after the last slash and ignoring case, and then on disk, relative to the file.
+    /// The file itself is read from disk. The compiler searches for the files that it names first
+    /// in memory, by the part of their names after the last slash and ignoring case, and then on
+    /// disk, relative to the file.
     ///
     /// For untrusted texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
-    /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Invalid`] for the files in memory as for
-    /// [`from_xml_str_with`](Self::from_xml_str_with).
+    /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Invalid`] for the files in
+    /// memory as for [`from_xml_str_with`](Self::from_xml_str_with).
     ///
     /// ```
     /// use mujoco_safe::{LoadOptions, Model};
@@ -91,43 +95,51 @@ impl Model {
     #[doc(alias = "from_xml_path")]
     pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
         let path = path.as_ref();
-        // Compile the text that was checked, even if the file changes in the meantime. The text gets another name in the same
-        // directory, so that the compiler cannot confuse it with files of the same name in other directories.
+        // Compile the text that was checked, even if the file changes in the meantime. The text
+        // gets another name in the same directory, so that the compiler cannot confuse it with
+        // files of the same name in other directories.
         let text = file::read_regular(path).map_err(Error::file(path))?;
         Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, options)
     }
 
     /// Loads a model from MJCF or URDF text.
     ///
-    /// The engine's own compiler reads the text. On some inputs the compiler of 2.2.2 crashes, does not terminate, or accesses
-    /// memory out of bounds. The following inputs can be recognised in the text and the files that it names, and are rejected
-    /// before compilation:
+    /// The engine's own compiler reads the text. On some inputs the compiler of 2.2.2 crashes, does
+    /// not terminate, or accesses memory out of bounds. The following inputs can be recognised in
+    /// the text and the files that it names, and are rejected before compilation:
     ///
-    /// * recursive includes, models that are assets of themselves, more than a million copies of elements, elements nested more than 400
-    ///   deep, special files (pipes, devices, `/proc`),
-    /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more than 400 joints,
-    /// * oversized textures, height fields, keyframes, user data, custom data and skins of composites, more than 32 766 bodies,
-    ///   and more than 13 377 degrees of freedom,
-    /// * rangefinders of cameras with more than 4 million rays, sensors and delays with more than 20 million values and samples, and large integers
-    ///   in an attribute that this crate does not know,
-    /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with nonexistent vertices, vertices
-    ///   that are not finite,
+    /// * recursive includes, models that are assets of themselves, more than a million copies of
+    ///   elements, elements nested more than 400 deep, special files (pipes, devices, `/proc`),
+    /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more
+    ///   than 400 joints,
+    /// * oversized textures, height fields, keyframes, user data, custom data and skins of
+    ///   composites, more than 32 766 bodies, and more than 13 377 degrees of freedom,
+    /// * rangefinders of cameras with more than 4 million rays, sensors and delays with more than
+    ///   20 million values and samples, and large integers in an attribute that this crate does not
+    ///   know,
+    /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with
+    ///   nonexistent vertices, vertices that are not finite,
     /// * flexes of tetrahedra without a border, flexes with lists of contradictory lengths,
-    /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer
-    ///   than 100 constraints, a rangefinder together with a height field of more rows than columns.
+    /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice,
+    ///   adhesion with room for fewer than 100 constraints, a rangefinder together with a height
+    ///   field of more rows than columns.
     ///
-    /// The included texts pass the same checks, and since MuJoCo 3.2 so do the models that are assets (`<model>`), which must be MJCF or URDF.
+    /// The included texts pass the same checks, and since MuJoCo 3.2 so do the models that are
+    /// assets (`<model>`), which must be MJCF or URDF.
     ///
-    /// The compiled model then passes the checks of a binary model, see [`from_binary`](Self::from_binary).
+    /// The compiled model then passes the checks of a binary model, see
+    /// [`from_binary`](Self::from_binary).
     ///
-    /// Compilation can still take minutes (thousands of bodies) or much memory (a PNG that decompresses to more than its header
-    /// states), and a file on disk can change between the check and the compilation. Compile untrusted models in a separate process
-    /// with limits on time and memory.
+    /// Compilation can still take minutes (thousands of bodies) or much memory (a PNG that
+    /// decompresses to more than its header states), and a file on disk can change between the
+    /// check and the compilation. Compile untrusted models in a separate process with limits on
+    /// time and memory.
     ///
     /// # Errors
     ///
-    /// [`Error::Load`] with the compiler's complete message, which includes the line if the compiler reports one. If the text is a path
-    /// instead of XML, the message names the function that loads files.
+    /// [`Error::Load`] with the compiler's complete message, which includes the line if the
+    /// compiler reports one. If the text is a path instead of XML, the message names the function
+    /// that loads files.
     ///
     /// ```
     /// use mujoco_safe::Model;
@@ -139,15 +151,16 @@ impl Model {
         Self::from_xml_str_with(xml, &LoadOptions::default())
     }
 
-    /// Loads a model from MJCF or URDF text with [`LoadOptions`]: files that the text names can be in memory, and a URDF can name
-    /// meshes by `package://` URIs.
+    /// Loads a model from MJCF or URDF text with [`LoadOptions`]: files that the text names can be
+    /// in memory, and a URDF can name meshes by `package://` URIs.
     ///
     /// For untrusted texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
-    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content, with the same name
-    /// as another file, with a name of 1000 bytes or more, or of 2 GiB or more, and before 3.2 for more than 1998 files.
+    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a
+    /// name or content, with the same name as another file, with a name of 1000 bytes or more, or
+    /// of 2 GiB or more, and before 3.2 for more than 1998 files.
     ///
     /// ```
     /// use mujoco_safe::{LoadOptions, Model};
@@ -168,28 +181,32 @@ impl Model {
         Self::from_text(FROM_MEMORY, TEXT.as_ref(), xml.as_bytes(), options)
     }
 
-    /// Compiles a text as if it were the contents of the file `path`, whose file name must be [`TEXT`].
+    /// Compiles a text as if it were the contents of the file `path`, whose file name must be
+    /// [`TEXT`].
     pub(crate) fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
         let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
         let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
             .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))
             .collect();
         let model = Self::from_text_by(source_name, path, &text, &files, &mut Self::compile).map_err(|error| {
-            // The engine discards visual meshes by default, so an unresolved one is the cause only if the message names it.
+            // The engine discards visual meshes by default, so an unresolved one is the cause only
+            // if the message names it.
             let Error::Load { source_name, mut message } = error else { return error };
             if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
                 message = format!("{message}; {reason}");
             }
             Error::Load { source_name, message }
         })?;
-        // Log after the lock is released, because a logger is user code and may load a model itself.
+        // Log after the lock is released, because a logger is user code and may load a model
+        // itself.
         for warning in &model.warnings {
             log::warn!(target: messages::LOG_TARGET, "{source_name}: {warning}");
         }
         Ok(model)
     }
 
-    /// Checks a text and compiles it with `compile`, which acquires the lock of [`XmlState`] or already holds it.
+    /// Checks a text and compiles it with `compile`, which acquires the lock of [`XmlState`] or
+    /// already holds it.
     pub(super) fn from_text_by(
         source_name: &str,
         path: &Path,
@@ -231,8 +248,8 @@ impl Model {
         Ok(virtual_files)
     }
 
-    /// Compiles a variant of a text, if there is one, and checks the result. The warnings of the check
-    /// are those of the compiler, or concern the variant only.
+    /// Compiles a variant of a text, if there is one, and checks the result. The warnings of the
+    /// check are those of the compiler, or concern the variant only.
     fn check_variant(
         text: Option<Vec<u8>>,
         name: &CString,
@@ -262,15 +279,18 @@ impl Model {
 
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
     ///
-    /// The engine trusts such a file; this function does not. It checks every size, address, id and enum before it passes the
-    /// file to the engine, so a damaged or malicious file results in an error.
+    /// The engine trusts such a file; this function does not. It checks every size, address, id and
+    /// enum before it passes the file to the engine, so a damaged or malicious file results in an
+    /// error.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model.
-    /// [`Error::Unsupported`] with engines other than 2.2.2 and 3.5.0, for which the rules of a safe file are not known, and with 3.5.0 for a
-    /// model with flexes, plugins, signed distance fields or tactile sensors, or with the option `multiccd` and a mesh in whose convex hull a
-    /// polygon has more than 8 vertices; see [`from_binary_unchecked`](Self::from_binary_unchecked).
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete
+    /// and consistent model. [`Error::Unsupported`] with engines other than 2.2.2 and 3.5.0, for
+    /// which the rules of a safe file are not known, and with 3.5.0 for a model with flexes,
+    /// plugins, signed distance fields or tactile sensors, or with the option `multiccd` and a mesh
+    /// in whose convex hull a polygon has more than 8 vertices; see
+    /// [`from_binary_unchecked`](Self::from_binary_unchecked).
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -278,12 +298,13 @@ impl Model {
         Self::from_binary_named(&bytes, &path.display().to_string())
     }
 
-    /// Loads a binary model from memory. Otherwise the same as [`from_binary_path`](Self::from_binary_path).
+    /// Loads a binary model from memory. Otherwise the same as
+    /// [`from_binary_path`](Self::from_binary_path).
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] as for
-    /// [`from_binary_path`](Self::from_binary_path).
+    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model,
+    /// [`Error::Unsupported`] as for [`from_binary_path`](Self::from_binary_path).
     ///
     #[cfg_attr(not(validates_binaries), doc = "```ignore")]
     #[cfg_attr(validates_binaries, doc = "```")]
@@ -301,18 +322,19 @@ impl Model {
 
     /// Loads a binary model from memory without a check of its bytes, with every engine.
     ///
-    /// With engines other than 2.2.2 and 3.5.0 this is the only way to load a binary model. It skips the XML compiler, which takes long for large
-    /// models.
+    /// With engines other than 2.2.2 and 3.5.0 this is the only way to load a binary model. It
+    /// skips the XML compiler, which takes long for large models.
     ///
     /// # Safety
     ///
-    /// The bytes are those that [`to_binary`](Self::to_binary), [`save_binary`](Self::save_binary) or `mj_saveModel` wrote with this version
-    /// of the engine, for a model that the engine compiled. The engine reads out of bounds if a size, an address or an id is wrong.
+    /// The bytes are those that [`to_binary`](Self::to_binary), [`save_binary`](Self::save_binary)
+    /// or `mj_saveModel` wrote with this version of the engine, for a model that the engine
+    /// compiled. The engine reads out of bounds if a size, an address or an id is wrong.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the engine rejects the bytes, such as those of another version, or if the model has a feature that
-    /// this crate does not support.
+    /// [`Error::InvalidBinary`] if the engine rejects the bytes, such as those of another version,
+    /// or if the model has a feature that this crate does not support.
     ///
     /// ```
     /// use mujoco_safe::{Model, sample};
@@ -362,13 +384,15 @@ impl Model {
         let name = ffi::c_string("the name of the binary model", name)?;
         let mut loaded = ptr::null_mut();
         let (result, warnings) = collecting_warnings(|| {
-            // SAFETY: a valid name and table. By the caller's promise the engine reads only within the bytes.
+            // SAFETY: a valid name and table. By the caller's promise the engine reads only within
+            // the bytes.
             let status = unsafe { guard::mj_load_model(name.as_ptr(), files.as_ptr(), &raw mut loaded) };
             ffi::check_without_data("mj_loadModel", status)
         });
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid_binary(source_name, warnings.join("; ")))?;
-        // SAFETY: the engine allocated the model, nothing else owns it, and by the caller's promise its contents are valid.
+        // SAFETY: the engine allocated the model, nothing else owns it, and by the caller's promise
+        // its contents are valid.
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 }
@@ -391,7 +415,8 @@ fn check_binary(bytes: &[u8], source_name: &str) -> Result<()> {
     })
 }
 
-/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 and 3.5.0 only.
+/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 and 3.5.0
+/// only.
 #[cfg(not(validates_binaries))]
 fn check_binary(_: &[u8], _: &str) -> Result<()> {
     let version = crate::version::built_against();

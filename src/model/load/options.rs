@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use super::package::Packages;
 
-/// Options for loading a model from XML: files in memory, and directories of the ROS packages that a URDF names.
+/// Options for loading a model from XML: files in memory, and directories of the ROS packages that
+/// a URDF names.
 ///
 /// ```
 /// use mujoco_safe::{LoadOptions, Model};
@@ -46,9 +47,10 @@ impl<'a> LoadOptions<'a> {
         self.files.iter().find(is).map(|&(_, content)| content)
     }
 
-    /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height field or a texture (`.png`, or
-    /// the engine's own formats). The compiler compares the part of a name after the last slash and ignores case, so two files
-    /// must not differ only in their directories. Files in memory take precedence over files on disk.
+    /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height
+    /// field or a texture (`.png`, or the engine's own formats). The compiler compares the part of
+    /// a name after the last slash and ignores case, so two files must not differ only in their
+    /// directories. Files in memory take precedence over files on disk.
     #[must_use]
     #[doc(alias = "mjVFS")]
     #[doc(alias = "mj_defaultVFS")]
@@ -75,9 +77,10 @@ impl<'a> LoadOptions<'a> {
         self
     }
 
-    /// Adds directories that are searched for packages, separated as in the `PATH` of the platform. The list can be the value
-    /// of `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each directory, the package `name` is `name`, `share/name`, or
-    /// the directory itself if its name is `name`. The first match in the order of the list is used. Subdirectories are not
+    /// Adds directories that are searched for packages, separated as in the `PATH` of the platform.
+    /// The list can be the value of `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each
+    /// directory, the package `name` is `name`, `share/name`, or the directory itself if its name
+    /// is `name`. The first match in the order of the list is used. Subdirectories are not
     /// searched.
     #[must_use]
     pub fn with_package_path(mut self, list: impl AsRef<OsStr>) -> Self {

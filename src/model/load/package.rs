@@ -1,8 +1,8 @@
 //! Resolution of the `package://` URIs by which ROS names meshes in URDF.
 //!
-//! The engine does not support these URIs. It strips the path, searches for the file name in the directory of the model, and
-//! treats two meshes with the same file name as one. This module therefore reads the files and passes them to the engine in
-//! memory, under unique names.
+//! The engine does not support these URIs. It strips the path, searches for the file name in the
+//! directory of the model, and treats two meshes with the same file name as one. This module
+//! therefore reads the files and passes them to the engine in memory, under unique names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -61,7 +61,8 @@ pub(super) struct Resolved<'t> {
     pub(super) unresolved: Vec<(String, String)>,
 }
 
-/// Reads the meshes that a text names by `package://` URIs. Files of `given` take precedence over files of the same name.
+/// Reads the meshes that a text names by `package://` URIs. Files of `given` take precedence over
+/// files of the same name.
 pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &[u8])]) -> Resolved<'t> {
     let mut resolved = Resolved { text: Cow::Borrowed(text), ..Resolved::default() };
     let mut names: HashMap<PathBuf, String> = HashMap::new();
@@ -100,7 +101,8 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
             renamed.push((range, names[&path].clone()));
         }
     }
-    // Rename missing files too, so that the engine does not use a file of the same name from another package.
+    // Rename missing files too, so that the engine does not use a file of the same name from
+    // another package.
     for (range, uri) in missing {
         if is_taken(last_part(&uri), resolved.files.iter().map(|(name, _)| &name[..])) {
             renamed.push((range, unique_name(&uri)));
@@ -132,7 +134,8 @@ fn unique_name(uri: &str) -> String {
     uri.replace(['/', '\\'], "-")
 }
 
-/// Finds the `package://` URIs of meshes. Returns them without the scheme, with the ranges of the attribute values.
+/// Finds the `package://` URIs of meshes. Returns them without the scheme, with the ranges of the
+/// attribute values.
 fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
     Tags::new(text).filter(|tag| tag.name == b"mesh").filter_map(|tag| {
         let range = tag.attribute_range(b"filename")?;
@@ -141,7 +144,8 @@ fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
     })
 }
 
-/// Returns `true` if the engine could confuse one of `names` with `name`. It compares the last parts of paths and ignores case.
+/// Returns `true` if the engine could confuse one of `names` with `name`. It compares the last
+/// parts of paths and ignores case.
 fn is_taken<'n>(name: &str, mut names: impl Iterator<Item = &'n str>) -> bool {
     names.any(|taken| last_part(taken).eq_ignore_ascii_case(name))
 }

@@ -10,12 +10,12 @@ use super::rule::{
 };
 use super::view::View;
 
-/// Limit on the coordinates of vertices. The engine searches for the vertex that is farthest in a direction, and takes -1 for
-/// its id if no product compares greater than -1e10.
+/// Limit on the coordinates of vertices. The engine searches for the vertex that is farthest in a
+/// direction, and takes -1 for its id if no product compares greater than -1e10.
 const LARGEST_COORDINATE: f32 = 1e9;
 
-/// Largest visualisation group of a skin. The visualiser of 2.2.2 uses the group of a skin as an index without clamping it, unlike the
-/// groups of other elements.
+/// Largest visualisation group of a skin. The visualiser of 2.2.2 uses the group of a skin as an
+/// index without clamping it, unlike the groups of other elements.
 const LAST_GROUP: i64 = mujoco_sys::mjNGROUP as i64 - 1;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
@@ -62,14 +62,16 @@ fn faces(view: &View<'_>, index: Field<i32>, faces: Range<usize>, vertices: i32)
     (3 * faces.start..3 * faces.end).try_for_each(|i| is_in(view, index, i, 0..=i64::from(vertices) - 1))
 }
 
-/// Checks the convex hulls of meshes, which the collision code traverses from vertex to neighbouring vertex.
+/// Checks the convex hulls of meshes, which the collision code traverses from vertex to
+/// neighbouring vertex.
 ///
 /// A hull is a run of ints in `mesh_graph`:
 ///
 /// 1. the numbers of vertices *V* and faces *F*,
 /// 2. for each vertex the start of its list of neighbours,
 /// 3. for each vertex its id in the mesh,
-/// 4. the lists, each terminated by -1: *V* + 3 *F* ints, because a closed triangulated surface has 3 *F* / 2 edges,
+/// 4. the lists, each terminated by -1: *V* + 3 *F* ints, because a closed triangulated surface has
+///    3 *F* / 2 edges,
 /// 5. the three vertices of each face.
 fn hulls(view: &View<'_>) -> Result<(), Invalid> {
     let end = view.size(size::nmeshgraph);
@@ -155,7 +157,8 @@ fn height_fields(view: &View<'_>) -> Result<(), Invalid> {
     let mut next = 0_u64;
     for i in 0..view.size(size::nhfield) {
         is(view, field::hfield_adr, i, next as i64, "the end of the previous one")?;
-        // Below 2^62. The address of the next height field is compared with the sum before anything else is added to it.
+        // Below 2^62. The address of the next height field is compared with the sum before anything
+        // else is added to it.
         next += u64::from(view.get(field::hfield_nrow, i) as u32) * u64::from(view.get(field::hfield_ncol, i) as u32);
     }
     size_is(view, size::nhfielddata, next, "the sum of rows times columns")?;

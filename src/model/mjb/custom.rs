@@ -60,7 +60,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Returns the number of objects of an `mjtObj` type, or `None` if the type does not exist or is "unknown".
+/// Returns the number of objects of an `mjtObj` type, or `None` if the type does not exist or is
+/// "unknown".
 pub(super) fn count(view: &View<'_>, kind: i32) -> Option<usize> {
     use mujoco_sys as sys;
     let count = match u32::try_from(kind).ok()? {
@@ -91,8 +92,9 @@ pub(super) fn count(view: &View<'_>, kind: i32) -> Option<usize> {
     Some(view.size(count))
 }
 
-/// Checks the array of names: the name of the model first, then the names of all objects, kind by kind, each NUL-terminated. An
-/// unnamed object has an empty string, so every address is the end of the previous name.
+/// Checks the array of names: the name of the model first, then the names of all objects, kind by
+/// kind, each NUL-terminated. An unnamed object has an empty string, so every address is the end of
+/// the previous name.
 fn names(view: &View<'_>) -> Result<(), Invalid> {
     let names = view.slice(field::names);
     // Addresses only increase, so all searches together read each byte once.

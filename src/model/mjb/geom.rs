@@ -1,5 +1,5 @@
-//! Elements attached to bodies: geoms, sites, cameras and lights. Also the explicit contact pairs of geoms, and the pairs of
-//! bodies that are excluded from contact.
+//! Elements attached to bodies: geoms, sites, cameras and lights. Also the explicit contact pairs
+//! of geoms, and the pairs of bodies that are excluded from contact.
 
 use mujoco_sys::{mjCAMLIGHT_TARGETBODYCOM, mjGEOM_BOX, mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_PLANE, mjGEOM_SPHERE};
 
@@ -7,13 +7,15 @@ use super::layout::{Field, field, size};
 use super::rule::{Invalid, all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
 use super::view::View;
 
-/// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame. Newer engines have 3 and 4 for their orientations.
+/// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame. Newer
+/// engines have 3 and 4 for their orientations.
 const LAST_SAMEFRAME: u8 = if cfg!(engine_since = "3.5.0") { 4 } else { 2 };
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     geoms(view)?;
 
-    // The engine intersects rays with the shape of a site by the code for geoms, which supports no other types.
+    // The engine intersects rays with the shape of a site by the code for geoms, which supports no
+    // other types.
     all_in(view, field::site_type, mjGEOM_SPHERE.into()..=mjGEOM_BOX.into())?;
     all_ids(view, field::site_bodyid, view.size(size::nbody))?;
     all_ids_or_none(view, field::site_matid, view.size(size::nmat))?;
@@ -25,7 +27,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     ] {
         all_in(view, mode, 0..=mjCAMLIGHT_TARGETBODYCOM.into())?;
         all_ids(view, body, view.size(size::nbody))?;
-        // A targeting mode without a target body is valid: the engine does not rotate the camera or light then.
+        // A targeting mode without a target body is valid: the engine does not rotate the camera or
+        // light then.
         all_ids_or_none(view, target, view.size(size::nbody))?;
     }
     all_bytes(view, field::light_castshadow, 1)?;
@@ -37,8 +40,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks the types of newer cameras and lights, and that no element has a plugin. The resolution of a camera may have any value: the engine
-/// compares it with the values of a sensor.
+/// Checks the types of newer cameras and lights, and that no element has a plugin. The resolution
+/// of a camera may have any value: the engine compares it with the values of a sensor.
 #[cfg(engine_since = "3.5.0")]
 fn newer_types(view: &View<'_>) -> Result<(), Invalid> {
     all_in(view, field::cam_projection, 0..=mujoco_sys::mjPROJ_ORTHOGRAPHIC.into())?;
@@ -93,7 +96,8 @@ fn geoms_of_bodies(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::ngeom, next as u64, "the sum over the bodies")
 }
 
-/// Checks the dimensionality of contacts. An invalid one ends in `mju_error` or in the wrong number of constraint rows.
+/// Checks the dimensionality of contacts. An invalid one ends in `mju_error` or in the wrong number
+/// of constraint rows.
 fn condim(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {
     match view.values(field).enumerate().find(|(_, value)| ![1, 3, 4, 6].contains(value)) {
         None => Ok(()),
@@ -101,8 +105,9 @@ fn condim(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {
     }
 }
 
-/// Checks the pairs of geoms that are tested for contact, and the pairs of bodies that are not. The engine searches both by a
-/// signature that packs the ids of the bodies, in a list that it assumes to be sorted.
+/// Checks the pairs of geoms that are tested for contact, and the pairs of bodies that are not. The
+/// engine searches both by a signature that packs the ids of the bodies, in a list that it assumes
+/// to be sorted.
 pub(super) fn check_pairs(view: &View<'_>) -> Result<(), Invalid> {
     condim(view, field::pair_dim)?;
     all_ids(view, field::pair_geom1, view.size(size::ngeom))?;
@@ -130,7 +135,8 @@ pub(super) fn check_pairs(view: &View<'_>) -> Result<(), Invalid> {
 /// Number of the world in signatures.
 const FIRST_BODY: i64 = if cfg!(engine_since = "3.5.0") { 0 } else { 1 };
 
-/// Returns the signature of a pair of bodies. It fits into an int, because the number of bodies is below 2^15.
+/// Returns the signature of a pair of bodies. It fits into an int, because the number of bodies is
+/// below 2^15.
 fn signature(first: i64, second: i64) -> i64 {
     ((first + FIRST_BODY) << 16) + second + FIRST_BODY
 }

@@ -1,5 +1,5 @@
-//! The sizes and arrays of a model file: their types, and the macros that the table invokes, which the build script generates from the
-//! field table of `mujoco-sys`.
+//! The sizes and arrays of a model file: their types, and the macros that the table invokes, which
+//! the build script generates from the field table of `mujoco-sys`.
 
 use std::marker::PhantomData;
 
@@ -20,7 +20,8 @@ pub(super) struct Extent {
     pub(super) times: usize,
 }
 
-/// Layout of an array in the file or in `mjData`: `rows * columns` elements of `element` bytes each.
+/// Layout of an array in the file or in `mjData`: `rows * columns` elements of `element` bytes
+/// each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Array {
     pub(super) name: &'static str,

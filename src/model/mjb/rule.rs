@@ -1,5 +1,5 @@
-//! The error of the validation, and the rules that many fields share: a range, an exact value, a flag, and the partition of one
-//! array into consecutive pieces.
+//! The error of the validation, and the rules that many fields share: a range, an exact value, a
+//! flag, and the partition of one array into consecutive pieces.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -8,7 +8,8 @@ use std::ops::RangeInclusive;
 use super::layout::{Element, Field, Size};
 use super::view::View;
 
-/// The reason for rejecting a binary model: the location, the value found there, and the values that are valid.
+/// The reason for rejecting a binary model: the location, the value found there, and the values
+/// that are valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Invalid {
     message: String,
@@ -123,8 +124,8 @@ pub(super) fn size_is(view: &View<'_>, size: Size, expected: u64, why: &str) -> 
     Err(Invalid::scalar(size.name(), value, format!("it must be {expected}, {why}")))
 }
 
-/// Checks that the pieces of the owners follow each other without a gap, have at least `least` elements each, and fill the array
-/// of `total` elements.
+/// Checks that the pieces of the owners follow each other without a gap, have at least `least`
+/// elements each, and fill the array of `total` elements.
 pub(super) fn partition(
     view: &View<'_>,
     address: Field<i32>,

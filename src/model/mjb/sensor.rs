@@ -40,8 +40,8 @@ enum On {
     Nothing,
 }
 
-/// Returns the number of values of a type of sensor, their data type, the stage that computes them, and the object. Returns
-/// `None` for a user sensor, for which these are arbitrary.
+/// Returns the number of values of a type of sensor, their data type, the stage that computes them,
+/// and the object. Returns `None` for a user sensor, for which these are arbitrary.
 fn rule(kind: u32) -> Option<(i64, u32, u32, On)> {
     use On::{Actuator, Ball, Body, Frame, Joint, Nothing, Relative, Scalar, Site, Tendon};
     let (pos, vel, acc) = (mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC);
@@ -105,8 +105,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     rangefinders(view)
 }
 
-/// Rejects rangefinders together with height fields on which the engine's ray functions read out of bounds. Rangefinders cast
-/// rays at all geoms.
+/// Rejects rangefinders together with height fields on which the engine's ray functions read out of
+/// bounds. Rangefinders cast rays at all geoms.
 fn rangefinders(view: &View<'_>) -> Result<(), Invalid> {
     if !view.values(field::sensor_type).any(|kind| kind as u32 == mjSENS_RANGEFINDER) {
         return Ok(());
@@ -128,8 +128,8 @@ fn rangefinders(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks a user sensor. A callback computes its values, but the engine postprocesses them by their data type, regardless of
-/// their number.
+/// Checks a user sensor. A callback computes its values, but the engine postprocesses them by their
+/// data type, regardless of their number.
 fn user(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     is_in(view, field::sensor_needstage, i, mjSTAGE_POS.into()..=mjSTAGE_ACC.into())?;
     match view.get(field::sensor_datatype, i) as u32 {

@@ -1,8 +1,9 @@
 //! Sizes and options.
 //!
-//! The checks of sizes cover those that nothing else in the file bounds. They determine the memory of a model and its data, and
-//! the magnitude of products that the engine computes in C ints. The checks of `mjOption` cover the values that select code or
-//! bound loops. The integers of `mjVisual` need no check, because the renderer clamps them.
+//! The checks of sizes cover those that nothing else in the file bounds. They determine the memory
+//! of a model and its data, and the magnitude of products that the engine computes in C ints. The
+//! checks of `mjOption` cover the values that select code or bound loops. The integers of
+//! `mjVisual` need no check, because the renderer clamps them.
 
 use std::mem::offset_of;
 use std::ops::RangeInclusive;
@@ -16,10 +17,11 @@ use super::view::{View, array_bytes};
 /// Alignment in bytes of each array in the engine's buffers.
 const ALIGNMENT: u128 = 64;
 
-/// Largest memory of the engine's stack, 8 GiB, in the unit of the size. In 2.2.2 the engine's buffer sizes, stack marks and products are C
-/// ints. The engine adds the size of the next block to a stack mark before it compares the sum with the end of the stack, so the sum must not
-/// overflow. The compiler assigns hundreds of millions to models with many contacts. Newer engines compute with 64 bits. Their limit is
-/// 1 TiB, which no machine has.
+/// Largest memory of the engine's stack, 8 GiB, in the unit of the size. In 2.2.2 the engine's
+/// buffer sizes, stack marks and products are C ints. The engine adds the size of the next block to
+/// a stack mark before it compares the sum with the end of the stack, so the sum must not overflow.
+/// The compiler assigns hundreds of millions to models with many contacts. Newer engines compute
+/// with 64 bits. Their limit is 1 TiB, which no machine has.
 #[cfg(not(engine_since = "3.5.0"))]
 const STACK: (Size, usize, &str) = (size::nstack, (1 << 30) - 1, "numbers, which is 8 GiB");
 #[cfg(engine_since = "3.5.0")]
@@ -30,8 +32,8 @@ const LARGEST_PRODUCT: u64 = 1 << 30;
 /// Limit on solver iterations: 2^31 iterations with a tolerance of zero practically never end.
 const MOST_ITERATIONS: i64 = 1_000_000;
 
-/// The solvers treat a negative number of iterations as zero. (libccd casts it to an unsigned integer, so `mpr_iterations` must
-/// not be negative.)
+/// The solvers treat a negative number of iterations as zero. (libccd casts it to an unsigned
+/// integer, so `mpr_iterations` must not be negative.)
 const SOLVER_ITERATIONS: RangeInclusive<i64> = i32::MIN as i64..=MOST_ITERATIONS;
 
 /// Name, offset and valid values of a field of `mjOption`.
@@ -66,13 +68,14 @@ fn sizes(view: &View<'_>) -> Result<(), Invalid> {
     products(view)
 }
 
-/// Checks the sizes of those blocks on the engine's stack that are products. Products with `njmax`, `ntendon` or `nu` as a
-/// factor also occur in `mjData` and are bounded there.
+/// Checks the sizes of those blocks on the engine's stack that are products. Products with `njmax`,
+/// `ntendon` or `nu` as a factor also occur in `mjData` and are bounded there.
 fn products(view: &View<'_>) -> Result<(), Invalid> {
     let [nv, nbody, na, nu, nsensordata] =
         [size::nv, size::nbody, size::na, size::nu, size::nsensordata].map(|size| view.size(size) as u64);
     let state = 2 * nv + na;
-    // The rows of the constraint Jacobian without contacts: equalities, friction, limits. In 2.2.2 `njmax` bounds them.
+    // The rows of the constraint Jacobian without contacts: equalities, friction, limits. In 2.2.2
+    // `njmax` bounds them.
     let rows = if cfg!(engine_since = "3.5.0") {
         let [nemax, njnt, ntendon] = [size::nemax, size::njnt, size::ntendon].map(|size| view.size(size) as u64);
         nemax + nv + 2 * njnt + 3 * ntendon
@@ -141,8 +144,8 @@ fn versioned_rules() -> Vec<Rule> {
     ]
 }
 
-/// Returns the rules for options that differ between the versions. The bits of `disableactuator` are groups of actuators. The parameters of
-/// signed distance fields have no effect without them.
+/// Returns the rules for options that differ between the versions. The bits of `disableactuator`
+/// are groups of actuators. The parameters of signed distance fields have no effect without them.
 #[cfg(engine_since = "3.5.0")]
 fn versioned_rules() -> Vec<Rule> {
     vec![

@@ -1,5 +1,6 @@
-//! The engine writes the valid file for a model with every kind of element, so the tests also show that each rule accepts
-//! valid elements. Each invalid file differs from the valid file in one value.
+//! The engine writes the valid file for a model with every kind of element, so the tests also show
+//! that each rule accepts valid elements. Each invalid file differs from the valid file in one
+//! value.
 
 use std::ffi::CString;
 use std::path::Path;
@@ -11,7 +12,8 @@ use super::check;
 use super::layout::{Array, Element, Field, MODEL_ARRAYS, SIZE_NAMES, Size, field, size};
 use super::view::{SIZE_BYTES, SIZES_AT, SizeInt, View};
 
-/// Compiles an XML file with the engine and returns the binary model that the engine saves; `None` if it does not compile.
+/// Compiles an XML file with the engine and returns the binary model that the engine saves; `None`
+/// if it does not compile.
 pub(super) fn compile(path: &Path) -> Option<Vec<u8>> {
     static COUNT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
     let count = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -19,8 +21,8 @@ pub(super) fn compile(path: &Path) -> Option<Vec<u8>> {
     let [from, to] = [path, &saved].map(|path| CString::new(path.to_str().unwrap()).unwrap());
     let mut error = [0; 500];
     let mut model = std::ptr::null_mut();
-    // SAFETY: the guards' handler is installed first; both strings are NUL-terminated and the buffer has the given size; the model
-    // is used only if it is not NULL, and deleted once.
+    // SAFETY: the guards' handler is installed first; both strings are NUL-terminated and the
+    // buffer has the given size; the model is used only if it is not NULL, and deleted once.
     unsafe {
         guard::install(None);
         guard::mj_load_xml(from.as_ptr(), std::ptr::null(), error.as_mut_ptr(), 500, &raw mut model);
@@ -146,7 +148,8 @@ fn a_file_of_another_kind_is_rejected_by_its_header() {
     );
 }
 
-/// Sizes that may have one of the values below. The engine 3.5.0 allocates constraints and contacts in an arena.
+/// Sizes that may have one of the values below. The engine 3.5.0 allocates constraints and contacts
+/// in an arena.
 const UNRESTRICTED_SIZES: &[&str] =
     if cfg!(engine_since = "3.5.0") { &["nuserdata", "njmax", "nconmax", "narena"] } else { &["nuserdata"] };
 
@@ -299,7 +302,8 @@ fn is_absent(array: &Array) -> bool {
     absent
 }
 
-/// Returns `true` if an array of four-byte elements has integers. The other such arrays in the file have floats.
+/// Returns `true` if an array of four-byte elements has integers. The other such arrays in the file
+/// have floats.
 fn is_integer(array: &Array) -> bool {
     let row = FIELDS.lines().find_map(|line| {
         let row: Vec<&str> = line.split('\t').collect();
@@ -312,7 +316,8 @@ fn is_integer(array: &Array) -> bool {
 fn the_kinematic_tree_follows_from_the_parents() {
     assert_eq!(with(field::body_parentid, 3, 3), "body_parentid[3] is 3; it must be from 0 to 2");
     assert_eq!(with(field::body_parentid, 0, 1), "body_parentid[0] is 1; it must be 0, which is the world itself");
-    // Body 4 is a child of body 3. Body 5 is a child of body 1, so no later body can be a child of body 3.
+    // Body 4 is a child of body 3. Body 5 is a child of body 1, so no later body can be a child of
+    // body 3.
     assert!(with(field::body_parentid, 5, 0).contains("body_rootid[5]"));
     assert!(with(field::body_parentid, 6, 3).contains("bodies must be in depth-first order"));
     assert!(with(field::body_weldid, 4, 4).contains("it must be 3, the next body towards the world that has joints"));

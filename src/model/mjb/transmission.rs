@@ -53,7 +53,8 @@ fn equalities(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::nemax, rows, "the rows of all equality constraints")
 }
 
-/// Returns the number of the elements that an equality constraint of bodies connects: bodies, or sites in newer engines.
+/// Returns the number of the elements that an equality constraint of bodies connects: bodies, or
+/// sites in newer engines.
 fn ends_of_bodies(view: &View<'_>, i: usize) -> usize {
     #[cfg(engine_since = "3.5.0")]
     if view.get(field::eq_objtype, i) as u32 == mujoco_sys::mjOBJ_SITE {
@@ -63,7 +64,8 @@ fn ends_of_bodies(view: &View<'_>, i: usize) -> usize {
     view.size(size::nbody)
 }
 
-/// Checks that the type of the elements of each equality constraint is one that its own type can have, or "unknown" if this is clear.
+/// Checks that the type of the elements of each equality constraint is one that its own type can
+/// have, or "unknown" if this is clear.
 #[cfg(engine_since = "3.5.0")]
 fn types_of_ends(view: &View<'_>) -> Result<(), Invalid> {
     use mujoco_sys::{mjOBJ_BODY, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_TENDON, mjOBJ_UNKNOWN};
@@ -93,8 +95,9 @@ fn scalar_joint(view: &View<'_>, field: Field<i32>, i: usize) -> Result<(), Inva
 
 /// Checks tendons and their paths.
 ///
-/// A fixed tendon is a list of joints. A spatial tendon is a list of sites with geoms and pulleys between them. The engine reads
-/// two or three elements of a path at a time without checking them. The rules below are the grammar of the compiler.
+/// A fixed tendon is a list of joints. A spatial tendon is a list of sites with geoms and pulleys
+/// between them. The engine reads two or three elements of a path at a time without checking them.
+/// The rules below are the grammar of the compiler.
 fn tendons(view: &View<'_>) -> Result<(), Invalid> {
     all_ids_or_none(view, field::tendon_matid, view.size(size::nmat))?;
     all_bytes(view, field::tendon_limited, 1)?;
@@ -141,7 +144,8 @@ fn path_elements(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks the parameter of a geom in a path: the id, as a real number, of the site on whose side the tendon passes, or -1.
+/// Checks the parameter of a geom in a path: the id, as a real number, of the site on whose side
+/// the tendon passes, or -1.
 fn side_site(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     let value = view.get(field::wrap_prm, i);
     let nsite = view.size(size::nsite) as f64;
@@ -151,9 +155,9 @@ fn side_site(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     Err(Invalid::element(field::wrap_prm.name(), i, value, format!("it must be -1 or the id of one of {nsite} sites")))
 }
 
-/// Checks that a fixed tendon consists of joints only, and of each joint once. The compiler allows a repeated joint, with
-/// which the engine can write out of bounds: a row of its sparse Jacobian has room for `nv` elements, and the engine writes
-/// one for each joint in the path.
+/// Checks that a fixed tendon consists of joints only, and of each joint once. The compiler allows
+/// a repeated joint, with which the engine can write out of bounds: a row of its sparse Jacobian
+/// has room for `nv` elements, and the engine writes one for each joint in the path.
 ///
 /// `last_tendon_of_joint` is the last tendon so far that contains each joint.
 fn fixed_path(
@@ -174,10 +178,11 @@ fn fixed_path(
     Ok(())
 }
 
-/// Checks the path of a spatial tendon. It has at least two elements. Each geom is between two sites. Pulleys are not adjacent
-/// and not last, and every site has a site or a geom next to it.
+/// Checks the path of a spatial tendon. It has at least two elements. Each geom is between two
+/// sites. Pulleys are not adjacent and not last, and every site has a site or a geom next to it.
 fn spatial_path(view: &View<'_>, path: Range<usize>) -> Result<(), Invalid> {
-    // The rule for sites treats the end of the path like a pulley. A geom or a pulley must not be next to the end.
+    // The rule for sites treats the end of the path like a pulley. A geom or a pulley must not be
+    // next to the end.
     let kind = |i: usize| view.get(field::wrap_type, i) as u32;
     let before = |i: usize| (i > path.start).then(|| kind(i - 1));
     let after = |i: usize| (i + 1 < path.end).then(|| kind(i + 1));
@@ -238,7 +243,8 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
     activations(view)
 }
 
-/// Checks the size of the sparse moment matrix, in which each actuator has space for all degrees of freedom, except with a joint.
+/// Checks the size of the sparse moment matrix, in which each actuator has space for all degrees of
+/// freedom, except with a joint.
 #[cfg(engine_since = "3.5.0")]
 fn moments(view: &View<'_>) -> Result<(), Invalid> {
     let mut elements = 0;
@@ -254,12 +260,13 @@ fn moments(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::nJmom, elements, "the elements of all rows")
 }
 
-/// Rejects adhesion without room for constraints. The transmission of an adhesive actuator assumes that each contact of its body
-/// has constraint rows. If `njmax` is 0, the engine creates none, raises no warning, and writes at a negative offset from a null
-/// pointer.
+/// Rejects adhesion without room for constraints. The transmission of an adhesive actuator assumes
+/// that each contact of its body has constraint rows. If `njmax` is 0, the engine creates none,
+/// raises no warning, and writes at a negative offset from a null pointer.
 ///
-/// If the constraint buffer has room for only some of the rows, the same happens after a warning that the buffer is full. The
-/// file does not reveal this, so the code that steps such a model must treat the warning as an error.
+/// If the constraint buffer has room for only some of the rows, the same happens after a warning
+/// that the buffer is full. The file does not reveal this, so the code that steps such a model must
+/// treat the warning as an error.
 #[cfg(not(engine_since = "3.5.0"))]
 fn adhesion(view: &View<'_>) -> Result<(), Invalid> {
     let adhesive = view.values(field::actuator_trntype).position(|kind| kind as u32 == mjTRN_BODY);
@@ -271,7 +278,8 @@ fn adhesion(view: &View<'_>) -> Result<(), Invalid> {
     }
 }
 
-/// Checks that each actuator with dynamics has the next activation. More than one activation, which user dynamics can have, is not supported.
+/// Checks that each actuator with dynamics has the next activation. More than one activation, which
+/// user dynamics can have, is not supported.
 #[cfg(engine_since = "3.5.0")]
 fn activations(view: &View<'_>) -> Result<(), Invalid> {
     all_bytes(view, field::actuator_actearly, 1)?;
@@ -286,8 +294,8 @@ fn activations(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::na, next as u64, "the sum of actuator_actnum")
 }
 
-/// Checks that the actuators with an activation are the last `na`, because the engine assigns activation `i - (nu - na)` to
-/// actuator `i`.
+/// Checks that the actuators with an activation are the last `na`, because the engine assigns
+/// activation `i - (nu - na)` to actuator `i`.
 #[cfg(not(engine_since = "3.5.0"))]
 fn activations(view: &View<'_>) -> Result<(), Invalid> {
     let (nu, na) = (view.size(size::nu), view.size(size::na));

@@ -1,8 +1,8 @@
 //! The kinematic tree: bodies, joints and degrees of freedom.
 //!
-//! The engine traverses these arrays without bounds checks. Nearly all of their contents follow from three facts about each
-//! body: its parent, the number of its joints, and their types. These are checked. The rest is recomputed by the compiler's
-//! rules and compared.
+//! The engine traverses these arrays without bounds checks. Nearly all of their contents follow
+//! from three facts about each body: its parent, the number of its joints, and their types. These
+//! are checked. The rest is recomputed by the compiler's rules and compared.
 
 use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
 
@@ -10,7 +10,8 @@ use super::layout::{field, size};
 use super::rule::{Invalid, all_bytes, all_in, is, is_in, size_is};
 use super::view::View;
 
-/// Limit on the degrees of freedom of one body: the size of the engine's fixed buffers for the joints of a body.
+/// Limit on the degrees of freedom of one body: the size of the engine's fixed buffers for the
+/// joints of a body.
 const MOST_BODY_DOFS: usize = 6;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
@@ -27,15 +28,16 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks flags. The value 2 of `sameframe` (inertial frame) is valid only for elements attached to a body.
+/// Checks flags. The value 2 of `sameframe` (inertial frame) is valid only for elements attached to
+/// a body.
 #[cfg(not(engine_since = "3.5.0"))]
 fn flags(view: &View<'_>) -> Result<(), Invalid> {
     all_bytes(view, field::body_simple, 1)?;
     all_bytes(view, field::body_sameframe, 1)
 }
 
-/// Checks flags. The value 2 of `simple` marks bodies whose joints are slides. The values 2 and 4 of `sameframe` (inertial frame) are valid
-/// only for elements attached to a body.
+/// Checks flags. The value 2 of `simple` marks bodies whose joints are slides. The values 2 and 4
+/// of `sameframe` (inertial frame) are valid only for elements attached to a body.
 #[cfg(engine_since = "3.5.0")]
 fn flags(view: &View<'_>) -> Result<(), Invalid> {
     use mujoco_sys::{mjSAMEFRAME_INERTIA, mjSAMEFRAME_INERTIAROT};
@@ -74,8 +76,8 @@ fn parents(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks that joints and degrees of freedom are in the order of their bodies, and checks welds and mocap bodies, which depend on
-/// the joints.
+/// Checks that joints and degrees of freedom are in the order of their bodies, and checks welds and
+/// mocap bodies, which depend on the joints.
 fn joints(view: &View<'_>) -> Result<(), Invalid> {
     const FOLLOWS: &str = "the end of the previous joints";
     let (nbody, njnt, nv) = (view.size(size::nbody), view.size(size::njnt), view.size(size::nv));
@@ -174,8 +176,9 @@ pub(super) fn joint_size(kind: i32) -> (i64, usize) {
     }
 }
 
-/// Checks the layout of the sparse inertia matrix: row `i` has an element for `i` and for each degree of freedom between it and
-/// the world. The sparse derivative has both triangles of the matrix, and the diagonal once.
+/// Checks the layout of the sparse inertia matrix: row `i` has an element for `i` and for each
+/// degree of freedom between it and the world. The sparse derivative has both triangles of the
+/// matrix, and the diagonal once.
 fn inertia(view: &View<'_>) -> Result<(), Invalid> {
     let mut depth: Vec<u64> = Vec::with_capacity(view.size(size::nv));
     let mut elements = 0;
@@ -189,8 +192,9 @@ fn inertia(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::nD, 2 * elements - depth.len() as u64, "2 nM - nv")
 }
 
-/// Checks the flags of simple bodies, whose part of the inertia matrix is diagonal. The engine processes their degrees of freedom
-/// in runs of `dof_simplenum`, and skips all terms that couple them to other bodies.
+/// Checks the flags of simple bodies, whose part of the inertia matrix is diagonal. The engine
+/// processes their degrees of freedom in runs of `dof_simplenum`, and skips all terms that couple
+/// them to other bodies.
 fn simple(view: &View<'_>) -> Result<(), Invalid> {
     let nbody = view.size(size::nbody);
     let moves = |body: usize| view.get(field::body_dofnum, body) > 0;

@@ -1,14 +1,16 @@
 //! Zero-copy view of the bytes of a file as header, sizes, option structs and arrays.
 //!
-//! A [`View`] exists only if the length of the file is exactly the sum of its sizes, so every array lies within the bytes.
+//! A [`View`] exists only if the length of the file is exactly the sum of its sizes, so every array
+//! lies within the bytes.
 
 use mujoco_sys::{mjOption, mjStatistic, mjVisual};
 
 use super::layout::{Array, Element, Extent, Field, MODEL_ARRAYS, SIZES, Size};
 use super::rule::Invalid;
 
-/// The integers at the start of the file: a magic number, and parameters of the engine's build (bytes in an `mjtNum`, the numbers
-/// of size fields and of arrays in `mjModel`, the version since 3.0).
+/// The integers at the start of the file: a magic number, and parameters of the engine's build
+/// (bytes in an `mjtNum`, the numbers of size fields and of arrays in `mjModel`, the version since
+/// 3.0).
 const HEADER: &[(&str, i32)] = &[
     ("magic number", 54321),
     ("size of mjtNum", 8),
@@ -153,7 +155,8 @@ pub(super) fn extent(extent: Extent, sizes: &[usize; SIZES]) -> u128 {
     extent.times as u128 * extent.size.map_or(1, |size| sizes[size.0] as u128)
 }
 
-/// Returns the length of an array in bytes. Sizes have at most 49 bits, so the product cannot overflow 128 bits.
+/// Returns the length of an array in bytes. Sizes have at most 49 bits, so the product cannot
+/// overflow 128 bits.
 pub(super) fn array_bytes(array: &Array, sizes: &[usize; SIZES]) -> u128 {
     extent(array.rows, sizes) * extent(array.columns, sizes) * array.element as u128
 }

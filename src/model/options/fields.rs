@@ -1,4 +1,5 @@
-//! Conversion between the engine's structs of settings and Rust structs, and range checks that several settings share.
+//! Conversion between the engine's structs of settings and Rust structs, and range checks that
+//! several settings share.
 
 use std::fmt::{Debug, Display};
 
@@ -9,7 +10,8 @@ pub(in crate::model) trait Mirror<Raw>: Sized {
     fn read(raw: Raw) -> Self;
     fn write(self) -> Raw;
 
-    /// Writes the value, and keeps fields of the engine's structure that the Rust type does not have.
+    /// Writes the value, and keeps fields of the engine's structure that the Rust type does not
+    /// have.
     fn write_into(self, raw: &mut Raw) {
         *raw = self.write();
     }
@@ -54,8 +56,8 @@ impl Mirror<i32> for bool {
     }
 }
 
-/// Declares a struct that mirrors a struct of the engine: the documentation, type and default of each field. A missing field is a
-/// compile error.
+/// Declares a struct that mirrors a struct of the engine: the documentation, type and default of
+/// each field. A missing field is a compile error.
 macro_rules! mirror {
     (
         $(#[$meta:meta])*
@@ -97,7 +99,8 @@ macro_rules! mirror {
             }
 
             fn write(self) -> $raw {
-                // SAFETY: all-zero bytes are a valid structure of numbers. Newer engines have fields that `write_into` keeps.
+                // SAFETY: all-zero bytes are a valid structure of numbers. Newer engines have
+                // fields that `write_into` keeps.
                 let mut raw: $raw = unsafe { std::mem::zeroed() };
                 self.write_into(&mut raw);
                 raw

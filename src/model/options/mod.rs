@@ -1,5 +1,5 @@
-//! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a struct of plain values. Reading
-//! returns a copy, and writing checks the values.
+//! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a
+//! struct of plain values. Reading returns a copy, and writing checks the values.
 
 pub(super) mod fields;
 mod statistics;
@@ -24,8 +24,9 @@ use crate::field_docs::field_docs;
 
 /// Physics options of a model.
 ///
-/// The struct is a copy of the engine's values: [`Model::options`] reads them, [`ModelMut::edit_options`](super::ModelMut::edit_options)
-/// changes them. The defaults are those of the engine, for a model whose XML has no `<option>`.
+/// The struct is a copy of the engine's values: [`Model::options`] reads them,
+/// [`ModelMut::edit_options`](super::ModelMut::edit_options) changes them. The defaults are those
+/// of the engine, for a model whose XML has no `<option>`.
 ///
 /// ```
 /// use mujoco_safe::enums::Integrator;
@@ -47,15 +48,19 @@ use crate::field_docs::field_docs;
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
-    /// Update rate for remote clients, Hz. The engine stores the value and does not use it; engines from 3.3.7 do not have it. Not negative.
+    /// Update rate for remote clients, Hz. The engine stores the value and does not use it; engines
+    /// from 3.3.7 do not have it. Not negative.
     pub apirate: f64,
     /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
     pub impratio: f64,
-    /// Tolerance of the main solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
+    /// Tolerance of the main solver, which stops when an iteration improves the scaled cost by less
+    /// than this. Not negative.
     pub tolerance: f64,
-    /// Tolerance of the line search of the solvers CG and Newton, with engines from 3.0.0. Not negative.
+    /// Tolerance of the line search of the solvers CG and Newton, with engines from 3.0.0. Not
+    /// negative.
     pub ls_tolerance: f64,
-    /// Tolerance of the no-slip solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
+    /// Tolerance of the no-slip solver, which stops when an iteration improves the scaled cost by
+    /// less than this. Not negative.
     pub noslip_tolerance: f64,
     /// Precision at which the convex collision solver stops. Not negative.
     #[doc(alias = "ccd_tolerance")]
@@ -80,7 +85,8 @@ pub struct Options {
     pub o_friction: [f64; 5],
     /// Numerical integrator.
     pub integrator: Integrator,
-    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 only have [`Collision::All`].
+    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 only have
+    /// [`Collision::All`].
     pub collision: Collision,
     /// Friction cone of contacts.
     pub cone: Cone,
@@ -91,20 +97,26 @@ pub struct Options {
     pub jacobian: JacobianStorage,
     /// Constraint solver.
     pub solver: Solver,
-    /// Largest number of iterations of the main solver. At most a million, so that a step terminates.
+    /// Largest number of iterations of the main solver. At most a million, so that a step
+    /// terminates.
     pub iterations: usize,
-    /// Largest number of iterations of the line search of the solvers CG and Newton, with engines from 3.0.0. At most a million.
+    /// Largest number of iterations of the line search of the solvers CG and Newton, with engines
+    /// from 3.0.0. At most a million.
     pub ls_iterations: usize,
     /// Largest number of iterations of the no-slip solver. At most a million.
     pub noslip_iterations: usize,
-    /// Largest number of iterations of the convex collision solver. At most a million, and at least 1 with engines from 3.0.
+    /// Largest number of iterations of the convex collision solver. At most a million, and at least
+    /// 1 with engines from 3.0.
     #[doc(alias = "ccd_iterations")]
     pub mpr_iterations: usize,
-    /// Number of starting points in collisions of signed distance fields, with engines from 3.0.0. From 1 to 50.
+    /// Number of starting points in collisions of signed distance fields, with engines from 3.0.0.
+    /// From 1 to 50.
     pub sdf_initpoints: usize,
-    /// Largest number of iterations in collisions of signed distance fields, with engines from 3.0.0. At most a million.
+    /// Largest number of iterations in collisions of signed distance fields, with engines from
+    /// 3.0.0. At most a million.
     pub sdf_iterations: usize,
-    /// Groups of actuators that are disabled, with engines from 3.0.1: bit `i` disables group `i`, from 0 to 30.
+    /// Groups of actuators that are disabled, with engines from 3.0.1: bit `i` disables group `i`,
+    /// from 0 to 30.
     pub disableactuator: u32,
     /// Standard features that are disabled.
     #[doc(alias = "disableflags")]
@@ -162,17 +174,21 @@ bitflags! {
         const REFSAFE = sys::mjDSBL_REFSAFE;
         /// Sensors.
         const SENSOR = sys::mjDSBL_SENSOR;
-        /// The middle phase of collision detection, with engines from 2.3.3. A model always has this flag if a geom can collide that is not in
-        /// the hierarchy of bounding boxes of its body, because its masks were zero when the model was compiled.
+        /// The middle phase of collision detection, with engines from 2.3.3. A model always has
+        /// this flag if a geom can collide that is not in the hierarchy of bounding boxes of its
+        /// body, because its masks were zero when the model was compiled.
         const MIDPHASE = sys::mjDSBL_MIDPHASE;
-        /// Implicit joint damping in the integrator [`Euler`](Integrator::Euler), with engines from 3.0.0.
+        /// Implicit joint damping in the integrator [`Euler`](Integrator::Euler), with engines from
+        /// 3.0.0.
         const EULERDAMP = sys::mjDSBL_EULERDAMP;
         /// The engine's convex collision solver, with engines from 3.3.0: they use libccd instead.
         const NATIVECCD = sys::mjDSBL_NATIVECCD;
-        /// The division of the constraints into independent islands, with engines from 3.3.6. A model with flexes always has this flag with
-        /// 3.3.6 to 3.5, whose islands do not contain all bodies in contact with a flex: an edit that clears it has no effect.
+        /// The division of the constraints into independent islands, with engines from 3.3.6. A
+        /// model with flexes always has this flag with 3.3.6 to 3.5, whose islands do not contain
+        /// all bodies in contact with a flex: an edit that clears it has no effect.
         const ISLAND = sys::mjDSBL_ISLAND;
-        /// Several contact points between convex shapes, with engines from 3.8.0. Before, [`EnableFlags::MULTICCD`] enables them.
+        /// Several contact points between convex shapes, with engines from 3.8.0. Before,
+        /// [`EnableFlags::MULTICCD`] enables them.
         const MULTICCD = sys::mjDSBL_MULTICCD;
     }
 }
@@ -186,18 +202,20 @@ bitflags! {
         const OVERRIDE = sys::mjENBL_OVERRIDE;
         /// Computation of potential and kinetic energy.
         const ENERGY = sys::mjENBL_ENERGY;
-        /// Comparison of forward and inverse dynamics, with newer engines also statistics of the solver.
+        /// Comparison of forward and inverse dynamics, with newer engines also statistics of the
+        /// solver.
         const FWDINV = sys::mjENBL_FWDINV;
         /// Noise in sensor readings, with engines up to 3.1.3.
         const SENSORNOISE = sys::mjENBL_SENSORNOISE;
-        /// Several contact points between convex shapes, with engines up to 3.7.0. Newer engines have them unless
-        /// [`DisableFlags::MULTICCD`] is set.
+        /// Several contact points between convex shapes, with engines up to 3.7.0. Newer engines
+        /// have them unless [`DisableFlags::MULTICCD`] is set.
         const MULTICCD = sys::mjENBL_MULTICCD;
         /// Inverse dynamics of the step instead of continuous time, with engines from 3.0.0.
         const INVDISCRETE = sys::mjENBL_INVDISCRETE;
         /// The exact diagonal of the inverse inertia in constraint space, with engines from 3.9.0.
         const DIAGEXACT = sys::mjENBL_DIAGEXACT;
-        /// Contacts that prevent fast convex geoms from passing through thin obstacles, with engines from 4.0.0.
+        /// Contacts that prevent fast convex geoms from passing through thin obstacles, with
+        /// engines from 4.0.0.
         const SPECULATIVE = sys::mjENBL_SPECULATIVE;
     }
 }
@@ -327,7 +345,8 @@ impl Options {
             noslip_iterations: self.noslip_iterations.write(),
             disableflags: (self.disable.bits() | kept[0]) as i32,
             enableflags: (self.enable.bits() | kept[1]) as i32,
-            // Fields of other versions: those in `AdaptedOptions` are written below, and the others keep their values.
+            // Fields of other versions: those in `AdaptedOptions` are written below, and the others
+            // keep their values.
             ..*raw
         };
         let adapted = AdaptedOptions {
@@ -346,7 +365,8 @@ impl Options {
         unsafe { adapted::set_options(raw, &raw const adapted) };
     }
 
-    /// Rejects values for which the engine would raise a fatal error, compute meaningless results, or not return.
+    /// Rejects values for which the engine would raise a fatal error, compute meaningless results,
+    /// or not return.
     pub(super) fn check(&self) -> Result<()> {
         let option = Checks("the option ");
         option.positive("timestep", self.timestep)?;
@@ -383,10 +403,12 @@ impl Options {
         ] {
             option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
         }
-        // The collision solver of newer engines has space for its first polytope only if it may iterate.
+        // The collision solver of newer engines has space for its first polytope only if it may
+        // iterate.
         if cfg!(engine_since = "3.0.0") {
             option.require(self.mpr_iterations > 0, "mpr_iterations", self.mpr_iterations, "at least 1")?;
-            // The collision functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
+            // The collision functions for signed distance fields write a contact for each point, at
+            // least one, into arrays of this length.
             let points = 1..=sys::mjMAXCONPAIR as usize;
             let expected = format_args!("from 1 to {}", points.end());
             option.require(points.contains(&self.sdf_initpoints), "sdf_initpoints", self.sdf_initpoints, expected)?;
@@ -414,7 +436,8 @@ impl Model {
         self.raw().opt.timestep
     }
 
-    /// Disables islands if the engine writes out of bounds for those of this model: see [`DisableFlags::ISLAND`].
+    /// Disables islands if the engine writes out of bounds for those of this model: see
+    /// [`DisableFlags::ISLAND`].
     pub(super) fn disable_unsafe_islands(&mut self) {
         // SAFETY: a valid model that is borrowed exclusively. The function changes its flags.
         unsafe { adapted::disable_unsafe_islands(self.raw_mut()) };

@@ -11,17 +11,21 @@ use crate::model::{Model, ModelMut};
 mirror! {
     /// Statistics of the model at `qpos0`, which define its scale.
     ///
-    /// The struct is a copy of the engine's values: [`Model::statistics`] reads them, [`ModelMut::edit_statistics`] changes them. The
-    /// compiler computes them, unless `<statistic>` in the XML overrides them.
+    /// The struct is a copy of the engine's values: [`Model::statistics`] reads them,
+    /// [`ModelMut::edit_statistics`] changes them. The compiler computes them, unless `<statistic>`
+    /// in the XML overrides them.
     Statistics = mjStatistic {
-        /// Mean of the diagonal of the inertia matrix. The constraint solver divides the improvement of the cost by it
-        /// before the comparison with its tolerance. Positive.
+        /// Mean of the diagonal of the inertia matrix. The constraint solver divides the
+        /// improvement of the cost by it before the comparison with its tolerance. Positive.
         meaninertia: f64 = 1.0,
-        /// Mean mass of a body, kg. The visualiser divides forces by it. Zero if no body has a mass.
+        /// Mean mass of a body, kg. The visualiser divides forces by it. Zero if no body has a
+        /// mass.
         meanmass: f64 = 1.0,
-        /// Mean size of a body, m. The lengths of [`VisualScale`](super::VisualScale) are multiples of it. Positive.
+        /// Mean size of a body, m. The lengths of [`VisualScale`](super::VisualScale) are multiples
+        /// of it. Positive.
         meansize: f64 = 0.2,
-        /// Extent of the model, m. The distances of [`VisualMap`](super::VisualMap) are multiples of it. From 1e-6 to 1e10.
+        /// Extent of the model, m. The distances of [`VisualMap`](super::VisualMap) are multiples
+        /// of it. From 1e-6 to 1e10.
         extent: f64 = 2.0,
         /// Centre of the model, m, world frame: the initial target of the free camera.
         center: [f64; 3] = [0.0; 3],
@@ -61,15 +65,16 @@ impl Model {
 
 /// # Statistics
 impl ModelMut<'_> {
-    /// Changes the statistics. Rejects the change if a value is out of range. The check includes values that `change`
-    /// does not modify, for example those from the XML.
+    /// Changes the statistics. Rejects the change if a value is out of range. The check includes
+    /// values that `change` does not modify, for example those from the XML.
     ///
-    /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these changes. With engines since 3.17 it
-    /// recomputes `meanmass` and `meaninertia` only.
+    /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these
+    /// changes. With engines since 3.17 it recomputes `meanmass` and `meaninertia` only.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the name, the value and the valid values. The model is then unchanged.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the name, the value and the valid values. The
+    /// model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};

@@ -12,8 +12,9 @@ use crate::model::{Model, ModelMut};
 
 /// Visualiser settings of a model.
 ///
-/// The struct is a copy of the engine's values: [`Model::visual`] reads them, [`ModelMut::edit_visual`] changes them. They do not
-/// affect the simulation. The defaults are those of the engine, for a model whose XML has no `<visual>`.
+/// The struct is a copy of the engine's values: [`Model::visual`] reads them,
+/// [`ModelMut::edit_visual`] changes them. They do not affect the simulation. The defaults are
+/// those of the engine, for a model whose XML has no `<visual>`.
 ///
 /// ```
 /// use mujoco_safe::model::Visual;
@@ -86,7 +87,8 @@ mirror! {
         ipd: f32 = 0.068,
         /// Initial azimuth of the free camera about the vertical axis, degrees.
         azimuth: f32 = 90.0,
-        /// Initial elevation of the free camera above the horizontal plane, degrees. Negative below it.
+        /// Initial elevation of the free camera above the horizontal plane, degrees. Negative below
+        /// it.
         elevation: f32 = -45.0,
         /// Line width of wireframes and rays, pixels. Positive.
         linewidth: f32 = 1.0,
@@ -133,14 +135,16 @@ mirror! {
     /// Mapping from simulated quantities to visual ones. Distances are multiples of the model's
     /// [`extent`](super::Statistics::extent).
     VisualMap = mjVisualMap {
-        /// Stiffness of the spring by which the mouse pulls a body, per unit of mass, 1/s². Not negative.
+        /// Stiffness of the spring by which the mouse pulls a body, per unit of mass, 1/s². Not
+        /// negative.
         stiffness: f32 = 100.0,
-        /// Stiffness of the spring by which the mouse rotates a body, per unit of inertia, 1/s². Positive, because the engine
-        /// divides by it.
+        /// Stiffness of the spring by which the mouse rotates a body, per unit of inertia, 1/s².
+        /// Positive, because the engine divides by it.
         stiffnessrot: f32 = 500.0,
         /// Length of the arrow of a force, m/N, for bodies with a mean mass of 1 kg. Not negative.
         force: f32 = 0.005,
-        /// Length of the arrow of a torque, 1/N. The engine stores the value and does not use it. Not negative.
+        /// Length of the arrow of a torque, 1/N. The engine stores the value and does not use it.
+        /// Not negative.
         torque: f32 = 0.1,
         /// Factor for the alpha of geoms that are shown transparent. From 0 to 1.
         alpha: f32 = 0.3,
@@ -154,17 +158,20 @@ mirror! {
         zfar: f32 = 50.0,
         /// Fraction of the distance to the horizon that haze covers. From 0 to 1.
         haze: f32 = 0.3,
-        /// Half the size of the region in which a directional light casts shadows, in extents. Positive.
+        /// Half the size of the region in which a directional light casts shadows, in extents.
+        /// Positive.
         shadowclip: f32 = 1.0,
         /// Fraction of the cone of a spot light in which it casts shadows. Positive.
         shadowscale: f32 = 0.6,
-        /// Width at which an actuated tendon is drawn, relative to the width of the tendon. Not negative.
+        /// Width at which an actuated tendon is drawn, relative to the width of the tendon. Not
+        /// negative.
         actuatortendon: f32 = 2.0,
     }
 }
 
 mirror! {
-    /// Sizes of decorative elements, in multiples of [`meansize`](super::Statistics::meansize). Not negative.
+    /// Sizes of decorative elements, in multiples of [`meansize`](super::Statistics::meansize). Not
+    /// negative.
     VisualScale = mjVisualScale {
         /// Width of the arrow of a force.
         forcewidth: f32 = 0.1,
@@ -194,7 +201,8 @@ mirror! {
         framelength: f32 = 1.0,
         /// Width of the axes of a frame.
         framewidth: f32 = 0.1,
-        /// Radius of the decoration of an equality constraint, and of the line along which the mouse pulls.
+        /// Radius of the decoration of an equality constraint, and of the line along which the
+        /// mouse pulls.
         constraint: f32 = 0.1,
         /// Radius of a slider-crank.
         slidercrank: f32 = 0.2,
@@ -228,7 +236,8 @@ mirror! {
         light: [f32; 4] = [0.6, 0.6, 0.9, 1.0],
         /// The selected point.
         selectpoint: [f32; 4] = [0.9, 0.9, 0.1, 1.0],
-        /// A connection between a joint and a centre of mass; the anchor of an equality constraint on its first body.
+        /// A connection between a joint and a centre of mass; the anchor of an equality constraint
+        /// on its first body.
         connect: [f32; 4] = [0.2, 0.2, 0.8, 1.0],
         /// A contact.
         contactpoint: [f32; 4] = [0.9, 0.6, 0.2, 1.0],
@@ -242,7 +251,8 @@ mirror! {
         contactgap: [f32; 4] = [0.5, 0.8, 0.9, 1.0],
         /// The ray of a range finder.
         rangefinder: [f32; 4] = [1.0, 1.0, 0.1, 1.0],
-        /// The anchor of an equality constraint on its second body, and the violation of a distance constraint.
+        /// The anchor of an equality constraint on its second body, and the violation of a distance
+        /// constraint.
         constraint: [f32; 4] = [0.9, 0.0, 0.0, 1.0],
         /// A slider-crank.
         slidercrank: [f32; 4] = [0.5, 0.3, 0.8, 1.0],
@@ -255,8 +265,8 @@ mirror! {
 impl Model {
     /// Returns a copy of the visualiser settings.
     ///
-    /// The engine's compiler accepts any value in XML, so only settings from [`ModelMut::edit_visual`] are certain to be in range. A
-    /// negative count is read as 0.
+    /// The engine's compiler accepts any value in XML, so only settings from
+    /// [`ModelMut::edit_visual`] are certain to be in range. A negative count is read as 0.
     #[doc(alias = "vis")]
     pub fn visual(&self) -> Visual {
         Visual::read(self.raw().vis)
@@ -265,12 +275,13 @@ impl Model {
 
 /// # Visual settings
 impl ModelMut<'_> {
-    /// Changes the visualiser settings. Rejects the change if a setting is out of range. The check includes settings that
-    /// `change` does not modify, for example those from the XML.
+    /// Changes the visualiser settings. Rejects the change if a setting is out of range. The check
+    /// includes settings that `change` does not modify, for example those from the XML.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and the valid values. The model is then unchanged.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and the valid values.
+    /// The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};

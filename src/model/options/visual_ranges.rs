@@ -1,6 +1,7 @@
-//! Valid ranges of the visualiser settings, within which a renderer can show the model and allocate its resources. The engine's
-//! renderer does not check the settings. It sizes textures and meshes by the counts, divides by `stiffnessrot`, by the number of
-//! slices and by the width of the fog, and terminates the process if the near plane is at zero.
+//! Valid ranges of the visualiser settings, within which a renderer can show the model and allocate
+//! its resources. The engine's renderer does not check the settings. It sizes textures and meshes
+//! by the counts, divides by `stiffnessrot`, by the number of slices and by the width of the fog,
+//! and terminates the process if the near plane is at zero.
 
 use std::ops::RangeInclusive;
 
@@ -14,7 +15,8 @@ const LARGEST_IMAGE: usize = 32_768;
 /// Limit on samples per pixel, above that of graphics cards.
 const MOST_SAMPLES: usize = 64;
 
-/// Limit on the subdivision of the built-in geoms, far finer than visible on a sphere. The number of vertices is its square.
+/// Limit on the subdivision of the built-in geoms, far finer than visible on a sphere. The number
+/// of vertices is its square.
 const MOST_SLICES: usize = 1_000;
 
 /// Smallest near plane whose product with the smallest extent the engine distinguishes from zero.

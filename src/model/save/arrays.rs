@@ -1,4 +1,5 @@
-//! Arrays of a model by name, read from the model's binary form in the order of the engine's table of fields.
+//! Arrays of a model by name, read from the model's binary form in the order of the engine's table
+//! of fields.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -11,8 +12,9 @@ use crate::model::Model;
 /// Array of the first control of each actuator. Older engines have one control per actuator.
 const CONTROLS: &[&str] = if cfg!(engine_since = "3.17.0") { &["actuator_ctrladr"] } else { &[] };
 
-/// Owners of the rows of arrays: the size that counts the rows, and the kind of element. If an element has several rows, the last entry names
-/// the arrays with the first row of each element, from the rows to the elements.
+/// Owners of the rows of arrays: the size that counts the rows, and the kind of element. If an
+/// element has several rows, the last entry names the arrays with the first row of each element,
+/// from the rows to the elements.
 const OWNERS: [(&str, Kind, &[&str]); 42] = [
     ("nbody", Kind::Body, &[]),
     ("njnt", Kind::Joint, &[]),
@@ -111,7 +113,8 @@ impl<'m> Arrays<'m> {
         self.model.name_at(kind, index).map_or_else(|| index.to_string(), str::to_owned)
     }
 
-    /// Returns the element whose data contain a row: the last element that starts at or before it. The start of an element without data is -1.
+    /// Returns the element whose data contain a row: the last element that starts at or before it.
+    /// The start of an element without data is -1.
     fn last_start(&self, starts: &str, row: usize) -> usize {
         let (field, _) = &self.places[starts];
         let starts = decode(field.ctype, self.bytes(starts));

@@ -1,8 +1,9 @@
 //! Comparison of a model with the model that is loaded from its saved text.
 //!
-//! The comparison has every size, setting and array in the engine's table of fields. A field that has no rule here must have equal
-//! integers, and numbers that differ by rounding errors. Values of `mjModel` outside of the table are flags and a signature that the
-//! compiler derives from the fields.
+//! The comparison has every size, setting and array in the engine's table of fields. A field that
+//! has no rule here must have equal integers, and numbers that differ by rounding errors. Values of
+//! `mjModel` outside of the table are flags and a signature that the compiler derives from the
+//! fields.
 
 use super::arrays::{Arrays, decode};
 use super::order::{Orders, is_place_of_names, sorted_names};
@@ -11,14 +12,17 @@ use crate::field_docs::FieldDoc;
 use crate::generated::{model_settings, model_sizes};
 use crate::model::Model;
 
-/// Largest difference between two values that are considered equal, relative to the largest value of their row. The text has 17
-/// digits, so differences are rounding errors of derived fields, whose condition numbers are far below 1e8.
+/// Largest difference between two values that are considered equal, relative to the largest value
+/// of their row. The text has 17 digits, so differences are rounding errors of derived fields,
+/// whose condition numbers are far below 1e8.
 const RELATIVE: f64 = 1e-8;
-/// Relative tolerance for arrays that the engine always writes with six digits: the rounding error is up to 5e-6.
+/// Relative tolerance for arrays that the engine always writes with six digits: the rounding error
+/// is up to 5e-6.
 const RELATIVE_OF_SIX_DIGITS: f64 = 1e-5;
-/// Relative tolerance for all arrays, if the text has only six digits of numbers from which others are derived: the vertices of a
-/// mesh without a file, or every number with an engine whose precision cannot be set. Moments of inertia scale with the fifth
-/// power of a length, which multiplies its relative error by five, and their axes are less exact than the moments.
+/// Relative tolerance for all arrays, if the text has only six digits of numbers from which others
+/// are derived: the vertices of a mesh without a file, or every number with an engine whose
+/// precision cannot be set. Moments of inertia scale with the fifth power of a length, which
+/// multiplies its relative error by five, and their axes are less exact than the moments.
 const RELATIVE_OF_DERIVED: f64 = 1e-4;
 /// Absolute tolerance: the writer prints numbers that are this close to an integer as that integer.
 const ABSOLUTE: f64 = 1e-12;
@@ -31,23 +35,25 @@ const MASSES: [&str; 2] = ["body_mass", "body_inertia"];
 /// Arrays of skins, which the engine always writes with six digits if the skin has no file.
 const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweight"];
 
-/// Flags of the compiler for frames that coincide. An edit clears them, which slows the engine down but does not change results.
+/// Flags of the compiler for frames that coincide. An edit clears them, which slows the engine down
+/// but does not change results.
 const FRAME_FLAGS: [&str; 3] = ["body_sameframe", "geom_sameframe", "site_sameframe"];
 
-/// Flags of the compiler for bodies that move independently. With 2.2.2 an edit clears them too. With newer engines it does not, and they
-/// change results.
+/// Flags of the compiler for bodies that move independently. With 2.2.2 an edit clears them too.
+/// With newer engines it does not, and they change results.
 const SIMPLE_BODY_FLAGS: &[&str] = if cfg!(engine_since = "2.3.0") { &[] } else { &["body_simple", "dof_simplenum"] };
 
-/// Paths of the files of assets, and the positions in them. Since 3.17 they are absolute, so they depend on the directory from which the
-/// model was loaded. The contents of the files are compared as meshes, textures, height fields and skins.
+/// Paths of the files of assets, and the positions in them. Since 3.17 they are absolute, so they
+/// depend on the directory from which the model was loaded. The contents of the files are compared
+/// as meshes, textures, height fields and skins.
 const PATHS: [&str; 6] =
     ["paths", "mesh_pathadr", "skin_pathadr", "hfield_pathadr", "tex_pathadr", "tex_contenttypeadr"];
 
 /// Lengths of `paths` and of all arrays together.
 const LENGTHS: [&str; 2] = ["npaths", "nbuffer"];
 
-/// Returns `true` for a size that does not count elements: a length, or the number of non-zeros in the inertia matrix, which depends on the
-/// bodies that move independently.
+/// Returns `true` for a size that does not count elements: a length, or the number of non-zeros in
+/// the inertia matrix, which depends on the bodies that move independently.
 pub(super) fn is_derived(size: &str) -> bool {
     LENGTHS.contains(&size) || size == "nC"
 }
@@ -115,7 +121,8 @@ macro_rules! numbers {
 }
 numbers! { i32 f32 f64 }
 
-/// Returns the relative tolerance for all numbers. The vertices of meshes cannot be edited, so if they differ, they were rounded.
+/// Returns the relative tolerance for all numbers. The vertices of meshes cannot be edited, so if
+/// they differ, they were rounded.
 fn relative_tolerance(model: &Model, reloaded: &Model) -> f64 {
     // SAFETY: the function returns a constant of the shim.
     let digits = unsafe { mujoco_sys::guard::xml_digits() };
@@ -131,7 +138,8 @@ fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
     own.iter().zip(other).all(|(&a, &b)| close(a, b))
 }
 
-/// Compares all arrays of two models with the same elements. An array whose length depends on a derived size may have another length.
+/// Compares all arrays of two models with the same elements. An array whose length depends on a
+/// derived size may have another length.
 fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) -> Result<()> {
     let (own, other) = (Arrays::of(model, sizes(model))?, Arrays::of(reloaded, sizes(reloaded))?);
     let orders = Orders::of([(model, &own), (reloaded, &other)]);

@@ -1,9 +1,10 @@
 //! Saving of models in the binary format and as XML.
 //!
-//! The engine does not write a model as XML. It copies some values of the model into the XML tree of the last model that was
-//! loaded, and writes that tree. It does not copy all values, and the tree cannot represent some of them: in XML, a body whose
-//! inertia comes from its geoms has no separate mass. [`Model::save_xml`] therefore loads the text before it writes the
-//! file, and compares the two models.
+//! The engine does not write a model as XML. It copies some values of the model into the XML tree
+//! of the last model that was loaded, and writes that tree. It does not copy all values, and the
+//! tree cannot represent some of them: in XML, a body whose inertia comes from its geoms has no
+//! separate mass. [`Model::save_xml`] therefore loads the text before it writes the file, and
+//! compares the two models.
 
 mod arrays;
 mod compare;
@@ -27,7 +28,8 @@ pub enum XmlCheck {
     /// Loads the text, and writes the file only if the loaded model equals the saved model.
     #[default]
     Require,
-    /// Loads the text, writes the file even if the loaded model differs, and returns the fields that differ.
+    /// Loads the text, writes the file even if the loaded model differs, and returns the fields
+    /// that differ.
     Report,
     /// Writes the file without loading the text, for example before the meshes that it names exist.
     Skip,
@@ -46,7 +48,8 @@ pub enum XmlCheck {
 pub struct SaveXmlOptions {
     /// Check before the file is written. By default [`XmlCheck::Require`].
     pub check: XmlCheck,
-    /// Names and contents of files in memory. In the check, they take precedence over files on disk. By default none.
+    /// Names and contents of files in memory. In the check, they take precedence over files on
+    /// disk. By default none.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
@@ -59,7 +62,8 @@ impl SaveXmlOptions {
     }
 
     /// Sets the files in memory that the check uses, for a model that was loaded with
-    /// [`LoadOptions::with_files`](crate::LoadOptions::with_files). The saved text names them; it does not contain them.
+    /// [`LoadOptions::with_files`](crate::LoadOptions::with_files). The saved text names them; it
+    /// does not contain them.
     #[must_use]
     pub fn with_files(mut self, files: &[(&str, &[u8])]) -> Self {
         self.files = files.iter().map(|&(name, content)| (name.to_owned(), content.to_vec())).collect();
@@ -69,11 +73,13 @@ impl SaveXmlOptions {
 
 /// # Saving
 impl Model {
-    /// Writes the sizes, the options and every array of the model to a text file, in the engine's format, which is meant for human readers.
+    /// Writes the sizes, the options and every array of the model to a text file, in the engine's
+    /// format, which is meant for human readers.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for a path with a NUL byte.
+    /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for a path with a NUL
+    /// byte.
     ///
     /// ```no_run
     /// mujoco_safe::sample::humanoid().print_to("humanoid.txt")?;
@@ -85,16 +91,19 @@ impl Model {
         let name = ffi::c_string("the path of print_to", path.as_os_str().as_encoded_bytes())?;
         // The engine only raises a warning if it cannot open the file.
         File::create(path).map_err(Error::file(path))?;
-        // SAFETY: a model that was compiled or validated, and a NUL-terminated path. The function raises no error.
+        // SAFETY: a model that was compiled or validated, and a NUL-terminated path. The function
+        // raises no error.
         unsafe { sys::mj_printModel(self.as_ptr(), name.as_ptr()) };
         Ok(())
     }
 
-    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and is specific to this engine version.
+    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and is
+    /// specific to this engine version.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written, and the errors of [`to_binary`](Self::to_binary). An existing file is then unchanged.
+    /// [`Error::File`] if the file cannot be written, and the errors of
+    /// [`to_binary`](Self::to_binary). An existing file is then unchanged.
     #[doc(alias = "mj_saveModel")]
     pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
         let bytes = self.to_binary()?;
@@ -105,7 +114,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine cannot write the model, [`Error::Unsupported`] if the result exceeds 2 GiB.
+    /// [`Error::Engine`] if the engine cannot write the model, [`Error::Unsupported`] if the result
+    /// exceeds 2 GiB.
     #[doc(alias = "mj_sizeModel")]
     #[doc(alias = "mj_saveModel")]
     pub fn to_binary(&self) -> Result<Vec<u8>> {
@@ -124,11 +134,13 @@ impl Model {
         let write = |filler: u8| {
             let mut bytes = vec![filler; size];
             let buffer = bytes.as_mut_ptr().cast();
-            // SAFETY: the buffer has the size that is passed, which is the size that the engine requires.
+            // SAFETY: the buffer has the size that is passed, which is the size that the engine
+            // requires.
             let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), buffer, bound) };
             ffi::check_without_data("mj_saveModel", status).map(|()| bytes)
         };
-        // The size includes padding for the alignment of the arrays. The engine does not write it, so the end of the buffer keeps the filler.
+        // The size includes padding for the alignment of the arrays. The engine does not write it,
+        // so the end of the buffer keeps the filler.
         let (mut bytes, other) = (write(0)?, write(u8::MAX)?);
         let padding = bytes.iter().zip(&other).rev().take_while(|(one, other)| one != other).count();
         bytes.truncate(size - padding);
@@ -169,36 +181,42 @@ impl Model {
 
     /// Writes the model as MJCF after a check of the text.
     ///
-    /// The engine keeps one XML tree per process, that of the model that was loaded last, and copies values of the given model
-    /// into that tree. This function therefore works only if no other XML was loaded after this model, or after the model
-    /// from which it was cloned. The text is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
+    /// The engine keeps one XML tree per process, that of the model that was loaded last, and
+    /// copies values of the given model into that tree. This function therefore works only if no
+    /// other XML was loaded after this model, or after the model from which it was cloned. The text
+    /// is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
     /// textures, height fields and skins remain references to their files.
     ///
-    /// The tree cannot represent some values, for example the mass of a body whose mass comes from its geoms, or the vertices of
-    /// a mesh. The check finds these values: it loads the text as if from `path`, with files from `options.files` or relative to
-    /// `path`, and compares every size, option and array with this model.
+    /// The tree cannot represent some values, for example the mass of a body whose mass comes from
+    /// its geoms, or the vertices of a mesh. The check finds these values: it loads the text as if
+    /// from `path`, with files from `options.files` or relative to `path`, and compares every size,
+    /// option and array with this model.
     ///
-    /// Floating-point values agree if they differ by at most 1e-8 of the largest value of their row plus 1e-12 (1e-15 for masses
-    /// and moments of inertia, of which the engine treats smaller values as zero). The text has all digits of a value, with two
-    /// exceptions. The engine writes values within 1e-12 of an integer as that integer, and writes the vertices of skins and
-    /// meshes without a file with six digits. Therefore the tolerance is 1e-5 for the arrays of skins, and 1e-4 for all values
-    /// if the vertices of a mesh are rounded. The comparison skips flags of the compiler that do not change results (`body_sameframe`,
-    /// `geom_sameframe` and `site_sameframe`, and with 2.2.2 also `body_simple` and `dof_simplenum`), and the paths of the files of meshes,
-    /// textures, height fields and skins, but not the contents of these files.
-    /// Pairs and exclusions of contacts are compared as sets, because each load sorts them, and some builds of 2.2.2 change the order of
-    /// those of the same bodies.
+    /// Floating-point values agree if they differ by at most 1e-8 of the largest value of their row
+    /// plus 1e-12 (1e-15 for masses and moments of inertia, of which the engine treats smaller
+    /// values as zero). The text has all digits of a value, with two exceptions. The engine writes
+    /// values within 1e-12 of an integer as that integer, and writes the vertices of skins and
+    /// meshes without a file with six digits. Therefore the tolerance is 1e-5 for the arrays of
+    /// skins, and 1e-4 for all values if the vertices of a mesh are rounded. The comparison skips
+    /// flags of the compiler that do not change results (`body_sameframe`, `geom_sameframe` and
+    /// `site_sameframe`, and with 2.2.2 also `body_simple` and `dof_simplenum`), and the paths of
+    /// the files of meshes, textures, height fields and skins, but not the contents of these files.
+    /// Pairs and exclusions of contacts are compared as sets, because each load sorts them, and
+    /// some builds of 2.2.2 change the order of those of the same bodies.
     ///
     /// The comparison includes derived fields. After an edit that they depend on, call
-    /// [`update_constants`](super::ModelMut::update_constants) first. Otherwise the check reports fields such as
-    /// `body_invweight0`, because the compiler computes them from the edited values.
+    /// [`update_constants`](super::ModelMut::update_constants) first. Otherwise the check reports
+    /// fields such as `body_invweight0`, because the compiler computes them from the edited values.
     ///
-    /// Returns the fields that the text cannot represent. The list is empty unless `options.check` is [`XmlCheck::Report`].
+    /// Returns the fields that the text cannot represent. The list is empty unless `options.check`
+    /// is [`XmlCheck::Report`].
     ///
     /// # Errors
     ///
-    /// [`Error::XmlLosesEdits`] with the fields and elements that differ in the loaded model, [`Error::XmlReplaced`] if another
-    /// model was loaded in the meantime, [`Error::Save`] if the engine cannot write the model, or if the text does not load
-    /// from `path`, [`Error::File`] if the file cannot be written. An existing file is then unchanged.
+    /// [`Error::XmlLosesEdits`] with the fields and elements that differ in the loaded model,
+    /// [`Error::XmlReplaced`] if another model was loaded in the meantime, [`Error::Save`] if the
+    /// engine cannot write the model, or if the text does not load from `path`, [`Error::File`] if
+    /// the file cannot be written. An existing file is then unchanged.
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<UnsavedField>> {
         let path = path.as_ref();

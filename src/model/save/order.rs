@@ -1,6 +1,7 @@
 //! Order of the pairs and exclusions of contacts, which the compiler sorts by their bodies.
 //!
-//! The sort of some builds of 2.2.2 is not stable, so pairs of the same two bodies can be in another order after each load.
+//! The sort of some builds of 2.2.2 is not stable, so pairs of the same two bodies can be in
+//! another order after each load.
 
 use super::arrays::{Arrays, decode};
 use crate::kind::Kind;
@@ -23,7 +24,8 @@ impl Orders {
         Self { sorted: SORTED.map(|(rows, kind, _)| models.map(|(model, arrays)| order(model, arrays, rows, kind))) }
     }
 
-    /// Returns the elements of both models in a common order, or `None` for rows that are not sorted.
+    /// Returns the elements of both models in a common order, or `None` for rows that are not
+    /// sorted.
     pub(super) fn of_rows(&self, rows: &str) -> Option<&[Vec<usize>; 2]> {
         SORTED.iter().position(|(sorted, ..)| *sorted == rows).map(|at| &self.sorted[at])
     }

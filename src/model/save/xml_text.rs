@@ -1,7 +1,9 @@
-//! XML text of a model as the engine writes it, with numbers in their shortest form, and the model that is loaded from the text.
+//! XML text of a model as the engine writes it, with numbers in their shortest form, and the model
+//! that is loaded from the text.
 //!
-//! The engine prints 17 significant digits, which preserve every double: 0.1 as 0.10000000000000001, and 0.8 in single
-//! precision as 0.80000001192092896. The shortest forms that load as the same values are 0.1 and 0.8.
+//! The engine prints 17 significant digits, which preserve every double: 0.1 as
+//! 0.10000000000000001, and 0.8 in single precision as 0.80000001192092896. The shortest forms that
+//! load as the same values are 0.1 and 0.8.
 
 use std::path::Path;
 
@@ -41,11 +43,12 @@ const SINGLE: [&str; 12] = [
 const SINGLE_ELEMENTS: [&str; 5] = ["global", "headlight", "map", "scale", "rgba"];
 
 impl Model {
-    /// Returns the text of the model. If the options require the check, also loads the text as if from `path` and returns the
-    /// loaded model.
+    /// Returns the text of the model. If the options require the check, also loads the text as if
+    /// from `path` and returns the loaded model.
     ///
-    /// Loading replaces the engine's tree with that of the text. The tree still fits this model if all numbers of elements agree, so the
-    /// model can be saved again. One lock covers writing and loading, because another load in between would replace the tree.
+    /// Loading replaces the engine's tree with that of the text. The tree still fits this model if
+    /// all numbers of elements agree, so the model can be saved again. One lock covers writing and
+    /// loading, because another load in between would replace the tree.
     pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
@@ -78,8 +81,8 @@ impl Model {
         }
     }
 
-    /// Makes the engine write its tree with the values of the model, to a temporary file. The engine does not check for write
-    /// errors such as a full disk.
+    /// Makes the engine write its tree with the values of the model, to a temporary file. The
+    /// engine does not check for write errors such as a full disk.
     fn write_tree(&self, path: &Path, xml: &mut XmlState) -> Result<Vec<u8>> {
         const MESSAGE: usize = 4096;
         let failed = |reason: String| Error::Save { path: path.to_owned(), reason };
@@ -89,7 +92,8 @@ impl Model {
         let mut saved = 0;
         let (status, warnings) = collecting_warnings(|| {
             self.with_compiled_sizes(|model| {
-                // SAFETY: a valid name and model, a buffer of the given size, and a pointer for the result.
+                // SAFETY: a valid name and model, a buffer of the given size, and a pointer for the
+                // result.
                 unsafe {
                     guard::mj_save_last_xml(name.as_ptr(), model, message.as_mut_ptr(), MESSAGE as i32, &raw mut saved)
                 }
@@ -144,7 +148,8 @@ fn shorten_tag(tag: &str, out: &mut String) {
         out.push_str(tag);
         return;
     }
-    // Split at the quotes: parts with an odd index are values, and each previous part ends with the attribute.
+    // Split at the quotes: parts with an odd index are values, and each previous part ends with the
+    // attribute.
     let mut attribute = "";
     for (index, part) in tag.split('"').enumerate() {
         if index > 0 {
@@ -170,7 +175,8 @@ fn shorten_tag(tag: &str, out: &mut String) {
     }
 }
 
-/// Returns a shorter form of a number, if it has enough digits to be the result of 17-digit printing.
+/// Returns a shorter form of a number, if it has enough digits to be the result of 17-digit
+/// printing.
 fn shortest(token: &str, single: bool) -> Option<String> {
     const LEAST_DIGITS: usize = 9;
     let digits = token.split('e').next()?.bytes().filter(u8::is_ascii_digit).count();

@@ -1,9 +1,10 @@
-//! Validation of mesh, skin, height field and texture files before the compiler reads them. The compiler's readers compute sizes
-//! in C ints, which can overflow, and do not check the indices of vertices.
+//! Validation of mesh, skin, height field and texture files before the compiler reads them. The
+//! compiler's readers compute sizes in C ints, which can overflow, and do not check the indices of
+//! vertices.
 
 use std::borrow::Cow;
 
-use super::files::{Files, Found, abbreviated, directory};
+use super::files::{Files, Found, directory, message};
 use super::flexes::{self, Dim, Mesh};
 use super::tags::Tag;
 
@@ -12,8 +13,9 @@ pub(super) const MOST_NUMBERS: u64 = 500_000_000;
 /// Largest size of a file in bytes; the engine stores it in a C int.
 const LARGEST_FILE: usize = 1 << 30;
 
-/// `true` if the compiler copies the texture indices of the faces from a null pointer for a mesh that has texture coordinates without such
-/// indices. Only files with faces have them; no attribute of a text specifies them.
+/// `true` if the compiler copies the texture indices of the faces from a null pointer for a mesh
+/// that has texture coordinates without such indices. Only files with faces have them; no attribute
+/// of a text specifies them.
 pub(super) const NEEDS_TEXTURE_INDICES: bool = cfg!(all(engine_since = "2.3.3", not(engine_since = "3.1.3")));
 
 /// File format by the compiler's rules.
@@ -65,7 +67,8 @@ impl Format {
         }
     }
 
-    /// Returns the reason to reject the contents of a file. Ignores errors that the compiler itself reports.
+    /// Returns the reason to reject the contents of a file. Ignores errors that the compiler itself
+    /// reports.
     pub(super) fn reject(self, path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
         if content.len() > LARGEST_FILE {
             return Some("is larger than 1 GiB");
@@ -89,7 +92,8 @@ impl Format {
         }
     }
 
-    /// Returns the number of bytes at the start of a file that the compiler reads without checking the length of the file.
+    /// Returns the number of bytes at the start of a file that the compiler reads without checking
+    /// the length of the file.
     fn header(self) -> usize {
         match self {
             Self::Msh | Self::Skin => 16,
@@ -116,11 +120,6 @@ impl Format {
 /// Returns `true` if a name has an extension, in any case.
 pub(super) fn ends(name: &[u8], end: &[u8]) -> bool {
     name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
-}
-
-/// Returns the message for a rejected file.
-pub(super) fn message(name: &[u8], reason: &str) -> String {
-    format!("the file '{}' {reason}", abbreviated(name))
 }
 
 /// Returns the 32-bit words of a file in native byte order, as the compiler reads them.
@@ -211,7 +210,8 @@ fn png_size(content: &[u8]) -> Option<[u64; 2]> {
 
 const LARGE: &str = "is an image with too many pixels";
 
-/// Returns `true` if a size computed from the image overflows. From a square image the compiler makes a texture of six squares.
+/// Returns `true` if a size computed from the image overflows. From a square image the compiler
+/// makes a texture of six squares.
 fn is_large(width: u64, height: u64) -> bool {
     let pixels = width.saturating_mul(height);
     pixels > MOST_NUMBERS / 3 || width == height && pixels > i32::MAX as u64 / 18
@@ -293,8 +293,9 @@ fn obj(content: &[u8]) -> Option<&'static str> {
     (faces == 0 && all[1..].iter().any(|&count| count != 0 && count != all[0])).then_some(MIXED)
 }
 
-/// Returns `true` if the first element of an OBJ file is a triangle or a quadrilateral. Only then is the compiler's first shape certain to
-/// have faces: a shape can consist of lines or points, and the triangulation of a larger polygon can be empty.
+/// Returns `true` if the first element of an OBJ file is a triangle or a quadrilateral. Only then
+/// is the compiler's first shape certain to have faces: a shape can consist of lines or points, and
+/// the triangulation of a larger polygon can be empty.
 fn starts_with_face(content: &[u8]) -> bool {
     let mut elements = lines(content).filter_map(|line| {
         [&b"f"[..], b"l", b"p"].into_iter().find_map(|word| Some((word, fields(after_word(line, word)?).count())))

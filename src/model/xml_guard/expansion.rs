@@ -1,5 +1,6 @@
-//! Number and depth of the elements that the compiler creates from a text, in which `<replicate>` and `<attach>` copy other elements.
-//! Copies of copies grow exponentially with the length of the text.
+//! Number and depth of the elements that the compiler creates from a text, in which `<replicate>`
+//! and `<attach>` copy other elements. Copies of copies grow exponentially with the length of the
+//! text.
 
 use std::collections::HashMap;
 use std::ops::Add;
@@ -197,7 +198,8 @@ impl Expansion {
         self.child = self.child.max(child);
     }
 
-    /// Returns the size of the model, or the reason to reject it. `chain` is the depth of its links if it is a URDF.
+    /// Returns the size of the model, or the reason to reject it. `chain` is the depth of its links
+    /// if it is a URDF.
     pub(super) fn finish(&self, chain: usize) -> Result<Size, String> {
         let attached = if self.size.models > 0 { self.child } else { Size::default() };
         let elements = self.size.elements.saturating_add(attached.elements.saturating_mul(self.size.models));

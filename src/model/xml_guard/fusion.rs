@@ -1,10 +1,12 @@
 //! Cameras and lights of bodies that the compiler may fuse with their parents (`fusestatic`).
 //!
-//! Compilers from 3.2 to 3.5 delete a fused body with its cameras and lights, and use them afterwards.
+//! Compilers from 3.2 to 3.5 delete a fused body with its cameras and lights, and use them
+//! afterwards.
 
 use super::tags::Tag;
 
-/// State of the check: whether the compiler fuses bodies, and whether one of them may have a camera or a light.
+/// State of the check: whether the compiler fuses bodies, and whether one of them may have a camera
+/// or a light.
 #[derive(Default)]
 pub(super) struct Fusion {
     is_enabled: bool,
@@ -15,7 +17,8 @@ pub(super) struct Fusion {
 }
 
 impl Fusion {
-    /// Records the start of an element. `is_asset` is `true` in a model that is an asset of another one, whose world can become a body.
+    /// Records the start of an element. `is_asset` is `true` in a model that is an asset of another
+    /// one, whose world can become a body.
     pub(super) fn start(&mut self, tag: &Tag<'_>, depth: usize, is_asset: bool) {
         match tag.name {
             b"compiler" => self.is_enabled |= tag.attribute(b"fusestatic").is_some_and(|value| *value != *b"false"),

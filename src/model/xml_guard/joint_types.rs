@@ -1,7 +1,8 @@
 //! Joints whose type differs from that of their class.
 //!
-//! When compilers from 3.2 to 3.12 resize keyframes, for `<key>`, `<attach>` and `<replicate>`, they write the positions of a joint as if it
-//! had the type of its class, beyond the end of an array if the own type has fewer.
+//! When compilers from 3.2 to 3.12 resize keyframes, for `<key>`, `<attach>` and `<replicate>`,
+//! they write the positions of a joint as if it had the type of its class, beyond the end of an
+//! array if the own type has fewer.
 
 use super::tags::Tag;
 

@@ -1,4 +1,5 @@
-//! Limits on the values in a text that determine how much memory the compiler allocates and how far it writes.
+//! Limits on the values in a text that determine how much memory the compiler allocates and how far
+//! it writes.
 
 use std::collections::HashSet;
 use std::sync::OnceLock;
@@ -7,8 +8,8 @@ use super::assets::{MOST_NUMBERS, NEEDS_TEXTURE_INDICES};
 use super::files::abbreviated;
 use super::tags::{Tag, decoded, numbers};
 
-/// Largest number of keyframes, and of user values of an element. Above the needs of any model, and low enough to bound the
-/// time and the memory of the compiler.
+/// Largest number of keyframes, and of user values of an element. Above the needs of any model, and
+/// low enough to bound the time and the memory of the compiler.
 const MOST_KEYS: u64 = 10_000;
 const MOST_USER: u64 = 10_000;
 /// Largest number of user values of a simulation.
@@ -26,17 +27,20 @@ const MOST_PARAMETER: f64 = 1000.0;
 /// The same for meshes whose number of vertices is the square of a parameter. The time of the
 /// compiler grows with the square of that number: 5 s for 200, a minute for 400.
 const MOST_GRID_PARAMETER: f64 = 200.0;
-/// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
+/// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which
+/// are bodies.
 const MOST_VERTICES: u64 = 100_000;
 const MOST_NODES: u64 = 32_766;
 /// Largest product of the integers in an attribute that this crate does not know.
 const MOST_UNKNOWN: u64 = 1_000_000;
-/// Attributes of the engines whose compilers have been examined. Those that determine a size have a limit.
+/// Attributes of the engines whose compilers have been examined. Those that determine a size have a
+/// limit.
 const ATTRIBUTES: &str = include_str!("attributes.txt");
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
 
-/// Returns the number in an attribute, `default` if the attribute is missing, and a very large number if it cannot be parsed.
+/// Returns the number in an attribute, `default` if the attribute is missing, and a very large
+/// number if it cannot be parsed.
 pub(super) fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
     tag.attribute(name).map_or(default, |value| {
         std::str::from_utf8(value.trim_ascii())
@@ -48,7 +52,8 @@ pub(super) fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
     })
 }
 
-/// Returns `true` if nodes of a grid determine the shape of a flex. It then has a body for each node instead of each vertex.
+/// Returns `true` if nodes of a grid determine the shape of a flex. It then has a body for each
+/// node instead of each vertex.
 pub(super) fn is_interpolated(tag: &Tag<'_>) -> bool {
     matches!(tag.attribute(b"dof").as_deref(), Some(b"trilinear" | b"quadratic"))
 }
@@ -67,14 +72,16 @@ fn is_role(role: &[u8]) -> bool {
     ROLES.iter().any(|known| known.as_bytes() == role)
 }
 
-/// Returns the number of nodes of the cells of a flex. A quadratic cell has twice the nodes of a trilinear one along each axis.
+/// Returns the number of nodes of the cells of a flex. A quadratic cell has twice the nodes of a
+/// trilinear one along each axis.
 fn nodes(tag: &Tag<'_>) -> u64 {
     let is_quadratic = tag.attribute(b"dof").as_deref() == Some(b"quadratic");
     product(tag, b"cellcount", 1).saturating_mul(if is_quadratic { 8 } else { 1 })
 }
 
-/// Returns the reason to reject a tag: sizes whose product overflows in the compiler or exhausts memory, or faces of a mesh with
-/// nonexistent vertices. `composite` is the count of the composite that contains the tag.
+/// Returns the reason to reject a tag: sizes whose product overflows in the compiler or exhausts
+/// memory, or faces of a mesh with nonexistent vertices. `composite` is the count of the composite
+/// that contains the tag.
 pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     let too_many = |name: &str, most: u64| Some(format!("{name} must be an integer of at most {most}"));
     // The rules for a file depend on its format.
@@ -97,7 +104,8 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             Some("cellcount must be at least 1".to_owned())
         }
         _ if nodes(tag) > MOST_NODES => Some("a flex is too large".to_owned()),
-        // The compiler of 4.0 crashes if the model has keyframes too. It knows no frame that it could find.
+        // The compiler of 4.0 crashes if the model has keyframes too. It knows no frame that it
+        // could find.
         _ if cfg!(engine_since = "4.0.0")
             && [&b"objtype"[..], b"reftype"].iter().any(|name| tag.attribute(name).as_deref() == Some(b"frame")) =>
         {
@@ -120,7 +128,8 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
                 return Some("a gridsize must be at most 12".to_owned());
             }
-            // The compiler writes three bytes for each pixel of a generated texture, and reads three for each pixel of a cube.
+            // The compiler writes three bytes for each pixel of a generated texture, and reads
+            // three for each pixel of a cube.
             let channels = size(tag, b"nchannel", 3);
             let is_generated = tag.attribute(b"builtin").is_some_and(|builtin| *builtin != *b"none");
             if channels < 3 && (is_generated || tag.attribute(b"type").as_deref() != Some(b"2d")) {
@@ -172,7 +181,8 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     }
 }
 
-/// Returns the reason to reject integers in an attribute that no examined compiler has. A new one may be a size, whose limit is not known.
+/// Returns the reason to reject integers in an attribute that no examined compiler has. A new one
+/// may be a size, whose limit is not known.
 pub(super) fn reject_unknown(tag: &Tag<'_>) -> Option<String> {
     static KNOWN: OnceLock<HashSet<&[u8]>> = OnceLock::new();
     let known = KNOWN.get_or_init(|| ATTRIBUTES.lines().map(str::as_bytes).collect());
@@ -193,8 +203,8 @@ pub(super) fn reject_unknown(tag: &Tag<'_>) -> Option<String> {
     })
 }
 
-/// Returns the reason to reject a model that is an asset, inside `depth` models. Without a file the compiler crashes. Plugins can read other
-/// formats, which are not checked.
+/// Returns the reason to reject a model that is an asset, inside `depth` models. Without a file the
+/// compiler crashes. Plugins can read other formats, which are not checked.
 pub(super) fn reject_model(tag: &Tag<'_>, depth: usize) -> Option<String> {
     if depth >= MOST_MODELS {
         return Some(format!(
@@ -267,7 +277,8 @@ fn mesh(tag: &Tag<'_>) -> Option<String> {
 mod tests {
     use super::ATTRIBUTES;
 
-    /// The list has the attributes of the engines of the full tier. A new attribute may be a size: give it a limit, or add it to the list.
+    /// The list has the attributes of the engines of the full tier. A new attribute may be a size:
+    /// give it a limit, or add it to the list.
     #[test]
     #[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
     fn all_attributes_of_the_engine_are_known() {

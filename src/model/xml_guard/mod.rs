@@ -1,6 +1,6 @@
-//! Checks of model texts for inputs that are known to make the engine's compiler crash, raise a fatal error while it holds its
-//! lock, or read standard input. Conditions that the text does not reveal are left to the compiler: see
-//! [`Model::from_xml_str`](super::Model::from_xml_str).
+//! Checks of model texts for inputs that are known to make the engine's compiler crash, raise a
+//! fatal error while it holds its lock, or read standard input. Conditions that the text does not
+//! reveal are left to the compiler: see [`Model::from_xml_str`](super::Model::from_xml_str).
 
 mod assets;
 mod expansion;
@@ -27,7 +27,7 @@ pub(super) use self::tags::{Tags, decoded};
 
 use self::assets::Format;
 use self::expansion::{Expansion, Size};
-use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::files::{EXTENSION, Found, NO_EXTENSION, abbreviated, last_part, message, reject_name};
 use self::flexes::{Dim, Mesh};
 use self::fusion::Fusion;
 use self::joint_types::JointTypes;
@@ -40,37 +40,39 @@ use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
 use crate::error::{Error, Result};
 
-/// Largest depth of includes and models in each other, and largest depth of elements over all included files. The compiler and this check
-/// recurse, so deeply nested files would overflow the stack of a thread.
+/// Largest depth of includes and models in each other, and largest depth of elements over all
+/// included files. The compiler and this check recurse, so deeply nested files would overflow the
+/// stack of a thread.
 const MOST_INCLUDED: usize = 50;
 const MOST_NESTED: usize = 400;
-/// Largest number of included texts and of models that are assets, and largest total length of these texts in bytes. A text is read again
-/// for each model that has it as an asset.
+/// Largest number of included texts and of models that are assets, and largest total length of
+/// these texts in bytes. A text is read again for each model that has it as an asset.
 const MOST_TEXTS: usize = 10_000;
 const LONGEST_TEXTS: usize = 1 << 30;
-/// Largest number of elements that the compiler creates from a model with `replicate` or `attach`, each copy of an element counted.
+/// Largest number of elements that the compiler creates from a model with `replicate` or `attach`,
+/// each copy of an element counted.
 const MOST_ELEMENTS: u64 = 1_000_000;
-/// Largest length of a file name in bytes; the engine's limit is 999.
-const LONGEST_NAME: usize = 900;
-/// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and stores 6 nv² in a C int.
-/// The check of the compiled model has the same limits; this one avoids minutes of compilation.
+/// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C
+/// int, and stores 6 nv² in a C int. The check of the compiled model has the same limits; this one
+/// avoids minutes of compilation.
 pub(super) const MOST_BODIES: usize = 32_766;
 pub(super) const MOST_DOFS: usize = 13_377;
-/// Smallest `njmax` of a text with adhesion. The compiler performs a step, in which each contact needs up to ten constraints. For
-/// the first contact without room, the engine writes from one element before the start of an array with an element per constraint
-/// (see `engine_limits.rs`). With this `njmax` that array has more than 90 elements, and the memory before it is another array on
-/// the stack of the same function. The writes stay in these arrays, and the compiler discards the results of the step.
+/// Smallest `njmax` of a text with adhesion. The compiler performs a step, in which each contact
+/// needs up to ten constraints. For the first contact without room, the engine writes from one
+/// element before the start of an array with an element per constraint (see `engine_limits.rs`).
+/// With this `njmax` that array has more than 90 elements, and the memory before it is another
+/// array on the stack of the same function. The writes stay in these arrays, and the compiler
+/// discards the results of the step.
 const LEAST_NJMAX: i32 = 100;
-/// Length of a file extension in bytes. The compiler strips it without checking the length of the name.
-const EXTENSION: usize = 3;
-/// Largest number of asset directories in a text, which limits the number of paths to look up for a file.
+/// Largest number of asset directories in a text, which limits the number of paths to look up for a
+/// file.
 const MOST_FOLDERS: usize = 16;
 /// Attributes that name a file.
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
 
-/// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are its assets. Returns the simulations
-/// that must be checked on a compiled model.
+/// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are
+/// its assets. Returns the simulations that must be checked on a compiled model.
 pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Simulations> {
     let mut check = Check {
         files,
@@ -119,7 +121,7 @@ pub(super) fn reject_texture(path: &[u8]) -> Option<String> {
         Found::Rejected(reason) => reason,
         Found::Content(content) => Format::of_texture(path).reject(path, &content, &Files::default())?,
     };
-    Some(assets::message(path, reason))
+    Some(message(path, reason))
 }
 
 struct Check<'f> {
@@ -299,8 +301,9 @@ impl<'f> Check<'f> {
         Ok(())
     }
 
-    /// Reads the texts that the compiler may read for a name, also if it was read before: the compiler may recognise a repeated include by
-    /// its name only, and a file can have several names. Returns none if no text can be read, which the compiler reports, and an error if the
+    /// Reads the texts that the compiler may read for a name, also if it was read before: the
+    /// compiler may recognise a repeated include by its name only, and a file can have several
+    /// names. Returns none if no text can be read, which the compiler reports, and an error if the
     /// compiler must not open one.
     fn named(&mut self, name: &[u8], place: &Place) -> Result<Vec<Text<'f>>, &'static str> {
         let mut texts: Vec<Text<'f>> = Vec::new();
@@ -350,8 +353,9 @@ impl<'f> Check<'f> {
         }
     }
 
-    /// Checks the asset files. A later part of the text may change the directory that the compiler uses, and whether it uses
-    /// the directory in the name. Therefore all candidate paths are checked.
+    /// Checks the asset files. A later part of the text may change the directory that the compiler
+    /// uses, and whether it uses the directory in the name. Therefore all candidate paths are
+    /// checked.
     fn assets(&mut self, model: &str) -> Result<()> {
         let mut seen = HashSet::new();
         let of_flex = |mesh: &Mesh| self.flexes.iter().find_map(|&dim| mesh.reject(dim));
@@ -361,7 +365,7 @@ impl<'f> Check<'f> {
         }
         for asset in &self.assets {
             let reject = |name: &[u8], reason| {
-                Err(Error::Load { source_name: asset.source_name.clone(), message: assets::message(name, reason) })
+                Err(Error::Load { source_name: asset.source_name.clone(), message: message(name, reason) })
             };
             let longest = self.folders.iter().map(|folder| asset.place.asset(folder, &asset.name).len()).max();
             if asset.format.is_grid() && !asset.name.is_empty() && longest <= Some(EXTENSION) {
@@ -417,7 +421,8 @@ impl<'f> Check<'f> {
         };
         match tag.name {
             b"size" => {
-                // The compiler's parser may convert a number that does not fit into a C int to any value.
+                // The compiler's parser may convert a number that does not fit into a C int to any
+                // value.
                 let is_small = || tag.integer(b"njmax").is_none_or(|rows| (0..LEAST_NJMAX).contains(&rows));
                 self.has_small_njmax |= tag.attribute(b"njmax").is_some() && is_small();
             }
@@ -464,28 +469,6 @@ fn is_empty(tag: &Tag<'_>, name: &[u8]) -> bool {
 fn at_line(message: &str, text: &[u8], position: usize) -> String {
     let line = text[..position].split(|&byte| byte == b'\n').count();
     format!("{message}, line {line}")
-}
-
-const NO_EXTENSION: &str = "has a name too short for an extension, from which the compiler determines the format";
-
-/// Returns the reason to reject a file name in an element. The compiler looks the name up among the files in memory, where an
-/// empty or overlong name is a fatal error.
-fn reject_name(element: &[u8], name: &[u8]) -> Option<String> {
-    let last = last_part(name).len();
-    let why = match name.last() {
-        // The compiler looks up an empty name only for an include.
-        None if !element.eq_ignore_ascii_case(b"include") => return None,
-        None | Some(b'/' | b'\\') => "is empty after its last slash",
-        _ if last > LONGEST_NAME => "is longer than 900 bytes",
-        // The parser drops some of these references, and truncates the name at others.
-        _ if name.contains(&0) || name.windows(2).any(|window| window == b"&#") => "has an invalid character reference",
-        _ if is_irregular(name) => "does not refer to a regular file",
-        _ if matches!(element, b"mesh" | b"skin") && last < EXTENSION => {
-            return Some(assets::message(name, NO_EXTENSION));
-        }
-        _ => return None,
-    };
-    Some(format!("the file name '{}' {why}", abbreviated(name)))
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Elements on which the compiler crashes, or that it rejects too late, inside a certain mesh or `flexcomp`.
+//! Elements on which the compiler crashes, or that it rejects too late, inside a certain mesh or
+//! `flexcomp`.
 
 use super::is_empty;
 use super::tags::Tag;
@@ -11,7 +12,8 @@ pub(super) enum Parent {
     Other,
     /// A mesh from a file. The engine crashes if it has a plugin.
     FileMesh,
-    /// A `flexcomp` whose points are a grid. The engine crashes if a `flexcomp` has a plugin without a name.
+    /// A `flexcomp` whose points are a grid. The engine crashes if a `flexcomp` has a plugin
+    /// without a name.
     Grid,
     /// Another `flexcomp`.
     Points,
@@ -31,7 +33,8 @@ impl Parent {
             b"plugin" if *self != Self::Other && lacks_all([b"plugin", b"instance"]) => {
                 return Some("the plugin of a flexcomp needs the attribute plugin or instance");
             }
-            // Compilers before 4.0 mark the points of a grid that the flex does not have, beyond the end of an array.
+            // Compilers before 4.0 mark the points of a grid that the flex does not have, beyond
+            // the end of an array.
             b"pin"
                 if cfg!(not(engine_since = "4.0.0"))
                     && *self == Self::Points

@@ -5,10 +5,12 @@ use super::files::{directory, is_absolute, reduced};
 /// Directories of a text.
 #[derive(Clone)]
 pub(super) struct Place {
-    /// Directory of the text's model, followed by those of the models that have it as an asset: for an asset of a child, the compilers of 3.2
-    /// use the directory of the parent. A directory has a trailing slash or is empty, which is the working directory of the process.
+    /// Directory of the text's model, followed by those of the models that have it as an asset: for
+    /// an asset of a child, the compilers of 3.2 use the directory of the parent. A directory has a
+    /// trailing slash or is empty, which is the working directory of the process.
     models: Vec<Vec<u8>>,
-    /// Directories of the included file that contains the text, with and without that of the model. Empty for the main text of a model.
+    /// Directories of the included file that contains the text, with and without that of the model.
+    /// Empty for the main text of a model.
     included: Vec<Vec<u8>>,
 }
 
@@ -45,8 +47,9 @@ impl Place {
         Self { models, included: Vec::new() }
     }
 
-    /// Returns the paths at which the compiler may find an included text or another model. Newer compilers look first in the directory
-    /// of the model, and then in that of the included file with the name.
+    /// Returns the paths at which the compiler may find an included text or another model. Newer
+    /// compilers look first in the directory of the model, and then in that of the included file
+    /// with the name.
     pub(super) fn texts(&self, name: &[u8]) -> Vec<Candidate> {
         let [directory, ..] = &self.models[..] else { return Vec::new() };
         // The compiler of 2.2.2 appends the name to the directory even if the name is absolute.
@@ -68,13 +71,14 @@ impl Place {
         candidates
     }
 
-    /// Returns the path of an asset in the directory of the model, and in a directory that the text specifies.
+    /// Returns the path of an asset in the directory of the model, and in a directory that the text
+    /// specifies.
     pub(super) fn asset(&self, folder: &[u8], name: &[u8]) -> Vec<u8> {
         in_folder(&self.models[0], folder, name)
     }
 
-    /// Returns the paths at which some version of the compiler looks for an asset, which may be relative to a directory that the text
-    /// specifies.
+    /// Returns the paths at which some version of the compiler looks for an asset, which may be
+    /// relative to a directory that the text specifies.
     pub(super) fn assets(&self, folder: &[u8], name: &[u8]) -> Vec<Vec<u8>> {
         if cfg!(not(engine_since = "2.3.0")) {
             return vec![self.asset(folder, name)];

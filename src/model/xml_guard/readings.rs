@@ -1,5 +1,6 @@
-//! Number of values that the sensors and delays of a text have. The compiler multiplies them in C ints, allocates memory for them, and in
-//! its test step casts a ray for each pixel of a camera with a rangefinder.
+//! Number of values that the sensors and delays of a text have. The compiler multiplies them in C
+//! ints, allocates memory for them, and in its test step casts a ray for each pixel of a camera
+//! with a rangefinder.
 
 use super::limits::{product, size};
 use super::tags::Tag;
@@ -42,9 +43,11 @@ pub(super) struct Readings {
     samples: u64,
     /// Number of user values of an element, of all kinds together.
     users: u64,
-    /// Largest number of copies of an element by `replicate`. The compiler also copies the sensors of a copied element.
+    /// Largest number of copies of an element by `replicate`. The compiler also copies the sensors
+    /// of a copied element.
     copies: u64,
-    /// Number of `attach` elements that copy a part of this model, and of those that copy another one.
+    /// Number of `attach` elements that copy a part of this model, and of those that copy another
+    /// one.
     attached: u64,
     models: u64,
     /// Largest numbers of rays and values of a model that is an asset of this one.

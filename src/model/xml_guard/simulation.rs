@@ -1,5 +1,6 @@
-//! Checks of the simulations that the compiler runs. In its test step, rangefinders may read beyond a height field. Its simulation
-//! of muscles, which determines their length ranges, may not terminate (see `data/length_range.rs`).
+//! Checks of the simulations that the compiler runs. In its test step, rangefinders may read beyond
+//! a height field. Its simulation of muscles, which determines their length ranges, may not
+//! terminate (see `data/length_range.rs`).
 
 use super::tags::{Tag, Tags};
 use crate::data::length_range::{LengthRangeMode as Mode, MuscleSimulation};
@@ -23,7 +24,8 @@ pub(super) struct Muscles {
 }
 
 impl Muscles {
-    /// Records a tag. `is_asset` is `true` in a model that is an asset of another one, whose settings the compiler uses.
+    /// Records a tag. `is_asset` is `true` in a model that is an asset of another one, whose
+    /// settings the compiler uses.
     pub(super) fn record(&mut self, tag: &Tag<'_>, is_asset: bool) {
         let value = |name: &[u8]| tag.attribute(name).map(|value| value.trim_ascii().to_vec());
         match tag.name {
@@ -70,8 +72,9 @@ impl Muscles {
     }
 }
 
-/// Constraints that the engine reads in the compiler's test step without checking that there was room
-/// for them, collected tag by tag: those of adhesive actuators, and since 2.3 equality constraints.
+/// Constraints that the engine reads in the compiler's test step without checking that there was
+/// room for them, collected tag by tag: those of adhesive actuators, and since 2.3 equality
+/// constraints.
 #[derive(Default)]
 pub(super) struct Constraints {
     are_needed: bool,
@@ -107,8 +110,8 @@ pub(in crate::model) fn without_simulation(text: &[u8]) -> Option<Vec<u8>> {
     appended(text, b"<compiler><lengthrange mode=\"none\"/></compiler>")
 }
 
-/// Returns the text with constraints and the simulation of muscles disabled, or `None` if the text is
-/// not MJCF.
+/// Returns the text with constraints and the simulation of muscles disabled, or `None` if the text
+/// is not MJCF.
 pub(in crate::model) fn without_constraints(text: &[u8]) -> Option<Vec<u8>> {
     let settings = b"<compiler><lengthrange mode=\"none\"/></compiler><option><flag constraint=\"disable\"/></option>";
     appended(text, settings)
@@ -137,7 +140,8 @@ pub(super) struct Rangefinders {
     found: bool,
     /// `true` if the text has a geom with a height field, or a default of such a geom.
     has_height_field_geom: bool,
-    /// Size of the first unsafe height field, in words, and the name of the text that contains or names it.
+    /// Size of the first unsafe height field, in words, and the name of the text that contains or
+    /// names it.
     unsafe_field: Option<(String, String)>,
 }
 

@@ -33,8 +33,9 @@ impl<'t> Tag<'t> {
         Some(start..start + value.len())
     }
 
-    /// Returns the integer in an attribute as `scanf` reads it, up to the first character that is not a digit. Returns
-    /// `None` if the attribute is missing or has no integer, or if the integer does not fit into a C int.
+    /// Returns the integer in an attribute as `scanf` reads it, up to the first character that is
+    /// not a digit. Returns `None` if the attribute is missing or has no integer, or if the integer
+    /// does not fit into a C int.
     pub(super) fn integer(&self, name: &[u8]) -> Option<i32> {
         let value = self.attribute(name)?;
         let space = value.iter().take_while(|&&byte| is_space(byte)).count();
@@ -126,7 +127,8 @@ pub(super) fn numbers(list: &[u8]) -> impl Iterator<Item = Option<i64>> {
         .map(|word| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()))
 }
 
-/// Decodes the entity and character references in an attribute value by the rules of the compiler's parser.
+/// Decodes the entity and character references in an attribute value by the rules of the compiler's
+/// parser.
 pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     const ENTITIES: [(&[u8], u8); 5] =
         [(b"quot;", b'"'), (b"apos;", b'\''), (b"lt;", b'<'), (b"gt;", b'>'), (b"amp;", b'&')];
@@ -152,7 +154,8 @@ pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(result)
 }
 
-/// Parses a character reference `#65;` or `#x41;`. Returns the character and the length of the reference.
+/// Parses a character reference `#65;` or `#x41;`. Returns the character and the length of the
+/// reference.
 fn reference(text: &[u8]) -> Option<(char, usize)> {
     let digits = text.strip_prefix(b"#")?;
     let end = digits.iter().take(12).position(|&byte| byte == b';')?;

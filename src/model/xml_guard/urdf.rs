@@ -1,7 +1,7 @@
 //! Checks that the engine's URDF reader lacks.
 //!
-//! The reader of 2.2.2 dereferences a null pointer for a joint of an unknown type. It adds links to the tree of bodies by recursion
-//! along the joints, so a long chain overflows the stack.
+//! The reader of 2.2.2 dereferences a null pointer for a joint of an unknown type. It adds links to
+//! the tree of bodies by recursion along the joints, so a long chain overflows the stack.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,8 @@ use super::tags::Tag;
 /// Joint types that the reader supports. It compares them byte by byte.
 const JOINT_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
-/// Depths of tags below the root element: `<link>` and `<joint>` are its children, `<parent>` and `<child>` are a joint's.
+/// Depths of tags below the root element: `<link>` and `<joint>` are its children, `<parent>` and
+/// `<child>` are a joint's.
 const IN_ROOT: usize = 1;
 const IN_JOINT: usize = 2;
 
@@ -80,8 +81,9 @@ impl Urdf {
         }
     }
 
-    /// Checks that no link is its own ancestor, and that no chain of links has more than `longest` joints. Returns the number of joints in the
-    /// longest chain, or the position of the offending joint and the reason. Visits each link once, without recursion.
+    /// Checks that no link is its own ancestor, and that no chain of links has more than `longest`
+    /// joints. Returns the number of joints in the longest chain, or the position of the offending
+    /// joint and the reason. Visits each link once, without recursion.
     pub(super) fn check_chains(&self, longest: usize) -> Result<usize, (usize, String)> {
         // The reader rejects a link with two parents, so either is sufficient here.
         let joint_of: HashMap<&[u8], (&[u8], usize)> = self
@@ -89,7 +91,8 @@ impl Urdf {
             .iter()
             .filter_map(|joint| Some((joint.child.as_deref()?, (joint.parent.as_deref()?, joint.position))))
             .collect();
-        // Number of joints between a link and its root; `None` while the link is on the current path.
+        // Number of joints between a link and its root; `None` while the link is on the current
+        // path.
         let mut depths: HashMap<&[u8], Option<usize>> = HashMap::new();
         for start in self.joints.iter().filter_map(|joint| joint.child.as_deref()) {
             let mut path = Vec::new();

@@ -1,6 +1,7 @@
 //! Glyph atlas of labels: all glyphs of the font, and their halos, in one image.
 //!
-//! The font is Noto Sans Mono, from the crate `noto-sans-mono-bitmap`, whose glyphs are bitmaps of equal size.
+//! The font is Noto Sans Mono, from the crate `noto-sans-mono-bitmap`, whose glyphs are bitmaps of
+//! equal size.
 
 use std::sync::LazyLock;
 
@@ -11,8 +12,8 @@ pub(crate) const GLYPH_SIZE: [u32; 2] =
     [get_raster_width(FontWeight::Regular, RasterHeight::Size16) as u32, RasterHeight::Size16.val() as u32];
 /// Padding around each glyph of the atlas, pixels. It contains the halo.
 const PADDING: u32 = 2;
-/// Characters of the font: printable ASCII, and the letters and signs of Latin-1 and Latin Extended-A. The last glyph of the atlas is a box for all
-/// other characters.
+/// Characters of the font: printable ASCII, and the letters and signs of Latin-1 and Latin
+/// Extended-A. The last glyph of the atlas is a box for all other characters.
 const RANGES: [[char; 2]; 2] = [[' ', '~'], ['\u{a1}', '\u{17f}']];
 const COUNT: u32 = characters(RANGES[0]) + characters(RANGES[1]) + 1;
 const COLUMNS: u32 = 16;
@@ -24,7 +25,8 @@ const HALO: i32 = 1;
 pub(crate) struct GlyphAtlas {
     pub(crate) width: u32,
     pub(crate) height: u32,
-    /// Row-major, two bytes per pixel: coverage by the glyph, and coverage by the glyph or its halo.
+    /// Row-major, two bytes per pixel: coverage by the glyph, and coverage by the glyph or its
+    /// halo.
     pub(crate) pixels: Vec<u8>,
 }
 
@@ -61,7 +63,8 @@ impl GlyphAtlas {
         atlas
     }
 
-    /// Returns the texture coordinates of a glyph, left, top, right and bottom, with `border` pixels of its padding.
+    /// Returns the texture coordinates of a glyph, left, top, right and bottom, with `border`
+    /// pixels of its padding.
     pub(crate) fn texcoords(&self, character: char, border: u32) -> [f32; 4] {
         let mut before = 0;
         let mut number = COUNT - 1;

@@ -24,7 +24,8 @@ pub(crate) enum RoundShape {
 pub(crate) enum DetailLevel {
     /// For colour images: level 0 has the model's tessellation, higher levels have fewer vertices.
     Color(usize),
-    /// For depth and segmentation images: index into [`DEPTH_LEVELS`], independent of the model's tessellation.
+    /// For depth and segmentation images: index into [`DEPTH_LEVELS`], independent of the model's
+    /// tessellation.
     Depth(usize),
 }
 
@@ -40,7 +41,8 @@ struct ColorLevel {
     straight_stacks: u32,
 }
 
-/// The outline of a round shape depends mainly on its slices, so the other subdivisions are reduced first.
+/// The outline of a round shape depends mainly on its slices, so the other subdivisions are reduced
+/// first.
 const COLOR: [ColorLevel; COLOR_LEVELS] = [
     ColorLevel { slices: Tessellation::MAX, stacks: Tessellation::MAX, straight_stacks: Tessellation::MAX },
     ColorLevel { slices: 28, stacks: 10, straight_stacks: 4 },
@@ -74,7 +76,8 @@ impl RoundShape {
     }
 
     /// Generates the triangles of all levels for colour images without lighting: the surfaces of
-    /// [`color_levels`](Self::color_levels) with one stack if they are straight. `None` for curved surfaces, which need all stacks.
+    /// [`color_levels`](Self::color_levels) with one stack if they are straight. `None` for curved
+    /// surfaces, which need all stacks.
     pub(super) fn unlit_levels(self, tessellation: Tessellation) -> Option<[Triangles; COLOR_LEVELS]> {
         let generate = match self {
             Self::Sphere | Self::Hemisphere => return None,
@@ -85,8 +88,9 @@ impl RoundShape {
         Some(COLOR.map(|limits| generate(tessellation.limited(limits.slices, limits.stacks).slices, 1)))
     }
 
-    /// Generates the triangles of all levels for depth and segmentation images. Doubly curved surfaces have cells of
-    /// equal width and height. Straight surfaces may have long cells because no vertex is lit.
+    /// Generates the triangles of all levels for depth and segmentation images. Doubly curved
+    /// surfaces have cells of equal width and height. Straight surfaces may have long cells because
+    /// no vertex is lit.
     pub(super) fn depth_levels(self) -> [Triangles; DEPTH_LEVELS.len()] {
         DEPTH_LEVELS.map(|slices| match self {
             Self::Sphere => shape::sphere(Tessellation { slices, stacks: slices / 2, quads: 1 }),
@@ -99,7 +103,8 @@ impl RoundShape {
     }
 }
 
-/// Round shapes for depth and segmentation images, which depend on no model: the renderers of a [`Gpu`] share them.
+/// Round shapes for depth and segmentation images, which depend on no model: the renderers of a
+/// [`Gpu`] share them.
 #[derive(Debug, Default)]
 pub(crate) struct DepthLevels(Mutex<Option<Arc<[ShapeBuffers]>>>);
 
@@ -115,7 +120,8 @@ impl DepthLevels {
         Ok(levels.insert(created).clone())
     }
 
-    /// Removes the shapes, because an error, such as a lack of memory, may have left an invalid buffer.
+    /// Removes the shapes, because an error, such as a lack of memory, may have left an invalid
+    /// buffer.
     pub(crate) fn clear(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }

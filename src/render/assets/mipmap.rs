@@ -13,10 +13,11 @@ const BYTES_PER_PIXEL: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MipChain {
     pub(crate) faces: Faces,
-    /// Mip levels. Each has half the width and height of the previous level, rounded down. Empty if the texture has no pixels that the engine's
-    /// renderer draws: it is then white.
+    /// Mip levels. Each has half the width and height of the previous level, rounded down. Empty if
+    /// the texture has no pixels that the engine's renderer draws: it is then white.
     pub(crate) levels: Vec<MipLevel>,
-    /// The pixels are in the sRGB colour space, and are converted to linear colours when they are sampled.
+    /// The pixels are in the sRGB colour space, and are converted to linear colours when they are
+    /// sampled.
     pub(crate) is_srgb: bool,
 }
 
@@ -51,8 +52,9 @@ pub(crate) struct MipLevel {
 }
 
 impl MipChain {
-    /// Computes the mip chain of a texture. Levels with a width or height above `limit` are omitted. Textures that the engine's renderer does not
-    /// draw, and files that cannot be read, are logged.
+    /// Computes the mip chain of a texture. Levels with a width or height above `limit` are
+    /// omitted. Textures that the engine's renderer does not draw, and files that cannot be read,
+    /// are logged.
     pub(crate) fn new(model: &Model, id: TextureId, limit: u32) -> Self {
         let faces = if model.texture(id).texture_type() == TextureType::Flat { Faces::D2 } else { Faces::Cube };
         let white = Self { faces, levels: Vec::new(), is_srgb: false };
@@ -128,8 +130,8 @@ impl MipLevel {
 
 /// Resamples an image with bilinear interpolation at the pixel centres and appends it to `out`.
 ///
-/// For even lengths each pixel is the mean of 2 × 2 pixels. For odd lengths a 2 × 2 box filter would drop the last row
-/// or column, and with it a line of one pixel.
+/// For even lengths each pixel is the mean of 2 × 2 pixels. For odd lengths a 2 × 2 box filter
+/// would drop the last row or column, and with it a line of one pixel.
 fn resample(image: &[u8], from: [u32; 2], to: [u32; 2], out: &mut Vec<u8>) {
     let columns: Vec<Taps> = (0..to[0]).map(|column| Taps::new(column, from[0], to[0])).collect();
     let width = from[0] as usize * BYTES_PER_PIXEL;

@@ -1,5 +1,5 @@
-//! GPU copies of the model's assets: vertex and index buffers of all shapes, textures with mip maps, and the glyph
-//! atlas of labels.
+//! GPU copies of the model's assets: vertex and index buffers of all shapes, textures with mip
+//! maps, and the glyph atlas of labels.
 
 mod glyph_atlas;
 mod level_of_detail;

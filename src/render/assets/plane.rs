@@ -1,12 +1,14 @@
 //! Grids of the model's planes.
 //!
-//! The engine evaluates lighting at the vertices of a plane, so the edge of a spot light follows the grid. The grid lines here are the engine's.
+//! The engine evaluates lighting at the vertices of a plane, so the edge of a spot light follows
+//! the grid. The grid lines here are the engine's.
 
 use crate::render::Lighting;
 use crate::render::settings::{VisualSettings, is_drawable};
 use crate::render::shape;
 
-/// Maximum number of cells of a plane along each axis; infinite planes have this many. Equal to the engine's limit.
+/// Maximum number of cells of a plane along each axis; infinite planes have this many. Equal to the
+/// engine's limit.
 const MAX_CELLS: u32 = 200;
 
 /// Maximum number of cells with per-pixel lighting, sufficient for the precision of depth.
@@ -30,8 +32,8 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Returns the grid of a plane that is finite along this axis: an even number of cells of twice the spacing, and a cell at each end
-    /// for the rest.
+    /// Returns the grid of a plane that is finite along this axis: an even number of cells of twice
+    /// the spacing, and a cell at each end for the rest.
     pub(crate) fn finite(half: f64, spacing: f64) -> Self {
         let half = half.min(f64::MAX);
         // `clamp` would keep NaN.
@@ -47,8 +49,9 @@ impl Axis {
         Self { half: half as f32, lines }
     }
 
-    /// Returns the grid of a plane that is infinite along this axis: it ends beyond the skybox by two texture periods. `repeat` is the
-    /// number of texture periods per two metres; 0 without a texture.
+    /// Returns the grid of a plane that is infinite along this axis: it ends beyond the skybox by
+    /// two texture periods. `repeat` is the number of texture periods per two metres; 0 without a
+    /// texture.
     pub(crate) fn infinite(settings: &VisualSettings, repeat: f32) -> Self {
         let sky = 2.1 * settings.far;
         let is_repeated = repeat > 0.0 && repeat.is_finite();
@@ -81,7 +84,8 @@ mod tests {
         assert!(widths.iter().zip(expected).all(|(width, expected)| (width - expected).abs() < 1e-6), "{widths:?}");
     }
 
-    /// The cells were counted in pictures of the engine's renderer, seen from above in wireframe mode.
+    /// The cells were counted in pictures of the engine's renderer, seen from above in wireframe
+    /// mode.
     #[test]
     fn a_finite_plane_has_the_cells_of_the_engine() {
         assert_close(&widths(2.0, 0.1), &[0.2; 20]);

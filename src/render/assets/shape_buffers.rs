@@ -47,7 +47,8 @@ impl ShapeBuffers {
         Ok(Self { has_quads: *has_quads, ..buffers })
     }
 
-    /// Creates buffers whose vertices are written later, as are the indices of selected triangles, which follow those of all triangles.
+    /// Creates buffers whose vertices are written later, as are the indices of selected triangles,
+    /// which follow those of all triangles.
     pub(super) fn dynamic(gpu: &Gpu, vertices: usize, indices: &[u32]) -> Result<Self, RenderError> {
         let zeros = vec![0; vertices * size_of::<Vertex>()];
         let buffers = Self::with_usage(gpu, &zeros, &[indices; 2].concat(), wgpu::BufferUsages::COPY_DST)?;
@@ -74,7 +75,8 @@ impl ShapeBuffers {
         })
     }
 
-    /// Creates the square from -1 to 1 with these grid lines in x and y, divided into tiles if it has many cells.
+    /// Creates the square from -1 to 1 with these grid lines in x and y, divided into tiles if it
+    /// has many cells.
     pub(super) fn tiled(gpu: &Gpu, lines: [&[f32]; 2]) -> Result<Self, RenderError> {
         /// Cells along each edge of a tile.
         const TILE_CELLS: usize = 10;

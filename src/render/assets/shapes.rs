@@ -47,8 +47,8 @@ pub(crate) struct Shapes {
     height_fields: u32,
     nhfield: u32,
     skins: Vec<Skin>,
-    /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers of the faces and of the
-    /// edges and vertices.
+    /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom
+    /// shows, and the buffers of the faces and of the edges and vertices.
     flexes: Vec<([usize; 2], [ShapeBuffers; 2])>,
     tessellation: Tessellation,
     max_vertices: usize,
@@ -189,14 +189,16 @@ impl Shapes {
         Ok(())
     }
 
-    /// Writes the skins of a scene as seen in the image with these [`ViewFrustum::pixel_rows`](crate::render::view::ViewFrustum::pixel_rows).
+    /// Writes the skins of a scene as seen in the image with these
+    /// [`ViewFrustum::pixel_rows`](crate::render::view::ViewFrustum::pixel_rows).
     pub(crate) fn update_skins(&mut self, gpu: &Gpu, scene: &Scene, pixel_rows: &[[f32; 4]; 3]) {
         for (skin, seen) in self.skins.iter_mut().zip(scene.skins()) {
             skin.update(gpu, seen.vertices, seen.normals, pixel_rows);
         }
     }
 
-    /// Creates the buffers of the flexes of a scene. Their number of faces may change from scene to scene.
+    /// Creates the buffers of the flexes of a scene. Their number of faces may change from scene to
+    /// scene.
     pub(crate) fn update_flexes(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
         self.flexes.clear();
         for geom in scene.geoms().filter(|geom| geom.geom_type() == SceneGeomType::Flex) {
@@ -236,8 +238,8 @@ impl Shapes {
         [0, 1].map(|part| index.map(|index| FIRST_FLEX + 2 * index as u32 + part))
     }
 
-    /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the
-    /// model's tessellation.
+    /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth
+    /// levels fall back to the model's tessellation.
     pub(crate) fn round(&self, shape: RoundShape, level: DetailLevel) -> u32 {
         let at =
             |first: u32, levels: usize, level: usize| first + (shape as usize * levels + level.min(levels - 1)) as u32;
@@ -248,7 +250,8 @@ impl Shapes {
         }
     }
 
-    /// Returns a shape with the same surface for a pass without lighting, which needs no vertices on straight surfaces.
+    /// Returns a shape with the same surface for a pass without lighting, which needs no vertices
+    /// on straight surfaces.
     pub(crate) fn unlit(&self, shape: u32) -> u32 {
         self.unlit.get(shape as usize).copied().unwrap_or(shape)
     }

@@ -28,8 +28,9 @@ impl Skin {
         Ok(Self { topology, projected: Vec::new(), front: Vec::new(), buffers })
     }
 
-    /// Writes the vertices, and with a software rasteriser also the triangles that face the camera: they are half of a closed skin, and the
-    /// rasteriser would shade the vertices of the others for nothing.
+    /// Writes the vertices, and with a software rasteriser also the triangles that face the camera:
+    /// they are half of a closed skin, and the rasteriser would shade the vertices of the others
+    /// for nothing.
     pub(super) fn update(
         &mut self,
         gpu: &Gpu,
@@ -69,11 +70,12 @@ fn drawable(vector: [f32; 3]) -> [f32; 3] {
     vector.map(|number| if is_drawable(number) { number } else { 0.0 })
 }
 
-/// Distance by which rounding may move the corners of a triangle against each other in the image, pixels: it turns triangles that are seen
-/// almost edge-on. Rasterisers round to 1/256 pixel.
+/// Distance by which rounding may move the corners of a triangle against each other in the image,
+/// pixels: it turns triangles that are seen almost edge-on. Rasterisers round to 1/256 pixel.
 const ROUNDING: f32 = 0.01;
 
-/// Collects the triangles that may face the camera in `front`. `projected` receives the positions of the vertices in the image, pixels.
+/// Collects the triangles that may face the camera in `front`. `projected` receives the positions
+/// of the vertices in the image, pixels.
 fn front_faces(
     triangles: &[[u32; 3]],
     vertices: &[[f32; 3]],
@@ -109,7 +111,8 @@ mod tests {
     use super::front_faces;
     use crate::render::shape::{Tessellation, sphere};
 
-    /// The camera at the origin looks along x, y is left, and a unit at a depth of one is 500 pixels.
+    /// The camera at the origin looks along x, y is left, and a unit at a depth of one is 500
+    /// pixels.
     const PIXEL_ROWS: [[f32; 4]; 3] = [[0.0, -500.0, 0.0, 0.0], [0.0, 0.0, 500.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
 
     fn front(triangles: &[[u32; 3]], vertices: &[[f32; 3]]) -> Vec<[u32; 3]> {

@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::render::Gpu;
 use crate::render::shader::TextureKind;
 
-/// Samplers, and bind group layouts of a texture with its sampler. All renderers of a [`Gpu`] share them.
+/// Samplers, and bind group layouts of a texture with its sampler. All renderers of a [`Gpu`] share
+/// them.
 #[derive(Debug)]
 pub(crate) struct TextureBindings {
     pub(crate) d2: wgpu::BindGroupLayout,
@@ -72,11 +73,12 @@ pub(crate) struct SkyTexture {
 }
 
 impl SkyTexture {
-    /// Returns the bind group for images with this number of pixels per radian at their centre. It has no mip levels if the image shows none of
-    /// them: software rasterisers then select no levels.
+    /// Returns the bind group for images with this number of pixels per radian at their centre. It
+    /// has no mip levels if the image shows none of them: software rasterisers then select no
+    /// levels.
     pub(crate) fn bind_group(&self, pixels_per_radian: f64) -> &wgpu::BindGroup {
-        // The position on a face, from -1 to 1, is the tangent of an angle. It changes fastest in a corner: by 3 per radian. A pixel has its
-        // largest angle at the centre of the image.
+        // The position on a face, from -1 to 1, is the tangent of an angle. It changes fastest in a
+        // corner: by 3 per radian. A pixel has its largest angle at the centre of the image.
         let is_magnified = 3.0 * f64::from(self.width) / 2.0 <= pixels_per_radian;
         if is_magnified { &self.base_level } else { &self.all_levels }
     }
@@ -157,7 +159,8 @@ pub(crate) fn glyph_atlas(gpu: &Gpu) -> wgpu::BindGroup {
     bind_group(gpu, &bindings.d2, &texture.create_view(&wgpu::TextureViewDescriptor::default()), &bindings.clamp)
 }
 
-/// Returns `true` if the mip chain is non-empty and each level has the size and the number of bytes that wgpu requires.
+/// Returns `true` if the mip chain is non-empty and each level has the size and the number of bytes
+/// that wgpu requires.
 fn is_complete(levels: &[MipLevel], layers: u32) -> bool {
     let Some(first) = levels.first() else { return false };
     let is_square = layers == 1 || first.width == first.height;

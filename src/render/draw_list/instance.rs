@@ -14,11 +14,13 @@ pub(crate) struct Instance {
     /// Rows of the transformation from the local frame of the shape to world space.
     pub(crate) rows: [[f32; 4]; 3],
     pub(crate) rgba: [f32; 4],
-    /// Emission, specularity and shininess. For a line the first is its width, in units of the line width.
+    /// Emission, specularity and shininess. For a line the first is its width, in units of the line
+    /// width.
     pub(crate) material: [f32; 3],
     /// Reciprocals of the squared lengths of the columns of the transformation, for normals.
     pub(crate) normal_scale: [f32; 3],
-    /// Texture coordinates: scale, and 1 for the coordinates of the vertices, 0 for their local positions.
+    /// Texture coordinates: scale, and 1 for the coordinates of the vertices, 0 for their local
+    /// positions.
     pub(crate) texgen: [f32; 4],
     /// Offset of the texture coordinates.
     pub(crate) texture_offset: [f32; 3],
@@ -143,7 +145,8 @@ impl Appearance {
     }
 }
 
-/// Returns the width of the lines of a geom, in units of the line width. The engine uses the size of the geom from 2.3.3 on.
+/// Returns the width of the lines of a geom, in units of the line width. The engine uses the size
+/// of the geom from 2.3.3 on.
 fn line_width(geom: SceneGeom<'_>) -> f32 {
     match geom.geom_type() {
         SceneGeomType::LineBox => 1.5,
@@ -157,10 +160,11 @@ fn limited(number: f32, limit: f32) -> f32 {
     if number.is_nan() { 0.0 } else { number.clamp(-limit, limit) }
 }
 
-/// Returns the colour of a segment, which differs from the colours of adjacent ids: a point of the Halton sequence, as
-/// in the engine.
+/// Returns the colour of a segment, which differs from the colours of adjacent ids: a point of the
+/// Halton sequence, as in the engine.
 ///
-/// J. H. Halton, "On the efficiency of certain quasi-random sequences of points", Numerische Mathematik 2 (1960).
+/// J. H. Halton, "On the efficiency of certain quasi-random sequences of points", Numerische
+/// Mathematik 2 (1960).
 fn segment_color(segid: usize) -> [f32; 4] {
     let index = u32::try_from(segid + 10).unwrap_or(u32::MAX);
     // The engine's sequence is undefined for indices that exceed a C int.

@@ -1,4 +1,5 @@
-//! Selection of the level of detail of a geom: for colour images by its size on the screen, for depth by the required precision.
+//! Selection of the level of detail of a geom: for colour images by its size on the screen, for
+//! depth by the required precision.
 
 use super::AuxOutput;
 use crate::render::assets::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel};
@@ -26,14 +27,16 @@ impl Detail {
         frustum: &ViewFrustum,
         aux: Option<AuxOutput>,
     ) -> Self {
-        /// Radii below which the next level is used, pixels. In images of 22 humanoids the coarser levels change at most 0.7 % of the pixels
-        /// by more than 8 of 255 (bench `render`, argument `pictures`).
+        /// Radii below which the next level is used, pixels. In images of 22 humanoids the coarser
+        /// levels change at most 0.7 % of the pixels by more than 8 of 255 (bench `render`,
+        /// argument `pictures`).
         const MAX_RADII: [f64; COLOR_LEVELS - 1] = [6.0, 1.5];
-        /// Distance at which vertices of meshes are merged, pixels. In images of an arm of 215,000 small triangles this changes at most 0.3 % of
-        /// the pixels by more than 8 of 255 (bench `render`, argument `pictures`).
+        /// Distance at which vertices of meshes are merged, pixels. In images of an arm of 215,000
+        /// small triangles this changes at most 0.3 % of the pixels by more than 8 of 255 (bench
+        /// `render`, argument `pictures`).
         const MERGED: f64 = 1.0;
-        /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle
-        /// of 15° this is 1/5000 of the depth.
+        /// Largest distance between a geom and its triangles, relative to the distance from the
+        /// camera. At a viewing angle of 15° this is 1/5000 of the depth.
         const PRECISION: f64 = 5e-5;
         let (BoundingVolume::Sphere(sphere), true) = (volume, aux.is_none_or(AuxOutput::has_depth)) else {
             return Self::FULL;

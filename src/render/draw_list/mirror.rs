@@ -15,8 +15,8 @@ pub(crate) struct Mirror {
     /// Plane of the mirror: its product with a point (x, y, z, 1) is the signed distance, m.
     pub(crate) plane: [f32; 4],
     pub(crate) reflectance: f32,
-    /// Shape and instance that mark the mirror in the stencil buffer. `None` for an infinite plane, which needs no
-    /// stencil test because it covers all of its mirror images.
+    /// Shape and instance that mark the mirror in the stencil buffer. `None` for an infinite plane,
+    /// which needs no stencil test because it covers all of its mirror images.
     pub(crate) stencil_mark: Option<(u32, Instance)>,
 }
 
@@ -53,8 +53,8 @@ impl Mirror {
         })
     }
 
-    /// Returns the rectangle of an image of this size that contains the mirror, pixels: left, top, width and height. `None` if the mirror is
-    /// outside of the image.
+    /// Returns the rectangle of an image of this size that contains the mirror, pixels: left, top,
+    /// width and height. `None` if the mirror is outside of the image.
     pub(crate) fn bounds(&self, frustum: &ViewFrustum, size: [u32; 2]) -> Option<[u32; 4]> {
         let whole = Some([0, 0, size[0], size[1]]);
         let Some((_, Instance { rows, .. })) = &self.stencil_mark else { return whole };
@@ -93,7 +93,8 @@ mod tests {
         Mirror { reflection: IDENTITY, plane: [0.0; 4], reflectance: 1.0, stencil_mark: Some((0, instance)) }
     }
 
-    /// Returns a frustum with this last row of the projection, whose other rows are those of the identity.
+    /// Returns a frustum with this last row of the projection, whose other rows are those of the
+    /// identity.
     fn frustum(w: [f64; 4]) -> ViewFrustum {
         let mut clip = IDENTITY;
         for (column, w) in clip.iter_mut().zip(w) {

@@ -1,7 +1,7 @@
 //! Draw list: the geoms of a scene as batches of instances, in the order of their draw calls.
 //!
-//! A scene may contain arbitrary values, because users add geoms and models are not validated. Geoms with values that
-//! cannot be rendered are skipped.
+//! A scene may contain arbitrary values, because users add geoms and models are not validated.
+//! Geoms with values that cannot be rendered are skipped.
 
 mod instance;
 mod level_of_detail;
@@ -29,8 +29,8 @@ use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 /// Draw list of a scene. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct DrawList {
-    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent geoms back to
-    /// front.
+    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent
+    /// geoms back to front.
     pub(crate) instances: Vec<Instance>,
     /// Batches of the reflective geom.
     pub(crate) reflector: Vec<Batch>,
@@ -41,7 +41,8 @@ pub(crate) struct DrawList {
     pub(crate) mirror: Option<Mirror>,
     /// First infinite plane.
     pub(crate) horizon: Option<Horizon>,
-    /// Bounds of the casters in each shadow map, in the clip space of the light; `None` if it has no casters.
+    /// Bounds of the casters in each shadow map, in the clip space of the light; `None` if it has
+    /// no casters.
     pub(crate) shadow_bounds: Vec<Option<[[f64; 2]; 2]>>,
     /// Lower bound of the depths of visible surfaces, m.
     pub(crate) nearest_depth: f64,
@@ -93,7 +94,8 @@ pub(crate) enum AuxOutput {
     Ids,
     /// Depth. Transparent geoms are skipped.
     Depth,
-    /// Depth of the opaque geoms, and then ids of all geoms: the list keeps transparent geoms apart.
+    /// Depth of the opaque geoms, and then ids of all geoms: the list keeps transparent geoms
+    /// apart.
     DepthAndIds,
 }
 
@@ -196,8 +198,8 @@ impl DrawList {
         self.nearest_depth = f64::INFINITY;
     }
 
-    /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately even if mirror
-    /// images are disabled.
+    /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately
+    /// even if mirror images are disabled.
     fn find_reflector(&mut self, scene: &Scene, inputs: &DrawListInputs<'_>, camera: [f32; 3]) -> Option<usize> {
         if inputs.aux.is_some() {
             return None;
@@ -214,7 +216,8 @@ impl DrawList {
         Some(index)
     }
 
-    /// Counts the opaque geoms with the pose of a geom so far. Their surfaces may coincide, and the last one is visible, as in the engine's images.
+    /// Counts the opaque geoms with the pose of a geom so far. Their surfaces may coincide, and the
+    /// last one is visible, as in the engine's images.
     fn rank(&mut self, geom: SceneGeom<'_>) -> u64 {
         let (pos, mat) = (geom.pos(), geom.mat());
         // Zeros of both signs are one pose.
@@ -253,8 +256,8 @@ impl DrawList {
         Visibility { in_frustum: is_inside(planes), mirror_side, shadow_mask: 0 }
     }
 
-    /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key, transparent geoms by
-    /// distance.
+    /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key,
+    /// transparent geoms by distance.
     fn sort(&mut self, reflector_instances: u32) {
         let Self { instances, pending, opaque_order, transparent_order, .. } = self;
         opaque_order.sort_unstable();
@@ -294,8 +297,9 @@ fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, pending: &Pendi
 /// Sort key of the reflector, less than all others.
 const REFLECTOR_SORT_KEY: u64 = 0;
 
-/// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes are last, because much of them is hidden. Up to
-/// eight geoms with the same pose have the order of the scene.
+/// Computes the sort key of an opaque instance. Instances with equal keys become one batch. Planes
+/// are last, because much of them is hidden. Up to eight geoms with the same pose have the order of
+/// the scene.
 fn sort_key(pending: &PendingInstance, is_plane: bool, rank: u64) -> u64 {
     let BatchKey { shape, texture_kind, texture, line, back_faces, unshadowed } = pending.key;
     let Visibility { in_frustum, mirror_side, shadow_mask } = pending.visibility;

@@ -1,4 +1,5 @@
-//! Decomposition of geoms into parts: unit shapes that are scaled, and shifted along the z-axis of the geom.
+//! Decomposition of geoms into parts: unit shapes that are scaled, and shifted along the z-axis of
+//! the geom.
 
 use super::level_of_detail::Detail;
 use crate::render::assets::{RoundShape, Shapes};
@@ -59,7 +60,8 @@ impl Part {
         Self { texture_shift, ..self }
     }
 
-    /// Rotates a disk by 180° about x, before the translation. Its texture coordinates remain those of its points.
+    /// Rotates a disk by 180° about x, before the translation. Its texture coordinates remain those
+    /// of its points.
     fn flipped(self) -> Self {
         let flipped = |[x, y, z]: [f32; 3]| [x, -y, -z];
         Self {
@@ -71,18 +73,19 @@ impl Part {
         }
     }
 
-    /// Rotates a surface of revolution by 180° about x, before the translation. Its texture coordinates are again an angle about z and a
-    /// coordinate that falls along z.
+    /// Rotates a surface of revolution by 180° about x, before the translation. Its texture
+    /// coordinates are again an angle about z and a coordinate that falls along z.
     fn reversed(self) -> Self {
         Self { texcoord_scale: [-1.0; 2], texcoord_shift: [1.0; 2], ..self.flipped() }
     }
 }
 
-/// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or with an unknown
-/// asset.
+/// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or
+/// with an unknown asset.
 ///
-/// `is_before_materials` states that neither this geom nor an opaque geom before it has a material. The engine then disables the shadow map with the
-/// texture when it draws the edges and vertices of a flex.
+/// `is_before_materials` states that neither this geom nor an opaque geom before it has a material.
+/// The engine then disables the shadow map with the texture when it draws the edges and vertices of
+/// a flex.
 pub(super) fn parts(
     geom: SceneGeom<'_>,
     shapes: &Shapes,
@@ -172,8 +175,8 @@ fn plane(geom: SceneGeom<'_>, shapes: &Shapes) -> Part {
         None => infinite.shape,
     };
     let mut part = Part::new(shape, [half[0], half[1], 1.0]);
-    // The texture repeats per metre on planes of the model and on infinite planes. It covers every other plane exactly
-    // once.
+    // The texture repeats per metre on planes of the model and on infinite planes. It covers every
+    // other plane exactly once.
     if of_model.is_some() || x <= 0.0 || y <= 0.0 {
         part.texture_scale = [half[0], half[1], 1.0];
     }

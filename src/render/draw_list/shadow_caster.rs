@@ -1,5 +1,5 @@
-//! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded region of a shadow map
-//! is allocated, because a full map has millions of texels.
+//! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded
+//! region of a shadow map is allocated, because a full map has millions of texels.
 
 use crate::render::bounding_volume::{BoundingVolume, Sphere, signed_distance};
 use crate::render::view::matrix::{Matrix4, row};
@@ -26,7 +26,8 @@ struct CasterBounds<'a> {
 }
 
 impl<'a> ShadowCasters<'a> {
-    /// Creates empty bounds. `culls_front_faces` states that only back faces are rendered to the shadow maps.
+    /// Creates empty bounds. `culls_front_faces` states that only back faces are rendered to the
+    /// shadow maps.
     pub(super) fn new(lights: &'a Lights, culls_front_faces: bool, planes: [[f32; 4]; 6]) -> Self {
         let bounds = |light: &'a ActiveLight| Some(CasterBounds::new(&light.light, light.shadow.as_ref()?));
         Self { lights: lights.active.iter().filter_map(bounds).collect(), culls_front_faces, planes }
@@ -79,8 +80,9 @@ impl<'a> CasterBounds<'a> {
         normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
     }
 
-    /// Returns `true` if the whole shadow of a sphere is outside of the view frustum: the sphere is outside of a plane of
-    /// the frustum, and the light does not shine from the sphere towards this plane.
+    /// Returns `true` if the whole shadow of a sphere is outside of the view frustum: the sphere is
+    /// outside of a plane of the frustum, and the light does not shine from the sphere towards this
+    /// plane.
     fn is_shadow_outside(&self, sphere: &Sphere, planes: &[[f32; 4]; 6]) -> bool {
         let light = self.light;
         let along = |plane: &[f32; 4]| (0..3).map(|axis| plane[axis] * light.dir[axis]).sum::<f32>();
@@ -92,7 +94,8 @@ impl<'a> CasterBounds<'a> {
         })
     }
 
-    /// Adds the bounding rectangle of a projected sphere. Returns `true` if it intersects the shadow map.
+    /// Adds the bounding rectangle of a projected sphere. Returns `true` if it intersects the
+    /// shadow map.
     fn add(&mut self, sphere: &Sphere) -> bool {
         let [x, y, z] = sphere.centre.map(f64::from);
         let radius = f64::from(sphere.radius);

@@ -1,7 +1,8 @@
 //! Mapping of textures to geoms.
 //!
-//! Engines before 3.12 project a 2D texture along z on every shape without texture coordinates of its own. From 3.12 on, unit shapes have texture
-//! coordinates from 0 to 1, planes have their texture in a corner, and the number of repetitions applies to all texture coordinates.
+//! Engines before 3.12 project a 2D texture along z on every shape without texture coordinates of
+//! its own. From 3.12 on, unit shapes have texture coordinates from 0 to 1, planes have their
+//! texture in a corner, and the number of repetitions applies to all texture coordinates.
 
 use super::primitive::Part;
 use crate::render::settings::is_drawable;
@@ -62,7 +63,8 @@ impl TextureMap {
         }
     }
 
-    /// Returns the values of [`Instance`](super::Instance) for a part of the geom: `texgen` and `texture_offset`.
+    /// Returns the values of [`Instance`](super::Instance) for a part of the geom: `texgen` and
+    /// `texture_offset`.
     pub(super) fn of_part(&self, part: &Part) -> ([f32; 4], [f32; 3]) {
         let finite = |number: f32| if is_drawable(number) { number } else { 0.0 };
         let scale = self.scale.map(finite);
@@ -86,13 +88,15 @@ impl TextureMap {
     }
 }
 
-/// Returns `true` for a skin with engines from 3.12, which draw even one without texture coordinates as if it had some. They are zero, unless the
-/// image has shadow maps: then they are those of what the engine drew before.
+/// Returns `true` for a skin with engines from 3.12, which draw even one without texture
+/// coordinates as if it had some. They are zero, unless the image has shadow maps: then they are
+/// those of what the engine drew before.
 fn is_skin_with_texcoords(geom_type: SceneGeomType) -> bool {
     SHAPES_HAVE_TEXCOORDS && geom_type == SceneGeomType::Skin
 }
 
-/// Returns `true` if the unit shapes of a geom type have texture coordinates that the engine uses. Those of planes follow from their positions.
+/// Returns `true` if the unit shapes of a geom type have texture coordinates that the engine uses.
+/// Those of planes follow from their positions.
 fn has_texcoords(geom_type: SceneGeomType) -> bool {
     use SceneGeomType as Type;
     is_skin_with_texcoords(geom_type)
@@ -120,7 +124,8 @@ fn repetitions(geom: SceneGeom<'_>) -> [f32; 2] {
     })
 }
 
-/// Returns the number of repetitions of a texture that is projected along z, for local positions from -1 to 1.
+/// Returns the number of repetitions of a texture that is projected along z, for local positions
+/// from -1 to 1.
 fn projected_repetitions(geom: SceneGeom<'_>) -> [f32; 2] {
     let (size, repeat) = (geom.size(), geom.texrepeat());
     // Older engines take any shape with data for one of the model's own, in 3.5.0 also a shape that
@@ -132,7 +137,8 @@ fn projected_repetitions(geom: SceneGeom<'_>) -> [f32; 2] {
     [0, 1].map(|axis| {
         let (mut scale, length) = (repeat[axis], size[axis]);
         if length > 0.0 {
-            // Local positions of the model's own shapes are in metres, others in units of the geom's size.
+            // Local positions of the model's own shapes are in metres, others in units of the
+            // geom's size.
             if is_in_metres {
                 scale /= length.max(1e-15);
             }

@@ -18,7 +18,8 @@ pub enum GpuPreference {
     Any,
     /// Hardware adapters only.
     Hardware,
-    /// Software rasterisers only. Their images are the same on every computer with the same version.
+    /// Software rasterisers only. Their images are the same on every computer with the same
+    /// version.
     Software,
 }
 
@@ -74,7 +75,8 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter matches, [`RenderError::Open`] if its driver fails to open a device.
+    /// [`RenderError::NoAdapter`] if no adapter matches, [`RenderError::Open`] if its driver fails
+    /// to open a device.
     pub fn with_options(options: GpuOptions) -> Result<Self, RenderError> {
         let _driver_use = DriverUse::begin();
         with_captured_stderr(|| {
@@ -112,13 +114,13 @@ impl Gpu {
 /// Window surfaces.
 #[cfg(feature = "viewer")]
 impl Gpu {
-    /// Opens an adapter that can present to a window, and creates the window's surface. The window is typically an
-    /// `Arc`.
+    /// Opens an adapter that can present to a window, and creates the window's surface. The window
+    /// is typically an `Arc`.
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter supports the window, [`RenderError::Open`] if its driver fails to open
-    /// a device.
+    /// [`RenderError::NoAdapter`] if no adapter supports the window, [`RenderError::Open`] if its
+    /// driver fails to open a device.
     pub(crate) fn for_window<W>(window: &W, options: &GpuOptions) -> Result<(Self, wgpu::Surface<'static>), RenderError>
     where
         W: Clone + Into<wgpu::SurfaceTarget<'static>>,
@@ -158,8 +160,9 @@ impl Gpu {
         }
     }
 
-    /// Returns a surface configuration with a linear (non-sRGB) format that [`Renderer`](crate::render::Renderer)
-    /// supports, or `None` if the surface supports no such format. Textures can be copied to the surface, if it supports that.
+    /// Returns a surface configuration with a linear (non-sRGB) format that
+    /// [`Renderer`](crate::render::Renderer) supports, or `None` if the surface supports no such
+    /// format. Textures can be copied to the surface, if it supports that.
     pub(crate) fn surface_configuration(
         &self,
         surface: &wgpu::Surface<'_>,
@@ -175,8 +178,9 @@ impl Gpu {
     }
 }
 
-/// Redirects lines that drivers print to standard error to the log. Mesa's Vulkan device selection layer, for example,
-/// searches for a Wayland session and prints a warning if `XDG_RUNTIME_DIR` is not set.
+/// Redirects lines that drivers print to standard error to the log. Mesa's Vulkan device selection
+/// layer, for example, searches for a Wayland session and prints a warning if `XDG_RUNTIME_DIR` is
+/// not set.
 fn with_captured_stderr<T>(open: impl FnOnce() -> T) -> T {
     let (result, printed) = mujoco_sys::stderr::captured(open);
     for line in printed.lines() {
@@ -193,7 +197,8 @@ fn instance_descriptor(backends: wgpu::Backends) -> wgpu::InstanceDescriptor {
     descriptor
 }
 
-/// Requests an adapter that matches the options. Appends the names of adapters that do not match to `rejected`.
+/// Requests an adapter that matches the options. Appends the names of adapters that do not match to
+/// `rejected`.
 fn request_adapter(
     instance: &wgpu::Instance,
     options: &GpuOptions,
@@ -253,11 +258,14 @@ fn open(instance: wgpu::Instance, adapter: wgpu::Adapter) -> Result<Gpu, RenderE
     Ok(gpu)
 }
 
-/// Makes the C library keep memory that the driver frees, up to 64 MiB for each thread that allocates.
+/// Makes the C library keep memory that the driver frees, up to 64 MiB for each thread that
+/// allocates.
 ///
-/// A software rasteriser allocates the triangles of each frame with `malloc` and frees them afterwards. By default, glibc returns memory above
-/// 128 KiB to the system at once, so that each frame would fault in all of its pages again. glibc raises this threshold to twice the size of the
-/// largest block of up to 32 MiB that was mapped and freed, unless the program or its user has set the threshold.
+/// A software rasteriser allocates the triangles of each frame with `malloc` and frees them
+/// afterwards. By default, glibc returns memory above 128 KiB to the system at once, so that each
+/// frame would fault in all of its pages again. glibc raises this threshold to twice the size of
+/// the largest block of up to 32 MiB that was mapped and freed, unless the program or its user has
+/// set the threshold.
 fn keep_freed_memory() {
     /// Largest size that glibc considers, without the header of the block and its alignment.
     const BLOCK: usize = (32 << 20) - (64 << 10);

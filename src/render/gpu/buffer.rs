@@ -17,7 +17,8 @@ impl GrowableBuffer {
         Self { buffer: create_buffer(gpu, 256, usage), usage }
     }
 
-    /// Writes the bytes. Returns `true` if the buffer was reallocated, which invalidates its bind groups.
+    /// Writes the bytes. Returns `true` if the buffer was reallocated, which invalidates its bind
+    /// groups.
     pub(crate) fn write(&mut self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, RenderError> {
         let (size, limit) = (bytes.len() as u64, gpu.limits().max_buffer_size);
         if size > limit {
@@ -83,7 +84,8 @@ impl ReadBackBuffer {
         );
     }
 
-    /// Waits for the copy and passes each row to `each`, last row first: images are rendered upside down.
+    /// Waits for the copy and passes each row to `each`, last row first: images are rendered upside
+    /// down.
     pub(crate) fn rows(&self, gpu: &Gpu, mut each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let used = (self.size[0] * self.bytes_per_pixel) as usize;
         self.mapped(gpu, |rows| rows.rev().for_each(|row| each(&row[..used])))

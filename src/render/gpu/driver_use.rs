@@ -1,7 +1,8 @@
 //! Uses of the graphics driver, for which the end of the process waits.
 //!
-//! A graphics driver frees its static data in exit handlers. A thread that still runs code of the driver would then read freed memory.
-//! The end of the process therefore waits until no other thread uses the driver. From then on, no other thread begins to use it.
+//! A graphics driver frees its static data in exit handlers. A thread that still runs code of the
+//! driver would then read freed memory. The end of the process therefore waits until no other
+//! thread uses the driver. From then on, no other thread begins to use it.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -51,8 +52,9 @@ impl Uses {
         self.active -= 1;
         OWN.set(OWN.get() - 1);
         self.ended += 1;
-        // Exit handlers run in reverse order, so this one is registered after those of the driver. The driver's shader compiler registers
-        // further ones when it first needs them, so the registration is repeated, at intervals that grow.
+        // Exit handlers run in reverse order, so this one is registered after those of the driver.
+        // The driver's shader compiler registers further ones when it first needs them, so the
+        // registration is repeated, at intervals that grow.
         if self.ended >= self.next_registration {
             self.next_registration = self.ended + self.ended / 8 + 1;
             at_exit(wait_at_exit);
@@ -76,15 +78,16 @@ extern "C" fn wait_at_exit() {
     let _ = ENDED.wait_timeout_while(uses, EXIT_TIMEOUT, |uses| uses.active > own);
 }
 
-/// A use of the graphics driver by the current thread, which lasts until the drop. A thread can have several at a time.
+/// A use of the graphics driver by the current thread, which lasts until the drop. A thread can
+/// have several at a time.
 pub(crate) struct DriverUse {
     /// The uses of each thread are counted, so this type is neither `Send` nor `Sync`.
     thread: PhantomData<*const ()>,
 }
 
 impl DriverUse {
-    /// Begins a use. While the process ends, this function does not return, except in a thread that has a use already and in the thread
-    /// that ends the process.
+    /// Begins a use. While the process ends, this function does not return, except in a thread that
+    /// has a use already and in the thread that ends the process.
     pub(crate) fn begin() -> Self {
         let mut uses = uses();
         if uses.exiting && OWN.get() == 0 {
@@ -97,8 +100,9 @@ impl DriverUse {
         Self { thread: PhantomData }
     }
 
-    /// Begins a long use, such as an open window. At the end of the process, `request_end` is called, which asks the owners of all long
-    /// uses to end them. Returns `None` if the process is ending.
+    /// Begins a long use, such as an open window. At the end of the process, `request_end` is
+    /// called, which asks the owners of all long uses to end them. Returns `None` if the process is
+    /// ending.
     #[cfg(feature = "viewer")]
     pub(crate) fn begin_long(request_end: fn()) -> Option<Self> {
         let driver_use = Self::begin();
@@ -116,8 +120,8 @@ impl Drop for DriverUse {
     }
 }
 
-/// Use of the driver by the destructor of a value: its last field, which is dropped after all others. The destructor calls
-/// [`begin`](Self::begin).
+/// Use of the driver by the destructor of a value: its last field, which is dropped after all
+/// others. The destructor calls [`begin`](Self::begin).
 #[derive(Default)]
 pub(crate) struct DropUse {
     has_begun: bool,

@@ -15,8 +15,8 @@ use super::RenderError;
 use super::assets::DepthLevels;
 use super::pass::Pipelines;
 
-/// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number of threads. Clones
-/// refer to the same device.
+/// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number
+/// of threads. Clones refer to the same device.
 ///
 /// The adapter is hardware or a software rasteriser.
 ///
@@ -68,8 +68,8 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver fails to open a
-    /// device.
+    /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver
+    /// fails to open a device.
     pub fn new() -> Result<Self, RenderError> {
         Self::with_options(GpuOptions::default())
     }
@@ -134,8 +134,8 @@ impl Gpu {
 
 /// Error handling. Without it wgpu panics on validation errors.
 impl Gpu {
-    /// Installs handlers that log errors outside of [`guarded`](Self::guarded) calls and record the reason of a device
-    /// loss.
+    /// Installs handlers that log errors outside of [`guarded`](Self::guarded) calls and record the
+    /// reason of a device loss.
     fn install_error_handlers(&self) {
         let device = self.device();
         device.on_uncaptured_error(Arc::new(|error| log::error!("wgpu: {error}")));
@@ -150,7 +150,8 @@ impl Gpu {
 
     /// Runs calls of wgpu and converts the first error that wgpu reports.
     ///
-    /// Error scopes are per thread, so threads that share an adapter do not receive each other's errors.
+    /// Error scopes are per thread, so threads that share an adapter do not receive each other's
+    /// errors.
     pub(crate) fn guarded<T>(&self, calls: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
         let _driver_use = DriverUse::begin();
         self.check_lost()?;

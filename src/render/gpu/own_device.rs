@@ -1,8 +1,8 @@
 //! Rendering with the caller's own wgpu device.
 //!
-//! **Excluded from the stability guarantee.** This module follows [`wgpu`], which releases a new major version several
-//! times a year, and may change with it in any version of this crate. No other public item of this crate exposes a type
-//! of wgpu.
+//! **Excluded from the stability guarantee.** This module follows [`wgpu`], which releases a new
+//! major version several times a year, and may change with it in any version of this crate. No
+//! other public item of this crate exposes a type of wgpu.
 
 pub use wgpu;
 
@@ -10,14 +10,16 @@ use super::{Gpu, Shared};
 use crate::render::RenderError;
 
 impl Gpu {
-    /// Creates a `Gpu` from the caller's device and queue, to render alongside the caller's own commands. The caller remains
-    /// responsible for errors that the device reports outside of calls of this crate.
+    /// Creates a `Gpu` from the caller's device and queue, to render alongside the caller's own
+    /// commands. The caller remains responsible for errors that the device reports outside of calls
+    /// of this crate.
     ///
     /// **Excluded from the stability guarantee**: see the [module](self).
     ///
     /// # Errors
     ///
-    /// [`RenderError::TooLarge`] if the device was opened with limits below `wgpu::Limits::downlevel_defaults`.
+    /// [`RenderError::TooLarge`] if the device was opened with limits below
+    /// `wgpu::Limits::downlevel_defaults`.
     pub fn from_wgpu(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, RenderError> {
         let least = wgpu::Limits::downlevel_defaults();
         let limits = device.limits();

@@ -12,8 +12,8 @@ fn fill() -> @location(0) vec4f {
 ";
 
 impl Gpu {
-    /// Draws one pixel and waits for it. Drivers load their shader compiler at the first draw, which registers exit handlers that must
-    /// precede that of [`DriverUse`](super::DriverUse).
+    /// Draws one pixel and waits for it. Drivers load their shader compiler at the first draw,
+    /// which registers exit handlers that must precede that of [`DriverUse`](super::DriverUse).
     pub(super) fn load_shader_compiler(&self) -> Result<(), RenderError> {
         self.guarded(|| {
             let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;

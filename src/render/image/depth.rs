@@ -8,11 +8,11 @@ use crate::error::Result;
 use crate::file;
 use crate::scene::PinholeCamera;
 
-/// Depth image: for each pixel the distance of the visible surface along the optical axis of the camera, m.
-/// [`f32::INFINITY`] for the background.
+/// Depth image: for each pixel the distance of the visible surface along the optical axis of the
+/// camera, m. [`f32::INFINITY`] for the background.
 ///
-/// The depth is the length of the ray through the pixel times the cosine of the ray's angle with the optical axis: a
-/// wall perpendicular to the axis has constant depth.
+/// The depth is the length of the ray through the pixel times the cosine of the ray's angle with
+/// the optical axis: a wall perpendicular to the axis has constant depth.
 ///
 /// ```
 /// use mujoco_safe::render::DepthImage;
@@ -78,10 +78,12 @@ impl DepthImage {
         })
     }
 
-    /// Iterates over the pixels that show a surface, row by row from the top: the pixel `[x, y]`, column from the left and row from the
-    /// top, and the point of the surface at the centre of the pixel, m, in the world frame. Skips the background.
+    /// Iterates over the pixels that show a surface, row by row from the top: the pixel `[x, y]`,
+    /// column from the left and row from the top, and the point of the surface at the centre of the
+    /// pixel, m, in the world frame. Skips the background.
     ///
-    /// `camera` is the camera of the image: see [`Scene::pinhole_camera`](crate::scene::Scene::pinhole_camera) and
+    /// `camera` is the camera of the image: see
+    /// [`Scene::pinhole_camera`](crate::scene::Scene::pinhole_camera) and
     /// [`Snapshot::pinhole_camera`](crate::render::Snapshot::pinhole_camera).
     ///
     /// # Panics
@@ -118,8 +120,8 @@ impl DepthImage {
         })
     }
 
-    /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far`
-    /// and beyond; black for the background. See [`range`](Self::range).
+    /// Converts the depths to a grey image for display: white at depth `near`, darker with depth,
+    /// dark grey at `far` and beyond; black for the background. See [`range`](Self::range).
     pub fn to_rgb(&self, [near, far]: [f32; 2]) -> RgbImage {
         const DARKEST: f32 = 40.0;
         let mut picture = RgbImage::new(self.width, self.height);
@@ -134,13 +136,14 @@ impl DepthImage {
         picture
     }
 
-    /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format of depth cameras. As
-    /// usual in this format, 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
+    /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format
+    /// of depth cameras. As usual in this format, 0 marks pixels nearer than half a millimetre,
+    /// farther than 65.535 m, or of the background.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
-    /// then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An
+    /// existing file is then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         file::replace(path.as_ref(), |out| write_png_grey16(out, [self.width, self.height], &self.millimetres()))
     }

@@ -1,7 +1,7 @@
 //! Images on the CPU, and their PNG files.
 //!
-//! All images are row-major from the top: the pixel in column `x` of row `y` is at index `y * width + x`, both counted
-//! from 0.
+//! All images are row-major from the top: the pixel in column `x` of row `y` is at index
+//! `y * width + x`, both counted from 0.
 
 mod depth;
 mod rgb;
@@ -18,7 +18,8 @@ use crate::error::{Error, Result};
 
 /// Returns the number of pixels of an image, or `None` if the image is too large.
 fn area(width: usize, height: usize) -> Option<usize> {
-    // PNG files and textures have 32-bit sizes. Byte counts must fit as well, with up to eight bytes per pixel.
+    // PNG files and textures have 32-bit sizes. Byte counts must fit as well, with up to eight
+    // bytes per pixel.
     let is_size = |length| u32::try_from(length).is_ok();
     let area = width
         .checked_mul(height)
@@ -56,8 +57,8 @@ fn write_png_grey16(out: &mut impl Write, size: [usize; 2], pixels: &[u16]) -> i
     write_png(out, size, (ColorType::Grayscale, BitDepth::Sixteen), &bytes)
 }
 
-/// Writes a PNG file with fast compression: the file is a third larger than with the best compression, and takes a
-/// tenth of the time.
+/// Writes a PNG file with fast compression: the file is a third larger than with the best
+/// compression, and takes a tenth of the time.
 fn write_png(
     out: &mut impl Write,
     size: [usize; 2],

@@ -40,7 +40,8 @@ impl RgbImage {
         Self { width, height, rgb: vec![0; 3 * area] }
     }
 
-    /// Creates an image from bytes `(height, width, 3)`, row-major from the top: red, green and blue of each pixel.
+    /// Creates an image from bytes `(height, width, 3)`, row-major from the top: red, green and
+    /// blue of each pixel.
     ///
     /// # Errors
     ///
@@ -60,7 +61,8 @@ impl RgbImage {
         self.height
     }
 
-    /// Returns red, green and blue of the pixel in column `x` from the left and row `y` from the top.
+    /// Returns red, green and blue of the pixel in column `x` from the left and row `y` from the
+    /// top.
     ///
     /// # Panics
     ///
@@ -100,13 +102,14 @@ impl RgbImage {
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
-    /// then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An
+    /// existing file is then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         file::replace(path.as_ref(), |out| write_png_rgb8(out, [self.width, self.height], &self.rgb))
     }
 
-    /// Encodes the image as the bytes of a PNG file, for example for a network message or a notebook.
+    /// Encodes the image as the bytes of a PNG file, for example for a network message or a
+    /// notebook.
     ///
     /// # Errors
     ///

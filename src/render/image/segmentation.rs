@@ -14,11 +14,13 @@ use crate::scene::{Scene, SceneObject};
 pub struct Segment {
     /// Index of the geom in the scene.
     pub geom: usize,
-    /// Model element that the geom represents; `None` for decoration and for geoms added by the user.
+    /// Model element that the geom represents; `None` for decoration and for geoms added by the
+    /// user.
     pub object: Option<SceneObject>,
 }
 
-/// Segmentation image: for each pixel the visible geom of the scene, and the model element that it represents.
+/// Segmentation image: for each pixel the visible geom of the scene, and the model element that it
+/// represents.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct SegmentationImage {
     width: usize,
@@ -40,7 +42,8 @@ impl SegmentationImage {
         self.height
     }
 
-    /// Returns the segment at column `x` from the left and row `y` from the top; `None` for the background.
+    /// Returns the segment at column `x` from the left and row `y` from the top; `None` for the
+    /// background.
     ///
     /// # Panics
     ///
@@ -55,7 +58,8 @@ impl SegmentationImage {
         self.ids.iter().map(|&id| self.segment(id))
     }
 
-    /// Returns every visible segment with its number of pixels, ordered by the geom's index in the scene.
+    /// Returns every visible segment with its number of pixels, ordered by the geom's index in the
+    /// scene.
     pub fn segments(&self) -> Vec<(Segment, usize)> {
         let mut counts = vec![0; self.objects.len()];
         for segment in self.pixels().flatten() {
@@ -65,14 +69,14 @@ impl SegmentationImage {
         counted.map(|(geom, count)| (Segment { geom, object: self.objects[geom] }, count)).collect()
     }
 
-    /// Returns the ids of all pixels `(height, width)`, row-major from the top: 0 for the background, or the geom's
-    /// index in the scene plus 1.
+    /// Returns the ids of all pixels `(height, width)`, row-major from the top: 0 for the
+    /// background, or the geom's index in the scene plus 1.
     pub fn as_slice(&self) -> &[u32] {
         &self.ids
     }
 
-    /// Converts the ids to an image for display, with a distinct colour for each geom that depends on its index only;
-    /// black for the background.
+    /// Converts the ids to an image for display, with a distinct colour for each geom that depends
+    /// on its index only; black for the background.
     pub fn to_rgb(&self) -> RgbImage {
         let mut picture = RgbImage::new(self.width, self.height);
         for (pixel, &id) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.ids) {
@@ -87,8 +91,8 @@ impl SegmentationImage {
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
-    /// then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An
+    /// existing file is then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         self.to_rgb().save_png(path)
     }
@@ -115,8 +119,9 @@ impl fmt::Debug for SegmentationImage {
     }
 }
 
-/// Returns the colour of an id. Consecutive ids have dissimilar colours, and no colour is as dark as the background.
-/// These are the colours of the engine's segmentation flag: Halton sequences with bases 2, 3 and 5.
+/// Returns the colour of an id. Consecutive ids have dissimilar colours, and no colour is as dark
+/// as the background. These are the colours of the engine's segmentation flag: Halton sequences
+/// with bases 2, 3 and 5.
 fn rgb(id: u32) -> [u8; 3] {
     const SKIPPED: u32 = 9;
     let index = id.saturating_add(SKIPPED);

@@ -1,13 +1,13 @@
-//! Pass for auxiliary output: geom ids and depths, and segmentation colours. It has no lighting, textures or
-//! multisampling.
+//! Pass for auxiliary output: geom ids and depths, and segmentation colours. It has no lighting,
+//! textures or multisampling.
 
 use super::target::{create_texture, default_view, depth_format};
 use super::{DrawContext, PassKind, PipelineKey, Target};
 use crate::render::Gpu;
 use crate::render::draw_list::{Batch, DrawList};
 
-/// Format of geom ids and depths in metres. The depth is the bit pattern of a floating-point number, because not every
-/// adapter can render to 32-bit float formats.
+/// Format of geom ids and depths in metres. The depth is the bit pattern of a floating-point
+/// number, because not every adapter can render to 32-bit float formats.
 const ID_DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
 /// Render target for geom ids and depths.

@@ -56,7 +56,8 @@ impl Labels {
     }
 }
 
-/// Projects a point to pixels from the upper left corner of the image; `None` if it is outside of the frustum.
+/// Projects a point to pixels from the upper left corner of the image; `None` if it is outside of
+/// the frustum.
 fn project(point: [f32; 3], frustum: &ViewFrustum, size: [u32; 2]) -> Option<[f32; 2]> {
     if !point.iter().all(|&coordinate| is_drawable(coordinate)) {
         return None;
@@ -98,8 +99,9 @@ struct Quad {
     channel: [f32; 2],
 }
 
-/// Lays out a text whose upper left corner is at `at`, pixels. Returns its quads in drawing order: first all halos,
-/// then all glyphs. A line feed starts a new line; characters missing in the font are boxes.
+/// Lays out a text whose upper left corner is at `at`, pixels. Returns its quads in drawing order:
+/// first all halos, then all glyphs. A line feed starts a new line; characters missing in the font
+/// are boxes.
 fn layout(text: &str, at: [f32; 2], style: Style) -> impl Iterator<Item = Quad> + '_ {
     let halos =
         (style.halo[3] > 0.0).then(|| layer(text, at, style.scale, style.halo, [0.0, 1.0])).into_iter().flatten();

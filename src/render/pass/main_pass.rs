@@ -1,5 +1,5 @@
-//! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze, transparent geoms, and
-//! labels.
+//! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze,
+//! transparent geoms, and labels.
 
 use super::{DrawContext, Labels, PassKind, PipelineKey, ShadowMaps, Sky, Target, Wireframe};
 use crate::render::draw_list::{Batch, BatchKey, DrawList, MirrorSide, Visibility};
@@ -214,7 +214,8 @@ fn unlit_key(pass_kind: PassKind, key: &PipelineKey) -> PipelineKey {
     }
 }
 
-/// Draws the mirror images of all geoms except the reflector, where the stencil buffer marks the mirror.
+/// Draws the mirror images of all geoms except the reflector, where the stencil buffer marks the
+/// mirror.
 fn draw_mirror_images(
     pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
@@ -263,7 +264,8 @@ fn draw_mirror_images(
     }
 }
 
-/// Returns the transparent batches: only front to back if blending is additive, otherwise also back to front.
+/// Returns the transparent batches: only front to back if blending is additive, otherwise also back
+/// to front.
 fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch] {
     if key.additive { &list.transparent[..list.front_to_back] } else { &list.transparent }
 }
@@ -278,7 +280,8 @@ fn draw_sky(
     let Some(texture) = draw.textures.sky() else { return };
     let pass_kind = PassKind::Sky { haze: sky.has_haze() };
     pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(pass_kind, key)));
-    // The image of an orthographic camera shows a small part of the sky, on which the texture is magnified.
+    // The image of an orthographic camera shows a small part of the sky, on which the texture is
+    // magnified.
     let pixels_per_radian = if frustum.orthographic { f64::INFINITY } else { frustum.pixels_per_metre };
     pass.set_bind_group(1, texture.bind_group(pixels_per_radian), &[]);
     pass.set_vertex_buffer(0, sky.buffer.buffer().slice(..));

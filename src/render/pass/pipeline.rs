@@ -1,5 +1,5 @@
-//! Cache of render pipelines, created on first use and shared by all renderers of a [`Gpu`]: compiling a shader takes as long as rendering
-//! a frame.
+//! Cache of render pipelines, created on first use and shared by all renderers of a [`Gpu`]:
+//! compiling a shader takes as long as rendering a frame.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -98,7 +98,8 @@ pub(crate) struct PipelineKey {
 }
 
 impl PipelineKey {
-    /// Returns `true` if only the triangles that face the camera are visible: not in shadow maps and mirror images, which have other viewpoints.
+    /// Returns `true` if only the triangles that face the camera are visible: not in shadow maps
+    /// and mirror images, which have other viewpoints.
     pub(super) fn draws_front_faces(&self) -> bool {
         use PassKind::{FlatColor, Ids, Opaque, Transparent};
         self.cull && !self.back_faces && matches!(self.pass_kind, Opaque | Transparent | FlatColor | Ids)
@@ -140,8 +141,8 @@ struct Cache {
     pipelines: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
-/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from other scenes, toggled lights and other
-/// windows.
+/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from other
+/// scenes, toggled lights and other windows.
 const MAX_PIPELINES: usize = 1024;
 
 impl Pipelines {
@@ -182,7 +183,8 @@ impl Pipelines {
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
-    /// Returns the pipeline for a key. Threads that need a new pipeline wait for each other, so that none is created twice.
+    /// Returns the pipeline for a key. Threads that need a new pipeline wait for each other, so
+    /// that none is created twice.
     pub(crate) fn get(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
         if let Some(pipeline) = self.cached().pipelines.get(&key) {
             return pipeline.clone();
@@ -200,7 +202,8 @@ impl Pipelines {
         pipeline
     }
 
-    /// Removes all pipelines, because an error, such as a lack of memory, may have left an invalid one.
+    /// Removes all pipelines, because an error, such as a lack of memory, may have left an invalid
+    /// one.
     pub(crate) fn clear(&self) {
         self.cached_mut().pipelines.clear();
     }

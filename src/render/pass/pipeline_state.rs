@@ -46,8 +46,9 @@ impl PipelineState {
     }
 }
 
-/// Distance by which surfaces are moved away from the light in a shadow map, so that they do not shadow themselves: the slope is the engine's, and
-/// the constant exceeds the rounding of depths in single precision.
+/// Distance by which surfaces are moved away from the light in a shadow map, so that they do not
+/// shadow themselves: the slope is the engine's, and the constant exceeds the rounding of depths in
+/// single precision.
 const SHADOW_BIAS: wgpu::DepthBiasState = wgpu::DepthBiasState { constant: 8, slope_scale: 1.5, clamp: 0.0 };
 
 fn blend(key: &PipelineKey) -> Option<wgpu::BlendState> {
@@ -179,7 +180,8 @@ const fn attribute(shader_location: u32, format: wgpu::VertexFormat, offset: usi
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
 }
 
-/// Returns the layouts of the vertex buffers of a shader. `read` contains the attributes that the shader reads.
+/// Returns the layouts of the vertex buffers of a shader. `read` contains the attributes that the
+/// shader reads.
 pub(super) fn vertex_buffers(
     shader: ShaderKind,
     read: &[Vec<wgpu::VertexAttribute>; 2],

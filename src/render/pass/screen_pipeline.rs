@@ -11,7 +11,8 @@ fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 }
 ";
 
-/// Creates a pipeline that draws three vertices. `shader` contains the fragment shader with the name `entry`.
+/// Creates a pipeline that draws three vertices. `shader` contains the fragment shader with the
+/// name `entry`.
 pub(crate) fn screen_pipeline(
     gpu: &Gpu,
     shader: &str,

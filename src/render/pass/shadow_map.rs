@@ -1,10 +1,13 @@
-//! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that contains casters is
-//! allocated, aligned to the texel grid of the full map, so that shadow edges do not depend on the region.
+//! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that
+//! contains casters is allocated, aligned to the texel grid of the full map, so that shadow edges
+//! do not depend on the region.
 //!
-//! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range
-//! than the previous frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
+//! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a
+//! nearer depth range than the previous frame, which makes stale depths ineffective; see
+//! [`ShadowRegion::depth_range`].
 //!
-//! A map is rendered with fewer texels if those of the full map are much smaller than a pixel: see [`reduction`].
+//! A map is rendered with fewer texels if those of the full map are much smaller than a pixel: see
+//! [`reduction`].
 
 use super::target::{create_texture, default_view};
 use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
@@ -151,7 +154,8 @@ impl ShadowMaps {
         list: &DrawList,
         flags: RenderFlags,
     ) {
-        // Rendered upside down, so that the texels are in OpenGL's order. The colour format is unused.
+        // Rendered upside down, so that the texels are in OpenGL's order. The colour format is
+        // unused.
         let cull = flags.contains(RenderFlags::CULL_FACE);
         let key = PipelineKey::untextured(PassKind::Shadow, COLOR_FORMAT, cull, true);
         // As in the engine's renderer, lines cast shadows in wireframe mode.
@@ -212,8 +216,8 @@ fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
     default_view(&create_texture(gpu, size, wgpu::TextureFormat::Depth32Float, 1, usage))
 }
 
-/// Returns the part of a region inside the border of a map of `size` texels, as ranges in x and y; `None` if it is empty. The border is one
-/// texel of the region wide.
+/// Returns the part of a region inside the border of a map of `size` texels, as ranges in x and y;
+/// `None` if it is empty. The border is one texel of the region wide.
 fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
     let size = size.div_ceil(region.reduction);
     let range = [0, 1].map(|axis| {

@@ -8,8 +8,8 @@ use crate::render::view::ViewFrustum;
 use crate::render::view::matrix::dot;
 use crate::render::{Gpu, RenderError};
 
-/// Vertex of the skybox, relative to the camera, or of the haze, in world space. If there is haze, both share one shader,
-/// because compiling a second shader takes longer than rendering with it.
+/// Vertex of the skybox, relative to the camera, or of the haze, in world space. If there is haze,
+/// both share one shader, because compiling a second shader takes longer than rendering with it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct SkyVertex {
@@ -23,7 +23,8 @@ struct SkyVertex {
 pub(crate) struct Sky {
     pub(crate) buffer: GrowableBuffer,
     pub(crate) is_visible: bool,
-    /// Vertices of the skybox, a cylinder of radius 1 from z = -1 to 1, followed by those of the haze.
+    /// Vertices of the skybox, a cylinder of radius 1 from z = -1 to 1, followed by those of the
+    /// haze.
     vertices: Vec<SkyVertex>,
     skybox_vertices: usize,
     /// Number of slices of the cylinder and of the haze: the model's for round shapes.
@@ -109,8 +110,8 @@ fn camera_height(horizon: &Horizon, frustum: &ViewFrustum) -> f64 {
     dot(normal(horizon), offset)
 }
 
-/// Returns `true` if the plane hides the sky and the haze: the rays through all corners of the image hit the plane before
-/// the haze begins.
+/// Returns `true` if the plane hides the sky and the haze: the rays through all corners of the
+/// image hit the plane before the haze begins.
 fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings) -> bool {
     let (height, up) = (camera_height(horizon, frustum), normal(horizon));
     horizon.is_opaque
@@ -125,8 +126,8 @@ fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings
         })
 }
 
-/// Appends the haze: a ring around the camera, from the plane inside of the skybox up to the height of the camera at
-/// the skybox, transparent at both edges.
+/// Appends the haze: a ring around the camera, from the plane inside of the skybox up to the height
+/// of the camera at the skybox, transparent at both edges.
 fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings, vertices: &mut Vec<SkyVertex>) {
     let height = camera_height(horizon, frustum);
     if height < 0.0 {
@@ -134,7 +135,8 @@ fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings,
     }
     let distance = HAZE_FRACTION * frustum.sky_distance();
     let width = f64::from(settings.haze);
-    // The haze is densest on the line of sight from the camera to the intersection of the plane with the skybox.
+    // The haze is densest on the line of sight from the camera to the intersection of the plane
+    // with the skybox.
     let slope = 1.0_f64.atan2(width);
     let densest = 0.5_f64.sqrt() * width * slope.sin() / (0.75 * std::f64::consts::PI - slope).sin();
     let [red, green, blue, _] = settings.haze_color;

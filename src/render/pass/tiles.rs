@@ -1,7 +1,8 @@
 //! Visibility and level of detail of the tiles of a large plane.
 //!
-//! Lighting is computed at the vertices of a plane, as in the engine, so that the cells of a plane must be small where lighting varies. Far from
-//! the lights and the camera it is almost linear in each block of cells, and a tile is drawn with fewer triangles.
+//! Lighting is computed at the vertices of a plane, as in the engine, so that the cells of a plane
+//! must be small where lighting varies. Far from the lights and the camera it is almost linear in
+//! each block of cells, and a tile is drawn with fewer triangles.
 
 use std::ops::Range;
 
@@ -11,7 +12,8 @@ use crate::render::draw_list::Instance;
 use crate::render::view::matrix::{dot, unit};
 use crate::render::view::{ActiveLight, Lights};
 
-/// Largest error of a colour by the interpolation of one light over a block of cells: one of 255 levels.
+/// Largest error of a colour by the interpolation of one light over a block of cells: one of 255
+/// levels.
 const TOLERANCE: f64 = 1.0 / 255.0;
 
 /// Inputs of the selection of tiles.
@@ -30,12 +32,14 @@ pub(crate) enum TileDetail<'a> {
     Cells,
     /// Blocks of cells.
     Blocks,
-    /// Cells where per-vertex lighting varies, otherwise blocks: the lights and the position of the camera.
+    /// Cells where per-vertex lighting varies, otherwise blocks: the lights and the position of the
+    /// camera.
     Lighting(&'a Lights, [f64; 3]),
 }
 
 impl TileSelection<'_> {
-    /// Returns the index ranges of the tiles inside the frustum, with adjacent ranges merged. `instance` is the index of the plane.
+    /// Returns the index ranges of the tiles inside the frustum, with adjacent ranges merged.
+    /// `instance` is the index of the plane.
     pub(super) fn ranges(&self, tiles: &[Tile], instance: u32) -> Vec<Range<u32>> {
         let instance = &self.instances[instance as usize];
         let mut ranges: Vec<Range<u32>> = Vec::new();
@@ -100,9 +104,11 @@ impl PlacedTile {
 
     /// Returns `true` if the light on each block of the tile is linear up to [`TOLERANCE`].
     ///
-    /// The diffuse light of a source at the height h above the plane and at the distance s is h / s, whose second derivatives are at most
-    /// 2 h / s³ in magnitude. A function with second derivatives up to m differs from its linear interpolation over a triangle by at most m r² / 2,
-    /// where r is the radius of a circle that contains the triangle: half the diagonal of the block.
+    /// The diffuse light of a source at the height h above the plane and at the distance s is h /
+    /// s, whose second derivatives are at most 2 h / s³ in magnitude. A function with second
+    /// derivatives up to m differs from its linear interpolation over a triangle by at most m r² /
+    /// 2, where r is the radius of a circle that contains the triangle: half the diagonal of the
+    /// block.
     fn is_evenly_lit(&self, active: &ActiveLight, camera: [f64; 3], instance: &Instance) -> bool {
         let (features, light) = (active.features, &active.light);
         let position = light.pos.map(f64::from);
@@ -130,8 +136,9 @@ impl PlacedTile {
         if specular <= TOLERANCE {
             return true;
         }
-        // A highlight is visible where the angle between the normal and the half vector is at most `widest`: where the light and the mirror
-        // image of the direction to the camera are at most twice as far apart.
+        // A highlight is visible where the angle between the normal and the half vector is at most
+        // `widest`: where the light and the mirror image of the direction to the camera are at most
+        // twice as far apart.
         let widest = (TOLERANCE / specular).powf(1.0 / f64::from(instance.material[2])).clamp(0.0, 1.0).acos();
         let to_camera = difference(camera, self.centre);
         let distance = dot(to_camera, to_camera).sqrt();
@@ -146,8 +153,8 @@ impl PlacedTile {
         angle - seen_from(distance) - of_light > 2.0 * widest
     }
 
-    /// Returns `true` if a sphere around the tile is outside of the cone of a spotlight. `offset` is the position of the light relative to the
-    /// centre of the tile.
+    /// Returns `true` if a sphere around the tile is outside of the cone of a spotlight. `offset`
+    /// is the position of the light relative to the centre of the tile.
     fn is_outside_cone(&self, offset: [f64; 3], direction: [f64; 3], half_angle: f64) -> bool {
         let along = -dot(offset, direction);
         let across = (dot(offset, offset) - along * along).max(0.0).sqrt();

@@ -11,21 +11,26 @@ use crate::render::draw_list::AuxOutput;
 use crate::scene::Scene;
 
 impl Renderer {
-    /// Renders a colour image of each of many simulations, several per submission, into one array `(image, height, width, 3)`, row-major
-    /// from the upper left. The number of images follows from the length of `rgb`.
+    /// Renders a colour image of each of many simulations, several per submission, into one array
+    /// `(image, height, width, 3)`, row-major from the upper left. The number of images follows
+    /// from the length of `rgb`.
     ///
-    /// `update` is called for each image, in order, and updates the scene to the simulation of this index. The scene initially is that of
-    /// the previous image.
+    /// `update` is called for each image, in order, and updates the scene to the simulation of this
+    /// index. The scene initially is that of the previous image.
     ///
-    /// The images equal those of [`rgb`](Self::rgb) up to rounding, which can change single pixels at edges.
+    /// The images equal those of [`rgb`](Self::rgb) up to rounding, which can change single pixels
+    /// at edges.
     ///
-    /// With a software rasteriser, rasterising dominates the cost, and a submission for several images saves nothing: the images take about as
-    /// much processor time as with single calls, 0.8 to 1.2 of it at 84 × 84 and 64 × 64 pixels. The benchmark `render`, argument `batch`,
-    /// prints the ratio. Fewer samples and smaller shadow maps save more ([`RendererOptions`](crate::render::RendererOptions)).
+    /// With a software rasteriser, rasterising dominates the cost, and a submission for several
+    /// images saves nothing: the images take about as much processor time as with single calls, 0.8
+    /// to 1.2 of it at 84 × 84 and 64 × 64 pixels. The benchmark `render`, argument `batch`, prints
+    /// the ratio. Fewer samples and smaller shadow maps save more
+    /// ([`RendererOptions`](crate::render::RendererOptions)).
     ///
     /// # Errors
     ///
-    /// As for [`rgb`](Self::rgb), [`Error::Shape`] unless `rgb` has a multiple of `3 * width * height` bytes, and the errors of `update`.
+    /// As for [`rgb`](Self::rgb), [`Error::Shape`] unless `rgb` has a multiple of
+    /// `3 * width * height` bytes, and the errors of `update`.
     ///
     /// ```no_run
     /// use mujoco_safe::render::Renderer;
@@ -57,7 +62,8 @@ impl Renderer {
         self.batch_into(None, update, ("rgb", 3), rgb, drop_alpha)
     }
 
-    /// Renders a depth image of each of many simulations, as [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one array
+    /// Renders a depth image of each of many simulations, as
+    /// [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one array
     /// `(image, height, width)`, m. See [`depth`](Self::depth).
     ///
     /// # Errors
@@ -76,9 +82,11 @@ impl Renderer {
         })
     }
 
-    /// Renders a segmentation image of each of many simulations, as [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one
-    /// array `(image, height, width)`: 0 for the background, or the index of the visible geom in its scene plus 1. The geoms of a model
-    /// come first in each scene and have the same indices in all scenes with equal [`SceneOptions`](crate::scene::SceneOptions).
+    /// Renders a segmentation image of each of many simulations, as
+    /// [`rgb_batch_into`](Self::rgb_batch_into) does for colours, into one array
+    /// `(image, height, width)`: 0 for the background, or the index of the visible geom in its
+    /// scene plus 1. The geoms of a model come first in each scene and have the same indices in all
+    /// scenes with equal [`SceneOptions`](crate::scene::SceneOptions).
     ///
     /// # Errors
     ///
@@ -96,8 +104,8 @@ impl Renderer {
         })
     }
 
-    /// Renders images of many simulations. `convert` converts a row of the texture to a row of the array, which has `channels` numbers per
-    /// pixel. `aux` is `None` for colours.
+    /// Renders images of many simulations. `convert` converts a row of the texture to a row of the
+    /// array, which has `channels` numbers per pixel. `aux` is `None` for colours.
     fn batch_into<T>(
         &mut self,
         aux: Option<AuxOutput>,

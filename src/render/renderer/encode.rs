@@ -26,8 +26,9 @@ impl Renderer {
         color_texture(&self.assets.gpu, &mut self.color, self.size)
     }
 
-    /// Submits the commands that render geom ids and depths and copy them to [`ReadBack::Aux`]. Returns `true` if the depths are those of
-    /// [`ReadBack::Opaque`] instead: for both outputs of a scene with transparent geoms.
+    /// Submits the commands that render geom ids and depths and copy them to [`ReadBack::Aux`].
+    /// Returns `true` if the depths are those of [`ReadBack::Opaque`] instead: for both outputs of
+    /// a scene with transparent geoms.
     pub(super) fn submit_aux(&mut self, scene: &Scene, output: AuxOutput) -> Result<bool, RenderError> {
         let gpu = self.assets.gpu.clone();
         self.frame.prepare_aux(&mut self.assets, scene, self.size, Some(output), true)?;

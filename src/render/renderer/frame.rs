@@ -142,7 +142,8 @@ impl Frame {
         Ok((frustum, lights))
     }
 
-    /// Returns the render target that the prepared colour image needs, with multisampling of `samples`.
+    /// Returns the render target that the prepared colour image needs, with multisampling of
+    /// `samples`.
     pub(super) fn target_needs(&self, samples: u32) -> TargetNeeds {
         let is_aux = self.view.as_ref().is_some_and(|view| view.aux.is_some());
         let stencil = self.list.mirror.as_ref().is_some_and(|mirror| mirror.stencil_mark.is_some());

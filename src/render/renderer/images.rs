@@ -19,11 +19,13 @@ pub struct Images {
 }
 
 impl Renderer {
-    /// Renders a colour, a depth and a segmentation image together. Depths and segments come from one pass, so that the three images take
-    /// about 1.2 to 1.3 times the processor time of the colour image alone, with a software rasteriser and the scenes of the benchmark.
+    /// Renders a colour, a depth and a segmentation image together. Depths and segments come from
+    /// one pass, so that the three images take about 1.2 to 1.3 times the processor time of the
+    /// colour image alone, with a software rasteriser and the scenes of the benchmark.
     ///
-    /// The images equal those of [`rgb`](Self::rgb), [`depth`](Self::depth) and [`segmentation`](Self::segmentation), except where faces of
-    /// an opaque and a transparent geom coincide.
+    /// The images equal those of [`rgb`](Self::rgb), [`depth`](Self::depth) and
+    /// [`segmentation`](Self::segmentation), except where faces of an opaque and a transparent geom
+    /// coincide.
     ///
     /// # Errors
     ///

@@ -38,15 +38,17 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 
 /// Off-screen renderer of the scenes of one model.
 ///
-/// The renderer copies the model's meshes, textures and visual settings at construction. After edits of the model, call
-/// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or
-/// [`update_texture`](Self::update_texture).
+/// The renderer copies the model's meshes, textures and visual settings at construction. After
+/// edits of the model, call [`update_mesh`](Self::update_mesh),
+/// [`update_height_field`](Self::update_height_field) or [`update_texture`](Self::update_texture).
 ///
-/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`]. They also share its compiled shaders,
-/// so that a further renderer on the same `Gpu` draws its first image sooner. A process that ends waits for calls in progress in other threads,
+/// A renderer can be sent to another thread, and renderers in several threads can share one
+/// [`Gpu`]. They also share its compiled shaders, so that a further renderer on the same `Gpu`
+/// draws its first image sooner. A process that ends waits for calls in progress in other threads,
 /// for at most 10 s; later calls of these threads do not return.
 ///
-/// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a [`Scene`] draw a scene of the caller.
+/// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a
+/// [`Scene`] draw a scene of the caller.
 ///
 /// ```no_run
 /// use mujoco_safe::render::Renderer;
@@ -83,13 +85,15 @@ impl Drop for Renderer {
 }
 
 impl Renderer {
-    /// Creates a renderer for images of the given size, pixels, on the best available graphics adapter.
+    /// Creates a renderer for images of the given size, pixels, on the best available graphics
+    /// adapter.
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the image, or a mesh or a
-    /// texture of the model, exceeds a limit of the adapter; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an
-    /// empty image; the errors of [`Scene::new`] for the scene of snapshots.
+    /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the
+    /// image, or a mesh or a texture of the model, exceeds a limit of the adapter;
+    /// [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an empty image; the errors of
+    /// [`Scene::new`] for the scene of snapshots.
     #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, RendererOptions::default())
@@ -104,7 +108,8 @@ impl Renderer {
         Self::on(&Gpu::new()?, model, width, height, options)
     }
 
-    /// Creates a renderer as [`with_options`](Self::with_options) does, on an open adapter, which renderers can share.
+    /// Creates a renderer as [`with_options`](Self::with_options) does, on an open adapter, which
+    /// renderers can share.
     ///
     /// # Errors
     ///
@@ -160,8 +165,8 @@ impl Renderer {
         &self.assets.gpu
     }
 
-    /// Returns the requested options. The actual number of samples and size of shadow maps may be smaller, due to
-    /// limits of the adapter.
+    /// Returns the requested options. The actual number of samples and size of shadow maps may be
+    /// smaller, due to limits of the adapter.
     pub fn options(&self) -> &RendererOptions {
         &self.assets.options
     }
@@ -170,8 +175,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if it is 0. The size is
-    /// then unchanged.
+    /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if
+    /// it is 0. The size is then unchanged.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
         check_size(&self.assets.gpu, [width, height])?;
         self.size = [width, height];
@@ -182,8 +187,9 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
-    /// that the model lacks; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or
+    /// [`Error::NoSuchIndex`] for a name or an index that the model lacks;
+    /// [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
@@ -202,8 +208,9 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
-    /// that the model lacks; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or
+    /// [`Error::NoSuchIndex`] for a name or an index that the model lacks;
+    /// [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
@@ -226,8 +233,9 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
-    /// that the model lacks; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or
+    /// [`Error::NoSuchIndex`] for a name or an index that the model lacks;
+    /// [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
@@ -247,8 +255,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] for a scene that was never updated;
-    /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`].
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] for a scene that was
+    /// never updated; [`RenderError::OutOfMemory`] and [`RenderError::Lost`].
     #[doc(alias = "mjr_render")]
     #[doc(alias = "mjr_readPixels")]
     pub fn rgb(&mut self, scene: &Scene) -> Result<RgbImage, RenderError> {
@@ -266,11 +274,13 @@ impl Renderer {
         self.render_color(scene, rgb_rows(picture, self.size))
     }
 
-    /// Renders a colour image into `rgba`: red, green, blue and 255 for each pixel, row-major from the upper left.
+    /// Renders a colour image into `rgba`: red, green, blue and 255 for each pixel, row-major from
+    /// the upper left.
     ///
     /// # Errors
     ///
-    /// As for [`rgb`](Self::rgb), and [`Error::Shape`] unless `rgba` has `4 * width * height` bytes.
+    /// As for [`rgb`](Self::rgb), and [`Error::Shape`] unless `rgba` has `4 * width * height`
+    /// bytes.
     pub fn rgba_into(&mut self, scene: &Scene, rgba: &mut [u8]) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         Error::check_length("rgba", rgba.len(), 4 * width * height)?;
@@ -284,12 +294,12 @@ impl Renderer {
         })
     }
 
-    /// Renders a depth image: distances from the plane of the camera, m. Transparent geoms are skipped. The depth of
-    /// the background, and of geoms beyond the far plane, is infinite.
+    /// Renders a depth image: distances from the plane of the camera, m. Transparent geoms are
+    /// skipped. The depth of the background, and of geoms beyond the far plane, is infinite.
     ///
-    /// The relative error of a depth is at most 1/3000, which is 1 mm at 3 m, for surfaces at a viewing angle of 15° or
-    /// more. The exceptions are round geoms nearer than three times their radius, whose tessellation is limited to 256
-    /// slices.
+    /// The relative error of a depth is at most 1/3000, which is 1 mm at 3 m, for surfaces at a
+    /// viewing angle of 15° or more. The exceptions are round geoms nearer than three times their
+    /// radius, whose tessellation is limited to 256 slices.
     ///
     /// # Errors
     ///
@@ -348,8 +358,8 @@ impl Renderer {
         })
     }
 
-    /// Renders to a texture of the given size, with one of the formats of window surfaces: `Bgra8Unorm` or
-    /// `Rgba8Unorm`. Overwrites the whole texture and submits the commands.
+    /// Renders to a texture of the given size, with one of the formats of window surfaces:
+    /// `Bgra8Unorm` or `Rgba8Unorm`. Overwrites the whole texture and submits the commands.
     #[cfg(feature = "viewer")]
     pub(crate) fn draw_to(
         &mut self,
@@ -366,7 +376,8 @@ impl Renderer {
         .inspect_err(|_| self.frame.shadow_maps.invalidate())
     }
 
-    /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on the CPU.
+    /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on
+    /// the CPU.
     #[doc(hidden)]
     pub fn prepare(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let gpu = self.assets.gpu.clone();
@@ -387,7 +398,8 @@ impl Renderer {
     }
 }
 
-/// Returns the size of shadow maps: the requested size, or the size in the model limited by the adapter.
+/// Returns the size of shadow maps: the requested size, or the size in the model limited by the
+/// adapter.
 fn shadow_size(gpu: &Gpu, requested: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
     let limit = gpu.limits().max_texture_dimension_2d;
     match requested {
@@ -414,7 +426,8 @@ mod tests {
     use crate::sample;
     use crate::scene::{Camera, Categories, Scene, SceneOptions};
 
-    /// Returns the numbers of allocated buffers, textures, texture views, bind groups and render pipelines.
+    /// Returns the numbers of allocated buffers, textures, texture views, bind groups and render
+    /// pipelines.
     fn resources(gpu: &Gpu) -> [usize; 5] {
         gpu.wait().unwrap();
         let report = gpu.report().expect("a report of wgpu");

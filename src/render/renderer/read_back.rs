@@ -38,7 +38,8 @@ impl Renderer {
         buffer.as_ref().ok_or(RenderError::OutOfMemory)
     }
 
-    /// Waits for the submitted copy to a read-back buffer, and passes the rows to `each`, first row first.
+    /// Waits for the submitted copy to a read-back buffer, and passes the rows to `each`, first row
+    /// first.
     pub(super) fn read_rows(&mut self, from: ReadBack, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let gpu = self.assets.gpu.clone();
         self.read_back_buffer(from)?.rows(&gpu, each)

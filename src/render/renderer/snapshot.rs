@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::render::{DepthImage, Images, RenderError, RgbImage, SegmentationImage};
 use crate::scene::{CameraSource, PinholeCamera, Scene, SceneOptions};
 
-/// State of a simulation, seen by one camera: a source of colour, depth and segmentation images, which all show the same scene.
+/// State of a simulation, seen by one camera: a source of colour, depth and segmentation images,
+/// which all show the same scene.
 ///
 /// [`Renderer::snapshot`] creates it. Later changes of the simulation do not change it.
 ///
@@ -36,17 +37,22 @@ pub struct Snapshot<'r> {
 }
 
 impl Renderer {
-    /// Takes a snapshot of a simulation from a camera, from which colour, depth and segmentation images are rendered.
+    /// Takes a snapshot of a simulation from a camera, from which colour, depth and segmentation
+    /// images are rendered.
     ///
-    /// `camera` is the name, index or id of a camera of the model, or a `&mut` [`Camera`](crate::scene::Camera): see [`CameraSource`]. All geoms of
-    /// the model's visible groups are shown, with the default [`SceneOptions`]. The renderer owns the scene and reuses it. A snapshot allocates
-    /// only if the scene must grow to hold all geoms, and for the lookup of a name.
+    /// `camera` is the name, index or id of a camera of the model, or a `&mut`
+    /// [`Camera`](crate::scene::Camera): see [`CameraSource`]. All geoms of the model's visible
+    /// groups are shown, with the default [`SceneOptions`]. The renderer owns the scene and reuses
+    /// it. A snapshot allocates only if the scene must grow to hold all geoms, and for the lookup
+    /// of a name.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed: call [`Data::forward`] or [`Data::step`] first. [`Error::NoSuchName`]
-    /// or [`Error::NoSuchIndex`] for a camera that does not exist, [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if the
-    /// camera contains a value that is not finite, [`Error::SceneFull`] for more than 100 lights, [`Error::OutOfMemory`].
+    /// [`Error::NotComputed`] if positions have not been computed: call [`Data::forward`] or
+    /// [`Data::step`] first. [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a camera that does
+    /// not exist, [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if the camera
+    /// contains a value that is not finite, [`Error::SceneFull`] for more than 100 lights,
+    /// [`Error::OutOfMemory`].
     ///
     /// # Panics
     ///
@@ -71,12 +77,13 @@ impl Renderer {
         self.snapshot_with(data, camera, &SceneOptions::default())
     }
 
-    /// Takes a snapshot as [`snapshot`](Self::snapshot) does, with options: visible groups, labels, frames, contacts, …
+    /// Takes a snapshot as [`snapshot`](Self::snapshot) does, with options: visible groups, labels,
+    /// frames, contacts, …
     ///
     /// # Errors
     ///
-    /// As for [`snapshot`](Self::snapshot), and [`Error::NotComputed`] if contacts or constraints are shown but forces have not been
-    /// computed.
+    /// As for [`snapshot`](Self::snapshot), and [`Error::NotComputed`] if contacts or constraints
+    /// are shown but forces have not been computed.
     ///
     /// # Panics
     ///
@@ -117,8 +124,9 @@ impl Snapshot<'_> {
     ///
     /// # Errors
     ///
-    /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`]; [`Error::Invalid`] for a camera with the mode
-    /// [`CameraView::User`](crate::scene::CameraView::User) in the first snapshot of a renderer, which has no viewpoints.
+    /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`]; [`Error::Invalid`] for a camera with
+    /// the mode [`CameraView::User`](crate::scene::CameraView::User) in the first snapshot of a
+    /// renderer, which has no viewpoints.
     pub fn rgb(&mut self) -> Result<RgbImage, RenderError> {
         self.renderer.rgb(&self.shared_scene())
     }
@@ -132,7 +140,8 @@ impl Snapshot<'_> {
         self.renderer.rgb_into(&self.shared_scene(), picture)
     }
 
-    /// Renders a depth image: distances along the optical axis, m. See [`Renderer::depth`] for its precision.
+    /// Renders a depth image: distances along the optical axis, m. See [`Renderer::depth`] for its
+    /// precision.
     ///
     /// # Errors
     ///
@@ -186,12 +195,13 @@ impl Snapshot<'_> {
         self.renderer.images_into(&self.shared_scene(), images)
     }
 
-    /// Returns the pinhole model of the camera: focal lengths and principal point in pixels of these images, position and rotation.
+    /// Returns the pinhole model of the camera: focal lengths and principal point in pixels of
+    /// these images, position and rotation.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] as for [`rgb`](Self::rgb), and for a scene with a [`transform`](Scene::transform), which only
-    /// [`scene_mut`](Self::scene_mut) can set.
+    /// [`Error::Invalid`] as for [`rgb`](Self::rgb), and for a scene with a
+    /// [`transform`](Scene::transform), which only [`scene_mut`](Self::scene_mut) can set.
     ///
     /// ```no_run
     /// use mujoco_safe::render::Renderer;
@@ -214,8 +224,9 @@ impl Snapshot<'_> {
         &self.renderer.snapshot_scene
     }
 
-    /// Returns the scene for changes: additional geoms, rendering effects, other viewpoints. The next snapshot removes additional geoms.
-    /// Rendering effects stay enabled in later snapshots of the renderer.
+    /// Returns the scene for changes: additional geoms, rendering effects, other viewpoints. The
+    /// next snapshot removes additional geoms. Rendering effects stay enabled in later snapshots of
+    /// the renderer.
     ///
     /// ```no_run
     /// use mujoco_safe::render::Renderer;

@@ -1,4 +1,5 @@
-//! Rendering of several images to the tiles of one texture: one main pass, one submission and one read-back for all of them.
+//! Rendering of several images to the tiles of one texture: one main pass, one submission and one
+//! read-back for all of them.
 
 use super::assets::Assets;
 use super::encode::{color_texture, command_encoder, matching_target};
@@ -9,13 +10,15 @@ use crate::render::pass::{AuxLayer, AuxTarget, COLOR_FORMAT, Target, begin_ids, 
 use crate::render::{Gpu, RenderError};
 use crate::scene::{Scene, SceneGeomType};
 
-/// Largest number of images in a submission. With 16, depth images took longer than with single calls on a software rasteriser.
+/// Largest number of images in a submission. With 16, depth images took longer than with single
+/// calls on a software rasteriser.
 const MAX_IMAGES: usize = 4;
 
 /// Largest number of pixels in a submission, unless one image has more.
 const MAX_PIXELS: usize = 1 << 19;
 
-/// Number of texels of shadow maps from which a submission takes no further image, to limit the memory.
+/// Number of texels of shadow maps from which a submission takes no further image, to limit the
+/// memory.
 const MAX_SHADOW_TEXELS: u64 = 1 << 24;
 
 /// Layout of the tiles in the texture.
@@ -86,8 +89,9 @@ impl TiledImages {
         self.frames.iter_mut().for_each(|frame| frame.shadow_maps.invalidate());
     }
 
-    /// Prepares the image of a scene. Renders the pending images first if they need another render target. Returns `true` if the
-    /// pending images must be rendered before the next one is prepared.
+    /// Prepares the image of a scene. Renders the pending images first if they need another render
+    /// target. Returns `true` if the pending images must be rendered before the next one is
+    /// prepared.
     pub(super) fn add(
         &mut self,
         assets: &mut Assets,

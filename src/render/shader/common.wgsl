@@ -32,13 +32,15 @@ struct SurfacePoint {
     material: vec3f,
 }
 
-// Returns the unit vector in this direction. normalize divides each element, and has no value for zero.
+// Returns the unit vector in this direction. normalize divides each element, and has no value for
+// zero.
 fn direction(vector: vec3f) -> vec3f {
     return vector * inverseSqrt(max(dot(vector, vector), 1e-30));
 }
 
-// Returns a cosine to the power of a number from 0 to 128, by the square of the cosine. It is within 0.1 %, and takes half as long as pow on a
-// processor: both polynomials are minimax approximations, and infinite, subnormal and negative numbers are not treated.
+// Returns a cosine to the power of a number from 0 to 128, by the square of the cosine. It is
+// within 0.1 %, and takes half as long as pow on a processor: both polynomials are minimax
+// approximations, and infinite, subnormal and negative numbers are not treated.
 fn power_of_square(square: f32, exponent: f32) -> f32 {
     let bits = bitcast<i32>(square);
     let mantissa = bitcast<f32>((bits & 0x7fffff) | 0x3f800000) - 1.0;

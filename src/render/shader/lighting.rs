@@ -1,4 +1,5 @@
-//! Generation of the lighting code: one function per light, without code for features that the light does not have.
+//! Generation of the lighting code: one function per light, without code for features that the
+//! light does not have.
 
 use std::fmt::Write;
 
@@ -19,8 +20,8 @@ pub(super) struct LightingCode {
 /// First location of the varyings of shadows.
 const SHADOW_LOCATION: usize = 7;
 
-/// Maximum number of shadow-casting lights whose shadow coordinates are varyings, limited by the number of inter-stage variables. With more lights
-/// each fragment computes them from its position.
+/// Maximum number of shadow-casting lights whose shadow coordinates are varyings, limited by the
+/// number of inter-stage variables. With more lights each fragment computes them from its position.
 const MAX_SHADOW_VARYINGS: usize = 5;
 
 /// Location of the position, if fragments compute shadow coordinates with per-vertex lighting.
@@ -71,8 +72,9 @@ impl LightingCode {
         ]
     }
 
-    /// Adds the code of a light with a shadow map, which is given by its index among the shadow maps and their number. In an image with transparency,
-    /// a shadow map lights only opaque texels, as does the engine's alpha test.
+    /// Adds the code of a light with a shadow map, which is given by its index among the shadow
+    /// maps and their number. In an image with transparency, a shadow map lights only opaque
+    /// texels, as does the engine's alpha test.
     fn add_shadow(
         &mut self,
         light: usize,
@@ -133,7 +135,8 @@ fn projected(index: usize, world: &str) -> String {
     format!("view.shadows[{index}].texels * vec4f({world}, 1.0)")
 }
 
-/// Generates the function of a light: OpenGL's lighting model, which is Blinn–Phong with a local viewer.
+/// Generates the function of a light: OpenGL's lighting model, which is Blinn–Phong with a local
+/// viewer.
 fn light_function(index: usize, light: LightFeatures) -> String {
     let mut body = String::new();
     if light.directional {

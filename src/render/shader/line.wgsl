@@ -1,5 +1,5 @@
-// Line: a rectangle with a width of a few pixels. The x coordinate of a vertex is 0 or 1 along the line, the y
-// coordinate -1 or 1 across it.
+// Line: a rectangle with a width of a few pixels. The x coordinate of a vertex is 0 or 1 along the
+// line, the y coordinate -1 or 1 across it.
 
 struct Varyings {
     @builtin(position) position: vec4f,

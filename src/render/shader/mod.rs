@@ -1,8 +1,9 @@
-//! WGSL shaders, specialised for each frame's lights, textures and output. Specialisation avoids branches and loops at
-//! run time: on a software rasteriser a loop over lights would dominate the cost of a frame.
+//! WGSL shaders, specialised for each frame's lights, textures and output. Specialisation avoids
+//! branches and loops at run time: on a software rasteriser a loop over lights would dominate the
+//! cost of a frame.
 //!
-//! A preprocessor selects lines of the `.wgsl` files: those between `//#if NAME` and `//#end` remain if the flag is
-//! set, and a line `//#name` is replaced by generated code.
+//! A preprocessor selects lines of the `.wgsl` files: those between `//#if NAME` and `//#end`
+//! remain if the flag is set, and a line `//#name` is replaced by generated code.
 
 mod lighting;
 
@@ -78,9 +79,9 @@ impl ShaderVariant<'_> {
         self.kind == ShaderKind::Surface && self.output == Output::Color && self.shading != Shading::None
     }
 
-    /// Returns `true` if each shadow map adds the colour of a line once more where its light shines,
-    /// as in the engine's images: it draws opaque geoms once more for each shadow map, and does not
-    /// light lines.
+    /// Returns `true` if each shadow map adds the colour of a line once more where its light
+    /// shines, as in the engine's images: it draws opaque geoms once more for each shadow map, and
+    /// does not light lines.
     fn adds_lines(&self) -> bool {
         self.kind == ShaderKind::Line && self.output == Output::Color && !self.blended
     }
@@ -90,8 +91,8 @@ impl ShaderVariant<'_> {
         self.is_lit() || self.adds_lines()
     }
 
-    /// Returns `true` if the shader reads an attribute of the instance that serves the given output. Lines read all
-    /// attributes.
+    /// Returns `true` if the shader reads an attribute of the instance that serves the given
+    /// output. Lines read all attributes.
     fn reads_instance(&self, output: Output) -> bool {
         match self.kind {
             ShaderKind::Line => true,
@@ -99,8 +100,9 @@ impl ShaderVariant<'_> {
         }
     }
 
-    /// Returns `true` if the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`.
-    /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
+    /// Returns `true` if the shader reads the vertex or instance attribute at a location, as
+    /// declared in `common.wgsl`. Unused attributes are removed from the pipeline because some
+    /// drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
             1 | 10 => self.is_lit(),

@@ -1,5 +1,6 @@
-// Skybox, optionally with haze. The skybox is the inside of a cylinder around the camera with a cube texture. The haze
-// is a ring above the horizon of an infinite plane, which hides the edge of the plane.
+// Skybox, optionally with haze. The skybox is the inside of a cylinder around the camera with a
+// cube texture. The haze is a ring above the horizon of an infinite plane, which hides the edge of
+// the plane.
 
 @group(1) @binding(0) var color_texture: texture_cube<f32>;
 @group(1) @binding(1) var color_sampler: sampler;
@@ -16,8 +17,8 @@ struct Varyings {
 //#end
 }
 
-// Vertices of the skybox are relative to the camera, vertices of the haze in world space. The w component of the vertex
-// is 1 for the haze.
+// Vertices of the skybox are relative to the camera, vertices of the haze in world space. The w
+// component of the vertex is 1 for the haze.
 @vertex
 fn vs_main(@location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
     var out: Varyings;

@@ -56,8 +56,8 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#end
 //#if COLOR
 //#if LIT
-    // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared length. The columns
-    // are orthogonal.
+    // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared
+    // length. The columns are orthogonal.
     let local = vertex.normal * instance.normal_scale;
     let scaled = vec3f(dot(instance.x.xyz, local), dot(instance.y.xyz, local), dot(instance.z.xyz, local));
     let normal = direction(scaled);

@@ -1,5 +1,5 @@
-//! Coarser versions of meshes whose triangles are small on the screen, by vertex clustering (Rossignac and Borrel, "Multi-resolution 3D
-//! approximations for rendering complex scenes", 1993).
+//! Coarser versions of meshes whose triangles are small on the screen, by vertex clustering
+//! (Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993).
 
 use std::collections::HashMap;
 
@@ -11,8 +11,9 @@ pub(crate) const MESH_LEVELS: usize = 6;
 /// Cosine of the angle from which two normals of a cluster stay apart, as at an edge.
 const SAME_NORMAL: f64 = 0.8;
 
-/// Returns coarser levels of a mesh, each with the width of its cells: the largest distance between vertices that it merges, along an axis. Each
-/// level has at most two thirds of the triangles of the one before.
+/// Returns coarser levels of a mesh, each with the width of its cells: the largest distance between
+/// vertices that it merges, along an axis. Each level has at most two thirds of the triangles of
+/// the one before.
 pub(crate) fn coarse_levels(mesh: &Triangles) -> Vec<(f32, Triangles)> {
     /// A mesh with fewer triangles is drawn in little time.
     const MIN_TRIANGLES: usize = 128;
@@ -48,12 +49,14 @@ fn mean_edge(mesh: &Triangles) -> f32 {
     (lengths.sum::<f64>() / mesh.indices.len().max(1) as f64) as f32
 }
 
-/// Merges the vertices in each cell of a cubic grid whose normals are in the same octant, and omits the triangles that collapse. A closed mesh
-/// stays closed: vertices at the same place stay together.
+/// Merges the vertices in each cell of a cubic grid whose normals are in the same octant, and omits
+/// the triangles that collapse. A closed mesh stays closed: vertices at the same place stay
+/// together.
 fn clustered(mesh: &Triangles, places: &Places, cell: f32) -> Triangles {
     let clusters = Clusters::new(places, cell);
     let mut coarse = Triangles::default();
-    // The vertices of each cluster: the first, and the next after each. They differ in their normals.
+    // The vertices of each cluster: the first, and the next after each. They differ in their
+    // normals.
     let mut first = vec![u32::MAX; clusters.positions.len()];
     let mut next: Vec<u32> = Vec::new();
     let mut cluster_of_vertex = Vec::new();
@@ -94,7 +97,8 @@ fn have_same_normal(a: &Vertex, b: &Vertex) -> bool {
     dot(a, b) >= SAME_NORMAL * (dot(a, a) * dot(b, b)).sqrt()
 }
 
-/// Replaces each normal by the mean of the normals that it replaces. `vertices` has the coarse vertex of each vertex of the mesh.
+/// Replaces each normal by the mean of the normals that it replaces. `vertices` has the coarse
+/// vertex of each vertex of the mesh.
 fn average_normals(coarse: &mut Triangles, mesh: &Triangles, vertices: &[u32]) {
     let mut sums = vec![[0.0; 3]; coarse.vertices.len()];
     for (vertex, &at) in mesh.vertices.iter().zip(vertices) {

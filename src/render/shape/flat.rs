@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::{Tessellation, Triangles};
 
-/// Generates the square from -1 to 1 in x and y with normal +z, subdivided into `cells` by `cells` cells.
+/// Generates the square from -1 to 1 in x and y with normal +z, subdivided into `cells` by `cells`
+/// cells.
 pub(crate) fn plane(cells: u32) -> Triangles {
     let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
     plane_with_lines([&lines, &lines])
@@ -17,7 +18,8 @@ pub(crate) fn plane_with_lines(lines: [&[f32]; 2]) -> Triangles {
     triangles
 }
 
-/// Generates the triangle of the origin and the ends of the unit vectors along x and y, with normal +z.
+/// Generates the triangle of the origin and the ends of the unit vectors along x and y, with normal
+/// +z.
 pub(crate) fn triangle() -> Triangles {
     let mut triangles = Triangles::default();
     for [x, y] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
@@ -42,8 +44,9 @@ pub(crate) fn longest_block(lines: &[f32]) -> f32 {
     lengths.fold(0.0, f32::max)
 }
 
-/// Generates the triangles of a range of columns and rows of a plane with `width` grid lines in x, in blocks of five by five cells. All grid
-/// points on the border of the range are vertices, so that the triangles fit to those of adjacent cells. `None` for a range of one block.
+/// Generates the triangles of a range of columns and rows of a plane with `width` grid lines in x,
+/// in blocks of five by five cells. All grid points on the border of the range are vertices, so
+/// that the triangles fit to those of adjacent cells. `None` for a range of one block.
 pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) -> Option<Vec<u32>> {
     if columns.len() <= BLOCK || rows.len() <= BLOCK {
         return None;
@@ -111,9 +114,10 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
     triangles
 }
 
-/// Appends a subdivided square with grid lines at these u and v. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u
-/// increases to the right and v upwards. The texture coordinates are those of the engine from 3.12: along the first of `axes`, and against the
-/// second, from 0 to 1.
+/// Appends a subdivided square with grid lines at these u and v. `at` maps (u, v) from -1 to 1 to a
+/// position; seen from the front, u increases to the right and v upwards. The texture coordinates
+/// are those of the engine from 3.12: along the first of `axes`, and against the second, from 0
+/// to 1.
 fn grid(
     triangles: &mut Triangles,
     lines: [&[f32]; 2],

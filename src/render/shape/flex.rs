@@ -1,12 +1,13 @@
-//! Triangles of flexes in the world frame, which change in every frame: faces, cylinders along the edges, and spheres at the vertices.
+//! Triangles of flexes in the world frame, which change in every frame: faces, cylinders along the
+//! edges, and spheres at the vertices.
 
 use std::ops::Range;
 
 use super::{Tessellation, Triangles, Vertex, cylinder, finite_or_zero, sphere};
 use crate::scene::SceneFlex;
 
-/// Largest number of vertices of the edges and vertices of a flex that have the tessellation of the model. It keeps the cost of a frame of large
-/// flexes low.
+/// Largest number of vertices of the edges and vertices of a flex that have the tessellation of the
+/// model. It keeps the cost of a frame of large flexes low.
 const MAX_VERTICES: usize = 1 << 18;
 
 /// Subdivisions of the cylinders and spheres of larger flexes.
@@ -62,7 +63,8 @@ pub(crate) fn flex_skeleton(flex: &SceneFlex<'_>, radius: f32, tessellation: Tes
 }
 
 impl Triangles {
-    /// Appends the cylinder with unit radius from z = -1 to 1, transformed to a radius and two ends. Skips non-finite and coinciding ends.
+    /// Appends the cylinder with unit radius from z = -1 to 1, transformed to a radius and two
+    /// ends. Skips non-finite and coinciding ends.
     fn extend_along(&mut self, cylinder: &Self, start: [f32; 3], end: [f32; 3], radius: f32) {
         let half: [f32; 3] = std::array::from_fn(|axis| 0.5 * (end[axis] - start[axis]));
         let middle: [f32; 3] = std::array::from_fn(|axis| start[axis] + half[axis]);
@@ -71,7 +73,8 @@ impl Triangles {
             return;
         }
         let along = half.map(|number| number / length);
-        // Derive the first radial direction from the coordinate axis that is farthest from the edge.
+        // Derive the first radial direction from the coordinate axis that is farthest from the
+        // edge.
         let axis = (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
         let mut first: [f32; 3] = std::array::from_fn(|i| f32::from(i == axis) - along[axis] * along[i]);
         let norm = first.iter().map(|number| number * number).sum::<f32>().sqrt();

@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::id::HeightFieldId;
 use crate::model::Model;
 
-/// Generates the flat-shaded triangles of a height field in its local frame: the top surface, four sides down to the
-/// base, and the base.
+/// Generates the flat-shaded triangles of a height field in its local frame: the top surface, four
+/// sides down to the base, and the base.
 ///
 /// # Errors
 ///
@@ -39,7 +39,8 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
         }
     };
 
-    // The diagonal of each cell connects the corners of least and of greatest x and y, as in collision detection.
+    // The diagonal of each cell connects the corners of least and of greatest x and y, as in
+    // collision detection.
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
             let corners = [[row, column], [row, column + 1], [row + 1, column + 1], [row + 1, column]].map(top);

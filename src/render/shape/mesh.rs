@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::id::{MeshId, SkinId};
 use crate::model::Model;
 
-/// Smooth shading threshold. A vertex normal is used if its angle to the face normal is at most acos(0.8), 37°, or if
-/// the mesh has texture coordinates; otherwise the edge is sharp.
+/// Smooth shading threshold. A vertex normal is used if its angle to the face normal is at most
+/// acos(0.8), 37°, or if the mesh has texture coordinates; otherwise the edge is sharp.
 const SMOOTH_THRESHOLD: f32 = 0.8;
 
 /// Marks a normal of a mesh that has no shared vertex in the vertex buffer yet.
@@ -23,7 +23,8 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
     let faces = mesh.face();
     Triangles::check_size(|| format!("{mesh:?}"), faces.len().saturating_mul(3), max_vertices)?;
     let mut triangles = Triangles { indices: Vec::with_capacity(3 * faces.len()), ..Triangles::default() };
-    // Corners with the same smooth normal, vertex and texture coordinates are shared by all adjacent faces.
+    // Corners with the same smooth normal, vertex and texture coordinates are shared by all
+    // adjacent faces.
     let mut shared = vec![UNUSED; normals.len()];
     let of_corners = |indices: &[[i32; 3]], face: usize| {
         indices
@@ -60,7 +61,8 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
     Ok(triangles)
 }
 
-/// Generates the flat-shaded triangles of the convex hull of a mesh; none if the compiler has not computed the hull.
+/// Generates the flat-shaded triangles of the convex hull of a mesh; none if the compiler has not
+/// computed the hull.
 ///
 /// # Errors
 ///
@@ -68,9 +70,9 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
 pub(crate) fn hull(model: &Model, id: MeshId, max_vertices: usize) -> Result<Triangles> {
     let mesh = model.mesh(id);
     let Some(&[vertices, _, ref rest @ ..]) = mesh.graph() else { return Ok(Triangles::default()) };
-    // For V vertices and F faces, the rest of `mesh_graph` is: V edge offsets, V vertex ids, and V + 3 F edge targets,
-    // followed by the 3 F vertices of the faces. The faces are thus the second half of the data after the first 3 V
-    // numbers.
+    // For V vertices and F faces, the rest of `mesh_graph` is: V edge offsets, V vertex ids, and
+    // V + 3 F edge targets, followed by the 3 F vertices of the faces. The faces are thus the
+    // second half of the data after the first 3 V numbers.
     let (_, rest) = rest.split_at(rest.len().min(3 * usize::try_from(vertices).unwrap_or(0)));
     let (faces, _) = rest[rest.len() / 2..].as_chunks::<3>();
     Triangles::check_size(|| format!("the hull of {mesh:?}"), faces.len().saturating_mul(3), max_vertices)?;
@@ -90,7 +92,8 @@ fn checked(face: [i32; 3], positions: &[[f32; 3]]) -> Option<[usize; 3]> {
     corners.iter().all(|&corner| corner < positions.len()).then_some(corners)
 }
 
-/// Constant data of a skin. The scene contains the positions and normals, which change in every frame.
+/// Constant data of a skin. The scene contains the positions and normals, which change in every
+/// frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct SkinTopology {
     /// Number of vertices.
@@ -105,7 +108,8 @@ pub(crate) struct SkinTopology {
 ///
 /// # Errors
 ///
-/// [`Error::Unsupported`](crate::Error::Unsupported) for more than `max_vertices` vertices or triangles.
+/// [`Error::Unsupported`](crate::Error::Unsupported) for more than `max_vertices` vertices or
+/// triangles.
 pub(crate) fn skin(model: &Model, id: SkinId, max_vertices: usize) -> Result<SkinTopology> {
     let skin = model.skin(id);
     let (vertices, faces) = (skin.vert().len(), skin.face());

@@ -1,8 +1,8 @@
-//! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls, height fields and
-//! skins, each in its local frame; flexes in the world frame.
+//! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls,
+//! height fields and skins, each in its local frame; flexes in the world frame.
 //!
-//! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles with a non-finite
-//! vertex are skipped.
+//! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles
+//! with a non-finite vertex are skipped.
 
 mod coarse;
 mod flat;
@@ -51,20 +51,22 @@ impl Triangles {
         self.vertices.len() as u32 - 1
     }
 
-    /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and the fourth vertex,
-    /// as in the engine's renderer: the diagonal is visible with per-vertex lighting.
+    /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and
+    /// the fourth vertex, as in the engine's renderer: the diagonal is visible with per-vertex
+    /// lighting.
     fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         self.has_quads = true;
         self.indices.extend([a, b, d, b, c, d]);
     }
 
-    /// Marks a vertex of a grid of quadrilaterals, with -1 and 1 as the colours of a chessboard. Both ends of a diagonal have the same parity, and the
-    /// ends of an edge different ones.
+    /// Marks a vertex of a grid of quadrilaterals, with -1 and 1 as the colours of a chessboard.
+    /// Both ends of a diagonal have the same parity, and the ends of an edge different ones.
     fn set_parity(&mut self, vertex: u32, [row, column]: [u32; 2]) {
         self.vertices[vertex as usize].parity = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
     }
 
-    /// Appends a flat-shaded triangle, which shares no vertex with others. Skips a non-finite triangle.
+    /// Appends a flat-shaded triangle, which shares no vertex with others. Skips a non-finite
+    /// triangle.
     fn flat(&mut self, positions: [[f32; 3]; 3], texcoords: [[f32; 2]; 3]) {
         let Some(normal) = face_normal(positions) else { return };
         for (position, texcoord) in positions.into_iter().zip(texcoords) {
@@ -97,8 +99,8 @@ pub(crate) struct Tessellation {
 }
 
 impl Tessellation {
-    /// Upper limit of all subdivisions. The edges of 256 slices are within 0.0001 radii of the circle, which is
-    /// invisible.
+    /// Upper limit of all subdivisions. The edges of 256 slices are within 0.0001 radii of the
+    /// circle, which is invisible.
     pub(crate) const MAX: u32 = 256;
 
     /// Creates a tessellation, clamped to the valid range.
@@ -107,7 +109,8 @@ impl Tessellation {
         Self { slices: clamp(slices, 3), stacks: clamp(stacks, 2), quads: clamp(quads, 1) }
     }
 
-    /// Reads the model's `visual/quality` settings. The engine's compiler accepts any value for them.
+    /// Reads the model's `visual/quality` settings. The engine's compiler accepts any value for
+    /// them.
     pub(crate) fn of_model(model: &Model) -> Self {
         let quality = model.visual().quality;
         Self::new(quality.numslices, quality.numstacks, quality.numquads)
@@ -118,14 +121,15 @@ impl Tessellation {
         Self { slices: self.slices.min(slices), stacks: self.stacks.min(stacks), ..self }
     }
 
-    /// Returns the largest distance between a circle and the edges of its regular polygon, in radii: `1 - cos(π /
-    /// slices)`. A sphere is subdivided in two directions, whose errors add up.
+    /// Returns the largest distance between a circle and the edges of its regular polygon, in
+    /// radii: `1 - cos(π / slices)`. A sphere is subdivided in two directions, whose errors add up.
     pub(crate) fn chord_error(slices_per_circle: u32) -> f64 {
         1.0 - (std::f64::consts::PI / f64::from(slices_per_circle)).cos()
     }
 }
 
-/// Returns the unit normal of a triangle: the z-axis for a degenerate triangle, `None` for a non-finite one.
+/// Returns the unit normal of a triangle: the z-axis for a degenerate triangle, `None` for a
+/// non-finite one.
 fn face_normal(positions: [[f32; 3]; 3]) -> Option<[f32; 3]> {
     if !positions.as_flattened().iter().all(|coordinate| coordinate.is_finite()) {
         return None;

@@ -8,8 +8,8 @@ pub(crate) fn sphere(tessellation: Tessellation) -> Triangles {
     revolve(tessellation.slices, (-half..=half).map(|stack| meridian(stack, half)))
 }
 
-/// Generates the upper half of the unit sphere, without a bottom. A rotation by 180° about the x-axis gives the lower
-/// half.
+/// Generates the upper half of the unit sphere, without a bottom. A rotation by 180° about the
+/// x-axis gives the lower half.
 pub(crate) fn hemisphere(tessellation: Tessellation) -> Triangles {
     let half = half_stacks(tessellation) as i32;
     let point =
@@ -34,8 +34,8 @@ fn meridian(stack: i32, half: i32) -> ProfilePoint {
     ProfilePoint { radius, z, normal: [radius, z], v }
 }
 
-/// Generates the lateral surface of the cylinder of radius 1 from z = -1 to 1. A long cylinder requires many stacks
-/// because the interpolated depth is less precise in longer triangles.
+/// Generates the lateral surface of the cylinder of radius 1 from z = -1 to 1. A long cylinder
+/// requires many stacks because the interpolated depth is less precise in longer triangles.
 pub(crate) fn cylinder(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let height = |stack| (2.0 * f64::from(stack) / f64::from(stacks) - 1.0) as f32;
@@ -46,8 +46,8 @@ pub(crate) fn cylinder(slices: u32, stacks: u32) -> Triangles {
     revolve(slices, (0..=stacks).map(point))
 }
 
-/// Generates the unit disk around the origin with normal +z, of `stacks` rings. A rotation by 180° about the x-axis
-/// reverses the normal.
+/// Generates the unit disk around the origin with normal +z, of `stacks` rings. A rotation by 180°
+/// about the x-axis reverses the normal.
 pub(crate) fn disk(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let radius = |stack| (f64::from(stack) / f64::from(stacks)) as f32;
@@ -55,13 +55,15 @@ pub(crate) fn disk(slices: u32, stacks: u32) -> Triangles {
     revolve(slices, (0..=stacks).rev().map(point))
 }
 
-/// Generates the lateral surface of the cone with its base, of radius 1, at z = 0 and its tip at z = 1.
+/// Generates the lateral surface of the cone with its base, of radius 1, at z = 0 and its tip at
+/// z = 1.
 pub(crate) fn cone(slices: u32, stacks: u32) -> Triangles {
     /// Radial and axial component of the normal.
     const SLOPE: f32 = std::f32::consts::FRAC_1_SQRT_2;
     let (slices, stacks) = clamp(slices, stacks);
     let mut triangles = Triangles::default();
-    // Rings of vertices from the base upwards. The tip has one vertex per slice, because the normals differ.
+    // Rings of vertices from the base upwards. The tip has one vertex per slice, because the
+    // normals differ.
     for stack in 0..stacks {
         let z = (f64::from(stack) / f64::from(stacks)) as f32;
         for slice in 0..=slices {
@@ -111,9 +113,10 @@ enum Texcoord {
     Planar,
 }
 
-/// Revolves a profile curve about the z-axis. In the half-plane with the radius to the right and z upwards, the outside
-/// is to the right of the direction of the curve: the profile of a cylinder goes upwards. The first and the last vertex of a circle coincide, with
-/// different texture coordinates, as do all vertices of a point on the axis.
+/// Revolves a profile curve about the z-axis. In the half-plane with the radius to the right and z
+/// upwards, the outside is to the right of the direction of the curve: the profile of a cylinder
+/// goes upwards. The first and the last vertex of a circle coincide, with different texture
+/// coordinates, as do all vertices of a point on the axis.
 fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Triangles {
     let mut triangles = Triangles::default();
     let mut previous: Option<Ring> = None;
@@ -136,7 +139,8 @@ fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Tria
     triangles
 }
 
-/// Vertices of a profile point: index of the first vertex. A pole has a vertex for each slice, a circle one more.
+/// Vertices of a profile point: index of the first vertex. A pole has a vertex for each slice, a
+/// circle one more.
 #[derive(Clone, Copy)]
 enum Ring {
     Pole(u32),
@@ -173,15 +177,17 @@ impl Ring {
     }
 }
 
-/// Sets the parity of a vertex in a ring. A ring of an odd number of slices has no alternating parities; its diagonals remain visible.
+/// Sets the parity of a vertex in a ring. A ring of an odd number of slices has no alternating
+/// parities; its diagonals remain visible.
 fn set_parity(triangles: &mut Triangles, vertex: u32, position: [u32; 2], slices: u32) {
     if slices.is_multiple_of(2) {
         triangles.set_parity(vertex, position);
     }
 }
 
-/// Returns the cosine and sine of a vertex of a regular polygon. The lower half is the bitwise mirror image of the
-/// upper half, so that shapes rotated by 180° about the x-axis fit others without gaps.
+/// Returns the cosine and sine of a vertex of a regular polygon. The lower half is the bitwise
+/// mirror image of the upper half, so that shapes rotated by 180° about the x-axis fit others
+/// without gaps.
 fn direction(slice: u32, slices: u32) -> [f32; 2] {
     if 2 * slice > slices {
         let [cos, sin] = direction(slices - slice, slices);
@@ -208,8 +214,8 @@ mod tests {
         f64::from(slices) / 2.0 * (2.0 * PI / f64::from(slices)).sin()
     }
 
-    /// Returns the volume of the hemispherical polyhedron: frusta between the rings, whose cross-sections are regular
-    /// polygons.
+    /// Returns the volume of the hemispherical polyhedron: frusta between the rings, whose
+    /// cross-sections are regular polygons.
     fn hemisphere_volume(tessellation: Tessellation) -> f64 {
         let half = half_stacks(tessellation);
         let ring = |stack: u32| (PI / 2.0 * f64::from(stack) / f64::from(half)).sin_cos();

@@ -43,8 +43,8 @@ fn edges<'a>(surfaces: impl IntoIterator<Item = &'a Triangles>) -> HashMap<[[u32
     edges
 }
 
-/// Asserts that each edge occurs equally often in both directions: the surface has no hole and a consistent
-/// orientation.
+/// Asserts that each edge occurs equally often in both directions: the surface has no hole and a
+/// consistent orientation.
 pub(crate) fn assert_closed(surfaces: &[&Triangles]) {
     let edges = edges(surfaces.iter().copied());
     assert!(!edges.is_empty());
@@ -61,7 +61,8 @@ pub(crate) fn border_edges(triangles: &Triangles) -> usize {
     edges.iter().filter(|([from, to], count)| edges.get(&[*to, *from]).unwrap_or(&0) < *count).count()
 }
 
-/// Asserts that all vertex normals have unit length and deviate from the face normals by at most `acos(least)`.
+/// Asserts that all vertex normals have unit length and deviate from the face normals by at most
+/// `acos(least)`.
 pub(crate) fn assert_normals_agree(triangles: &Triangles, least: f32) {
     for vertex in &triangles.vertices {
         let length = vertex.normal.iter().map(|component| component * component).sum::<f32>().sqrt();
@@ -77,7 +78,8 @@ pub(crate) fn assert_normals_agree(triangles: &Triangles, least: f32) {
     }
 }
 
-/// Returns six times the signed volume between a triangle and the origin, and twice the area vector of the triangle.
+/// Returns six times the signed volume between a triangle and the origin, and twice the area vector
+/// of the triangle.
 fn products([a, b, c]: [Point; 3]) -> (f64, [f64; 3]) {
     let [a, b, c] = [a, b, c].map(|point| point.map(f64::from));
     let cross =

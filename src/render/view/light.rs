@@ -5,12 +5,13 @@ use super::matrix::{Matrix4, cross, dot, look_to, orthographic, perspective, pro
 use crate::render::settings::{VisualSettings, accepted, is_drawable};
 use crate::scene::{RenderFlags, Scene, SceneLight};
 
-/// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only 16 textures per
-/// shader stage.
+/// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only
+/// 16 textures per shader stage.
 pub(crate) const MAX_SHADOWS: usize = 8;
 
-/// A headlight follows the viewpoints and the transform that a program sets after an update, as in the images of engines before 3.2. From 3.2 on it
-/// remains where the update or [`Scene::update_lights`] has put it.
+/// A headlight follows the viewpoints and the transform that a program sets after an update, as in
+/// the images of engines before 3.2. From 3.2 on it remains where the update or
+/// [`Scene::update_lights`] has put it.
 const HEADLIGHT_FOLLOWS: bool = cfg!(not(engine_since = "3.2.0"));
 
 /// Features of a light for which the shader is specialised, instead of branching at run time.
@@ -34,7 +35,8 @@ pub(crate) struct LightFeatures {
 pub(crate) struct ActiveLight {
     pub(crate) features: LightFeatures,
     pub(crate) light: SceneLight,
-    /// Projection from world space to the clip space of the shadow map; `None` for a light without shadows.
+    /// Projection from world space to the clip space of the shadow map; `None` for a light without
+    /// shadows.
     pub(crate) shadow: Option<Matrix4>,
 }
 

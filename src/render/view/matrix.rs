@@ -1,4 +1,5 @@
-//! 4 × 4 matrices, column-major, in double precision; uniforms are converted to single precision last.
+//! 4 × 4 matrices, column-major, in double precision; uniforms are converted to single precision
+//! last.
 
 /// Column-major matrix: an array of columns.
 pub(crate) type Matrix4 = [[f64; 4]; 4];
@@ -53,8 +54,8 @@ pub(crate) fn look_to(eye: [f64; 3], forward: [f64; 3], up: [f64; 3]) -> Matrix4
     matrix
 }
 
-/// Returns the perspective projection of a frustum, given by its extent in the near plane, to clip space with depth
-/// from 0 to 1.
+/// Returns the perspective projection of a frustum, given by its extent in the near plane, to clip
+/// space with depth from 0 to 1.
 pub(crate) fn perspective([left, right]: [f64; 2], [bottom, top]: [f64; 2], [near, far]: [f64; 2]) -> Matrix4 {
     let (width, height, depth) = (right - left, top - bottom, far - near);
     [
@@ -89,7 +90,8 @@ pub(crate) fn reflection(point: [f64; 3], normal: [f64; 3]) -> Matrix4 {
     matrix
 }
 
-/// Returns a similarity transformation: a rotation by a quaternion `[w, x, y, z]`, then a scale, then a translation.
+/// Returns a similarity transformation: a rotation by a quaternion `[w, x, y, z]`, then a scale,
+/// then a translation.
 #[allow(clippy::many_single_char_names, reason = "conventional names of quaternion components")]
 pub(crate) fn similarity(quat: [f64; 4], scale: f64, translation: [f64; 3]) -> Matrix4 {
     let length = quat.iter().map(|part| part * part).sum::<f64>().sqrt();

@@ -13,7 +13,8 @@ use super::settings::is_drawable;
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Viewpoint};
 
-/// Distance of the skybox as a fraction of the far plane, so that its corners are nearer than the far plane.
+/// Distance of the skybox as a fraction of the far plane, so that its corners are nearer than the
+/// far plane.
 const SKY_FRACTION: f64 = 0.7;
 
 /// View frustum and projection of a frame, in model space.
@@ -35,7 +36,8 @@ pub(crate) struct ViewFrustum {
     pub(crate) scale: f64,
     /// Directions from the camera to the four corners of the image in the near plane.
     pub(crate) corners: [[f64; 3]; 4],
-    /// Size in pixels of a metre at a distance of one metre, or at every distance in an orthographic projection: the larger one of both axes.
+    /// Size in pixels of a metre at a distance of one metre, or at every distance in an
+    /// orthographic projection: the larger one of both axes.
     pub(crate) pixels_per_metre: f64,
     pub(crate) orthographic: bool,
     /// The frame is rendered upside down.
@@ -85,9 +87,9 @@ impl ViewFrustum {
         })
     }
 
-    /// Flips the frustum vertically, to render upside down. Rows are then in OpenGL's order, and the MSAA samples have
-    /// OpenGL's positions: otherwise the sample pattern would be mirrored, and edges would differ slightly from the
-    /// engine's.
+    /// Flips the frustum vertically, to render upside down. Rows are then in OpenGL's order, and
+    /// the MSAA samples have OpenGL's positions: otherwise the sample pattern would be mirrored,
+    /// and edges would differ slightly from the engine's.
     pub(crate) fn flipped(mut self) -> Self {
         for column in &mut self.clip {
             column[1] = -column[1];
@@ -95,8 +97,9 @@ impl ViewFrustum {
         Self { flip_y: !self.flip_y, ..self }
     }
 
-    /// Returns three rows for an image of `size`: the products of the first two with a point (x, y, z, 1), divided by the product of the last, are
-    /// the position of the point in the image, pixels to the right and up from the centre.
+    /// Returns three rows for an image of `size`: the products of the first two with a point (x, y,
+    /// z, 1), divided by the product of the last, are the position of the point in the image,
+    /// pixels to the right and up from the centre.
     pub(crate) fn pixel_rows(&self, size: [u32; 2]) -> [[f32; 4]; 3] {
         let [half_width, half_height] = size.map(|length| 0.5 * f64::from(length));
         let up = if self.flip_y { -half_height } else { half_height };
@@ -120,24 +123,27 @@ impl ViewFrustum {
         dot([self.depth[0], self.depth[1], self.depth[2]], vector)
     }
 
-    /// Returns the smallest depth at which a plane is visible, m: infinite if the camera is on the plane or behind it, or if no ray through the
-    /// image meets the plane.
+    /// Returns the smallest depth at which a plane is visible, m: infinite if the camera is on the
+    /// plane or behind it, or if no ray through the image meets the plane.
     pub(crate) fn nearest_depth_of_plane(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
         let height = dot(normal, [0, 1, 2].map(|axis| self.position[axis] - point[axis]));
         if self.orthographic {
             return self.nearest_depth_of_plane_along_axis(height, normal);
         }
-        // The reciprocal of the depth is an affine function of the pixel, whose maximum is in a corner of the image.
+        // The reciprocal of the depth is an affine function of the pixel, whose maximum is in a
+        // corner of the image.
         let reciprocals = self.corners.map(|ray| -dot(normal, ray) / (height * self.depth_along(ray)));
         let largest = reciprocals.into_iter().fold(0.0, f64::max);
         if height > 0.0 && largest > 0.0 { 1.0 / largest } else { f64::INFINITY }
     }
 
     /// Returns the smallest depth at which a plane is visible in an orthographic projection, as
-    /// [`nearest_depth_of_plane`](Self::nearest_depth_of_plane). `height` is the height of the camera above the plane.
+    /// [`nearest_depth_of_plane`](Self::nearest_depth_of_plane). `height` is the height of the
+    /// camera above the plane.
     fn nearest_depth_of_plane_along_axis(&self, height: f64, normal: [f64; 3]) -> f64 {
         let descent = -dot(normal, self.forward);
-        // The rays are parallel to the optical axis, and the depth is an affine function of the pixel.
+        // The rays are parallel to the optical axis, and the depth is an affine function of the
+        // pixel.
         let depths = self.corners.map(|corner| {
             let along = dot(corner, self.forward);
             // The axes of the camera are scaled, and corners are in room space.
@@ -166,8 +172,8 @@ impl ViewFrustum {
         }
     }
 
-    /// Returns the planes of the frustum: left, right, bottom, top, near, far. The product of a plane with a point (x,
-    /// y, z, 1) is its signed distance in room space, m, positive inside.
+    /// Returns the planes of the frustum: left, right, bottom, top, near, far. The product of a
+    /// plane with a point (x, y, z, 1) is its signed distance in room space, m, positive inside.
     pub(crate) fn planes(&self) -> [[f32; 4]; 6] {
         let [x, y, z, w] = [0, 1, 2, 3].map(|index| row(&self.clip, index));
         let plane = |sign: f64, with: [f64; 4], base: [f64; 4]| {

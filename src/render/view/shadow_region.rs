@@ -3,10 +3,12 @@
 use super::ViewFrustum;
 use super::matrix::{IDENTITY, Matrix4, dot, row};
 
-/// Allocated region of a shadow map: its resolution, its first texel, its size, and its depth range.
+/// Allocated region of a shadow map: its resolution, its first texel, its size, and its depth
+/// range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ShadowRegion {
-    /// Width of a texel of the region, in texels of the full map: a power of two; see [`reduction`].
+    /// Width of a texel of the region, in texels of the full map: a power of two; see
+    /// [`reduction`].
     pub(crate) reduction: u32,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
@@ -15,8 +17,9 @@ pub(crate) struct ShadowRegion {
 }
 
 impl ShadowRegion {
-    /// Returns the transformation from the clip space of the light to the clip space of the region, for a full map of
-    /// `size` texels. The full map has a border of one texel, to which nothing is rendered.
+    /// Returns the transformation from the clip space of the light to the clip space of the region,
+    /// for a full map of `size` texels. The full map has a border of one texel, to which nothing is
+    /// rendered.
     pub(crate) fn clip_to_region(&self, size: u32) -> Matrix4 {
         let mut matrix = IDENTITY;
         let inner = f64::from(size) - 2.0;
@@ -31,17 +34,17 @@ impl ShadowRegion {
         matrix
     }
 
-    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer than that of the
-    /// previous frame by a factor of two. Depths of previous frames in the map are thus behind everything in this
-    /// frame, which has the same effect as clearing the map. Powers of two are exact, so all frames of a scene are
-    /// equal.
+    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer
+    /// than that of the previous frame by a factor of two. Depths of previous frames in the map are
+    /// thus behind everything in this frame, which has the same effect as clearing the map. Powers
+    /// of two are exact, so all frames of a scene are equal.
     pub(crate) fn depth_range(&self) -> [f32; 2] {
         let far = 0.5_f32.powi(self.frames_since_clear as i32);
         [far / 2.0, far]
     }
 
-    /// Returns the transformation from the clip space of the light to texels and depths of the region. It ignores the
-    /// border, as does the engine.
+    /// Returns the transformation from the clip space of the light to texels and depths of the
+    /// region. It ignores the border, as does the engine.
     pub(super) fn clip_to_texels(&self, size: u32) -> Matrix4 {
         let mut matrix = IDENTITY;
         let [near, far] = self.depth_range().map(f64::from);
@@ -62,24 +65,28 @@ impl ShadowRegion {
     }
 }
 
-/// Largest width of a texel of a reduced shadow map in the image, pixels, on a surface that faces the light and the camera.
+/// Largest width of a texel of a reduced shadow map in the image, pixels, on a surface that faces
+/// the light and the camera.
 const MAX_TEXEL: f64 = 0.25;
 
 /// Smallest width of a reduced shadow map, texels.
 const MIN_SIZE: u32 = 64;
 
-/// Returns the factor by which a shadow map of `size` texels is reduced in width and height: the largest power of two with which no texel is
-/// wider than [`MAX_TEXEL`] on a visible surface. `nearest` is a lower bound of the depths of visible surfaces, m.
+/// Returns the factor by which a shadow map of `size` texels is reduced in width and height: the
+/// largest power of two with which no texel is wider than [`MAX_TEXEL`] on a visible surface.
+/// `nearest` is a lower bound of the depths of visible surfaces, m.
 ///
-/// A texel has the width `texel * w` at the point p, where w is the last clip coordinate of the light: its depth in a spotlight, and 1 in a
-/// directional light. In the image this is proportional to `w / depth`. With p = camera + depth * ray, the quotient is
-/// `w(camera) / depth + w(ray)`. The second term is an affine function of the pixel, whose maximum is in a corner of the image.
+/// A texel has the width `texel * w` at the point p, where w is the last clip coordinate of the
+/// light: its depth in a spotlight, and 1 in a directional light. In the image this is proportional
+/// to `w / depth`. With p = camera + depth * ray, the quotient is `w(camera) / depth + w(ray)`. The
+/// second term is an affine function of the pixel, whose maximum is in a corner of the image.
 pub(crate) fn reduction(light: &Matrix4, size: u32, frustum: &ViewFrustum, nearest: f64) -> u32 {
     let length = |[x, y, z, _]: [f64; 4]| dot([x, y, z], [x, y, z]).sqrt();
     let texel = 2.0 / (length(row(light, 0)).min(length(row(light, 1))) * f64::from(size));
     let [x, y, z, offset] = row(light, 3);
     let of_camera = dot([x, y, z], frustum.position) + offset;
-    // In an orthographic projection the width in the image is proportional to w, which has no bound far away if the light shines forwards.
+    // In an orthographic projection the width in the image is proportional to w, which has no bound
+    // far away if the light shines forwards.
     if frustum.orthographic && [x, y, z] != [0.0; 3] {
         return 1;
     }

@@ -4,7 +4,8 @@ use super::matrix::{Matrix4, product, row, to_f32, unit};
 use super::{Lights, ShadowRegion, ViewFrustum};
 use crate::render::settings::{MAX_MAGNITUDE, VisualSettings};
 
-/// Per-view uniforms, at the start of the uniform buffer of each view. `common.wgsl` declares the same structure.
+/// Per-view uniforms, at the start of the uniform buffer of each view. `common.wgsl` declares the
+/// same structure.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct ViewUniforms {
@@ -98,8 +99,8 @@ impl UniformData {
         Self { bytes: bytemuck::bytes_of(view).to_vec() }
     }
 
-    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels unless `regions` is
-    /// empty.
+    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels
+    /// unless `regions` is empty.
     pub(crate) fn lit(view: &ViewUniforms, lights: &Lights, regions: &[ShadowRegion], shadow_size: u32) -> Self {
         let mut view = *view;
         if lights.ambient_only {

@@ -13,12 +13,13 @@ use crate::rollout::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
 
 /// # Steps, resets and edits
 impl Batch<'_> {
-    /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all simulations, and observes them.
-    /// The controls keep their values from the previous step unless the policy changes them; those of a simulation that was reset are
-    /// zero unless its `start` set them. Allocates nothing except the first [`Data`] of each thread.
+    /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all
+    /// simulations, and observes them. The controls keep their values from the previous step unless
+    /// the policy changes them; those of a simulation that was reset are zero unless its `start`
+    /// set them. Allocates nothing except the first [`Data`] of each thread.
     ///
-    /// A simulation that fails is not stepped again until it is reset, and its observations are NaN: see
-    /// [`failure`](Self::failure).
+    /// A simulation that fails is not stepped again until it is reset, and its observations are
+    /// NaN: see [`failure`](Self::failure).
     ///
     /// # Errors
     ///
@@ -39,14 +40,17 @@ impl Batch<'_> {
         Ok(())
     }
 
-    /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
-    /// of the model by [`Data::edit_model`] in `start`, or a call of [`Data::set_callbacks`], affects that simulation only, and
-    /// persists. The batch keeps the values that differ from its model for each simulation with such an edit. Steps of a simulation with such an
-    /// edit or with callbacks take about twice as long; [parameters](Batch::vary) do not have this cost.
+    /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial
+    /// states, and observes them. An edit of the model by [`Data::edit_model`] in `start`, or a
+    /// call of [`Data::set_callbacks`], affects that simulation only, and persists. The batch keeps
+    /// the values that differ from its model for each simulation with such an edit. Steps of a
+    /// simulation with such an edit or with callbacks take about twice as long;
+    /// [parameters](Batch::vary) do not have this cost.
     ///
-    /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that starts, and the simulation. The first
-    /// reset of a simulation starts its episode 1. Random numbers from a seed of both numbers depend neither on the threads nor on
-    /// the order in which the episodes of different simulations end, as those of [`Random`](crate::rollout::Random):
+    /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that
+    /// starts, and the simulation. The first reset of a simulation starts its episode 1. Random
+    /// numbers from a seed of both numbers depend neither on the threads nor on the order in which
+    /// the episodes of different simulations end, as those of [`Random`](crate::rollout::Random):
     ///
     /// ```
     /// use mujoco_safe::rollout::Random;
@@ -64,9 +68,9 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// The error of the reset, of `start` or of [`forward_after_step`](Self::forward_after_step) with the smallest index, and
-    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded separately. All simulations with an
-    /// error count as failed.
+    /// The error of the reset, of `start` or of [`forward_after_step`](Self::forward_after_step)
+    /// with the smallest index, and [`Error::OtherModel`] if `start` replaces the simulation by one
+    /// of a model that was loaded separately. All simulations with an error count as failed.
     ///
     /// # Panics
     ///
@@ -84,14 +88,17 @@ impl Batch<'_> {
         })
     }
 
-    /// Calls `edit` for the simulations whose index satisfies `which`, and observes them. Its arguments are the index and the
-    /// simulation, whose computed quantities are not available. Failed simulations are skipped.
+    /// Calls `edit` for the simulations whose index satisfies `which`, and observes them. Its
+    /// arguments are the index and the simulation, whose computed quantities are not available.
+    /// Failed simulations are skipped.
     ///
-    /// The closure may change everything that the closure of [`reset_where`](Self::reset_where) may.
+    /// The closure may change everything that the closure of [`reset_where`](Self::reset_where)
+    /// may.
     ///
     /// # Errors
     ///
-    /// The error of `edit` with the smallest index, as for [`reset_where`](Self::reset_where). All simulations with an error count as failed.
+    /// The error of `edit` with the smallest index, as for [`reset_where`](Self::reset_where). All
+    /// simulations with an error count as failed.
     ///
     /// # Panics
     ///
@@ -126,7 +133,8 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine fails, which occurs for a loaded model only if memory is exhausted.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine fails, which occurs for a loaded
+    /// model only if memory is exhausted.
     ///
     /// # Panics
     ///

@@ -93,7 +93,8 @@ impl Member<'_> {
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
-    /// Sets the values of the parameters, which must be valid, and observes the simulation if they change.
+    /// Sets the values of the parameters, which must be valid, and observes the simulation if they
+    /// change.
     pub(super) fn set_parameters(&mut self, slot: &mut Option<Worker>, values: &[f64]) -> Result<()> {
         if bits_equal(self.values, values) {
             return Ok(());
@@ -124,8 +125,9 @@ impl Member<'_> {
         self.observations.fill(f64::NAN);
     }
 
-    /// Loads the simulation into a worker, calls `work`, stores the new state, and observes it. If `work` fails, the state is unchanged.
-    /// `leaves` are the results that the worker has afterwards.
+    /// Loads the simulation into a worker, calls `work`, stores the new state, and observes it. If
+    /// `work` fails, the state is unchanged. `leaves` are the results that the worker has
+    /// afterwards.
     fn work(
         &mut self,
         slot: &mut Option<Worker>,
@@ -151,7 +153,8 @@ impl Member<'_> {
         controls.copy_from_slice(&state[common.first_control..][..controls.len()]);
         if common.forward {
             data.forward()?;
-            // `forward` overwrites the initial guess of the constraint solver and normalises quaternions.
+            // `forward` overwrites the initial guess of the constraint solver and normalises
+            // quaternions.
             data.set_state(StateSpec::INTEGRATION, state)?;
         }
         row.warnings = data.warnings();

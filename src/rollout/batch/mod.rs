@@ -18,14 +18,16 @@ use crate::matrix::{Matrix, MatrixView};
 use crate::memory;
 use crate::model::{IntoModel, Model};
 
-/// Batch of simulations of one model that are stepped together under a policy: a vectorised environment of reinforcement
-/// learning.
+/// Batch of simulations of one model that are stepped together under a policy: a vectorised
+/// environment of reinforcement learning.
 ///
-/// The policy reads the observations and sets the controls of all simulations. It is called once per step, in the calling thread;
-/// stepping, observing and resetting run in parallel. The [module](crate::rollout) documents threads.
+/// The policy reads the observations and sets the controls of all simulations. It is called once
+/// per step, in the calling thread; stepping, observing and resetting run in parallel. The
+/// [module](crate::rollout) documents threads.
 ///
-/// A batch keeps of each simulation only its [state](Self::states), its controls and its observations: two kilobytes for a humanoid. Each
-/// thread has one [`Data`], into which it loads the simulations one after another. [`data`](Self::data) and [`load`](Self::load) return a
+/// A batch keeps of each simulation only its [state](Self::states), its controls and its
+/// observations: two kilobytes for a humanoid. Each thread has one [`Data`], into which it loads
+/// the simulations one after another. [`data`](Self::data) and [`load`](Self::load) return a
 /// simulation for inspection, and [`edit_where`](Self::edit_where) changes some of them.
 ///
 /// ```
@@ -69,13 +71,15 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// Creates `count` simulations in the reference position. By default the observation is the physics state
-    /// `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
+    /// Creates `count` simulations in the reference position. By default the observation is the
+    /// physics state `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`], an
+    /// `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if memory does not suffice, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a
-    /// simulation, [`Error::Unsupported`] for a model with the option `sleep`.
+    /// [`Error::Invalid`] if memory does not suffice, [`Error::Engine`] or [`Error::OutOfMemory`]
+    /// if the engine cannot allocate a simulation, [`Error::Unsupported`] for a model with the
+    /// option `sleep`.
     pub fn new(model: impl IntoModel, count: usize) -> Result<Self> {
         let model = model.into_model();
         model.check_without_sleep("a batch")?;
@@ -111,9 +115,11 @@ impl<'a> Batch<'a> {
 
     /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
     ///
-    /// The batch calls it after each step, reset and edit. After a step, computed quantities such as poses and contacts are those of the
-    /// state before the step. After a reset or an edit, only the quantities that its closure has computed are available.
-    /// [`forward_after_step`](Self::forward_after_step) computes all quantities for the present state first.
+    /// The batch calls it after each step, reset and edit. After a step, computed quantities such
+    /// as poses and contacts are those of the state before the step. After a reset or an edit, only
+    /// the quantities that its closure has computed are available.
+    /// [`forward_after_step`](Self::forward_after_step) computes all quantities for the present
+    /// state first.
     ///
     /// # Panics
     ///
@@ -126,15 +132,17 @@ impl<'a> Batch<'a> {
         self
     }
 
-    /// Calls [`Data::forward`] after each [`step`](Self::step), each reset and each edit, so that all quantities that the closure of
-    /// [`observe`](Self::observe) reads are those of the present state. This includes sensor readings, which otherwise lag by one
-    /// engine step like all computed quantities.
+    /// Calls [`Data::forward`] after each [`step`](Self::step), each reset and each edit, so that
+    /// all quantities that the closure of [`observe`](Self::observe) reads are those of the present
+    /// state. This includes sensor readings, which otherwise lag by one engine step like all
+    /// computed quantities.
     ///
-    /// The simulations are bit for bit the same with and without this call. A simulation in which it fails counts as
-    /// [failed](Self::failure).
+    /// The simulations are bit for bit the same with and without this call. A simulation in which
+    /// it fails counts as [failed](Self::failure).
     ///
-    /// It costs one evaluation of forward dynamics per call of [`step`](Self::step), independently of the number of substeps. With one
-    /// substep and the integrator `Euler`, this nearly doubles the time of a step.
+    /// It costs one evaluation of forward dynamics per call of [`step`](Self::step), independently
+    /// of the number of substeps. With one substep and the integrator `Euler`, this nearly doubles
+    /// the time of a step.
     ///
     /// ```
     /// use mujoco_safe::{Batch, sample};
@@ -160,15 +168,16 @@ impl<'a> Batch<'a> {
         self
     }
 
-    /// Sets the number of engine steps per [`step`](Self::step), with the same controls; one by default.
+    /// Sets the number of engine steps per [`step`](Self::step), with the same controls; one by
+    /// default.
     #[must_use]
     pub fn substeps(mut self, substeps: usize) -> Self {
         self.substeps = substeps;
         self
     }
 
-    /// Sets the number of simulations that a thread takes at a time, at least one. The result does not depend on it. If it is the
-    /// number of simulations or more, all run in the calling thread.
+    /// Sets the number of simulations that a thread takes at a time, at least one. The result does
+    /// not depend on it. If it is the number of simulations or more, all run in the calling thread.
     #[must_use]
     pub fn chunk(mut self, simulations: usize) -> Self {
         self.chunk = Some(simulations.max(1));
@@ -200,8 +209,9 @@ impl<'a> Batch<'a> {
         self.controls.view()
     }
 
-    /// Returns the states of all simulations `(n, nstate)`. A row is a state vector of [`StateSpec::INTEGRATION`];
-    /// [`Model::state_range`] finds a part in it. The controls in a state are those of the last step.
+    /// Returns the states of all simulations `(n, nstate)`. A row is a state vector of
+    /// [`StateSpec::INTEGRATION`]; [`Model::state_range`] finds a part in it. The controls in a
+    /// state are those of the last step.
     ///
     /// ```
     /// use mujoco_safe::{Batch, StateSpec, sample};
@@ -223,7 +233,8 @@ impl<'a> Batch<'a> {
         self.states.view()
     }
 
-    /// Returns a copy of one simulation, for example to draw or to examine it. [`load`](Self::load) copies it without an allocation.
+    /// Returns a copy of one simulation, for example to draw or to examine it. [`load`](Self::load)
+    /// copies it without an allocation.
     ///
     /// # Errors
     ///
@@ -238,11 +249,12 @@ impl<'a> Batch<'a> {
         Ok(data)
     }
 
-    /// Sets a simulation to a copy of one of the batch: its state, its warnings, and its model with edits. `data` keeps its
-    /// [callbacks](Data::set_callbacks). No quantities have been computed: see [`Data::forward`].
+    /// Sets a simulation to a copy of one of the batch: its state, its warnings, and its model with
+    /// edits. `data` keeps its [callbacks](Data::set_callbacks). No quantities have been computed:
+    /// see [`Data::forward`].
     ///
-    /// The state of a failed simulation is that before the failed step, with the controls of this step, so that [`Data::step`] returns
-    /// the same error.
+    /// The state of a failed simulation is that before the failed step, with the controls of this
+    /// step, so that [`Data::step`] returns the same error.
     ///
     /// # Errors
     ///
@@ -282,8 +294,8 @@ impl<'a> Batch<'a> {
         continue_from(data, self.states.row(index), &row.warnings)
     }
 
-    /// Returns the error of a simulation, if it has failed. A failed simulation is not stepped until it is reset. Its state is that before
-    /// the call that failed.
+    /// Returns the error of a simulation, if it has failed. A failed simulation is not stepped
+    /// until it is reset. Its state is that before the call that failed.
     ///
     /// # Panics
     ///
@@ -292,8 +304,8 @@ impl<'a> Batch<'a> {
         self.rows[index].failure.as_ref()
     }
 
-    /// Returns the number of the present episode of a simulation, which is the number of its resets: 0 in a new batch, 1 after the
-    /// first reset. Failed resets count.
+    /// Returns the number of the present episode of a simulation, which is the number of its
+    /// resets: 0 in a new batch, 1 after the first reset. Failed resets count.
     ///
     /// # Panics
     ///

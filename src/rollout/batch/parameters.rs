@@ -7,15 +7,16 @@ use crate::rollout::Parameters;
 
 /// # Parameters of the model for each simulation
 impl Batch<'_> {
-    /// Gives each simulation its own values of these parameters, at first those of the model. Replaces earlier parameters, whose values
-    /// remain in the simulations.
+    /// Gives each simulation its own values of these parameters, at first those of the model.
+    /// Replaces earlier parameters, whose values remain in the simulations.
     ///
-    /// A simulation with other values keeps them and the quantities derived from them, a few kilobytes for a humanoid, instead of a copy of
-    /// the model. Each thread has one copy, into which it writes the values of a simulation before a step. This adds about 4 % to the
-    /// time of a humanoid's step (`cargo bench --bench batch`).
+    /// A simulation with other values keeps them and the quantities derived from them, a few
+    /// kilobytes for a humanoid, instead of a copy of the model. Each thread has one copy, into
+    /// which it writes the values of a simulation before a step. This adds about 4 % to the time of
+    /// a humanoid's step (`cargo bench --bench batch`).
     ///
-    /// [`set_parameters`](Self::set_parameters) and [`draw_parameters`](Self::draw_parameters) change the values. [`Parameters`] has an
-    /// example.
+    /// [`set_parameters`](Self::set_parameters) and [`draw_parameters`](Self::draw_parameters)
+    /// change the values. [`Parameters`] has an example.
     ///
     /// # Errors
     ///
@@ -35,26 +36,30 @@ impl Batch<'_> {
         Ok(self)
     }
 
-    /// Returns the values of the parameters `(n, nparameter)`, in the order of [`Parameters::names`].
+    /// Returns the values of the parameters `(n, nparameter)`, in the order of
+    /// [`Parameters::names`].
     pub fn parameters(&self) -> MatrixView<'_> {
         self.values.view()
     }
 
-    /// Calls `set` to change the values `(nparameter)` of the simulations whose index satisfies `which`, and observes those that change. The
-    /// state does not change, also that of failed simulations.
+    /// Calls `set` to change the values `(nparameter)` of the simulations whose index satisfies
+    /// `which`, and observes those that change. The state does not change, also that of failed
+    /// simulations.
     ///
-    /// A change of a [`MassFactor`](crate::rollout::Parameter::MassFactor), or of another parameter that is documented to update the derived
-    /// constants, costs a call of [`update_constants`](crate::ModelMut::update_constants) for each simulation: as long as ten to twenty steps
-    /// of a humanoid. The cost arises once per change, not in every step.
+    /// A change of a [`MassFactor`](crate::rollout::Parameter::MassFactor), or of another parameter
+    /// that is documented to update the derived constants, costs a call of
+    /// [`update_constants`](crate::ModelMut::update_constants) for each simulation: as long as ten
+    /// to twenty steps of a humanoid. The cost arises once per change, not in every step.
     ///
-    /// Values that do not change are not written. Edits of a simulation's model by [`Data::edit_model`](crate::Data::edit_model) remain,
-    /// unless they concern the same values.
+    /// Values that do not change are not written. Edits of a simulation's model by
+    /// [`Data::edit_model`](crate::Data::edit_model) remain, unless they concern the same values.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the parameter, the simulation, the value and the valid values. In that case no
-    /// simulation has changed. An error of [`update_constants`](crate::ModelMut::update_constants) with the smallest index; the simulations
-    /// with such an error keep their values.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the parameter, the simulation, the value and
+    /// the valid values. In that case no simulation has changed. An error of
+    /// [`update_constants`](crate::ModelMut::update_constants) with the smallest index; the
+    /// simulations with such an error keep their values.
     ///
     /// # Panics
     ///
@@ -94,11 +99,13 @@ impl Batch<'_> {
         self.try_each(|index, member, slot| member.set_parameters(slot, values.row(index)))
     }
 
-    /// Draws the values of the simulations whose index satisfies `which` from their distributions, as [`set_parameters`](Self::set_parameters)
-    /// sets them.
+    /// Draws the values of the simulations whose index satisfies `which` from their distributions,
+    /// as [`set_parameters`](Self::set_parameters) sets them.
     ///
-    /// A value is determined by the seed, the index of the simulation (plus the [`first_index`](Self::first_index)), the number of its
-    /// [`episode`](Self::episode) and the position of the parameter in the list. For other values in each episode, draw before or after each reset:
+    /// A value is determined by the seed, the index of the simulation (plus the
+    /// [`first_index`](Self::first_index)), the number of its [`episode`](Self::episode) and the
+    /// position of the parameter in the list. For other values in each episode, draw before or
+    /// after each reset:
     ///
     /// ```
     /// # use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
@@ -117,7 +124,8 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// An error of [`update_constants`](crate::ModelMut::update_constants), as for [`set_parameters`](Self::set_parameters).
+    /// An error of [`update_constants`](crate::ModelMut::update_constants), as for
+    /// [`set_parameters`](Self::set_parameters).
     pub fn draw_parameters(&mut self, which: impl Fn(usize) -> bool, seed: u64) -> Result<()> {
         let parameters = self.parameters.clone();
         let numbers: Vec<_> = (0..self.len()).map(|index| (self.random_index(index), self.episode(index))).collect();
@@ -127,8 +135,9 @@ impl Batch<'_> {
         })
     }
 
-    /// Sets the index that [`draw_parameters`](Self::draw_parameters) uses for the first simulation; zero by default. If a process has only
-    /// the simulations from `index` on of a larger batch, it draws the values that one process with all of them would draw.
+    /// Sets the index that [`draw_parameters`](Self::draw_parameters) uses for the first
+    /// simulation; zero by default. If a process has only the simulations from `index` on of a
+    /// larger batch, it draws the values that one process with all of them would draw.
     ///
     /// All other indices, such as those that closures receive, still start at zero.
     ///

@@ -12,8 +12,8 @@ use crate::rollout::workers::restart;
 pub(super) enum Results {
     /// None: the arrays are zero, as after a reset.
     None,
-    /// Those of steps of the model that the batch shares, perhaps with other parameters. The next such step computes the same quantities,
-    /// so it overwrites them.
+    /// Those of steps of the model that the batch shares, perhaps with other parameters. The next
+    /// such step computes the same quantities, so it overwrites them.
     Steps,
     /// Anything that a closure, another model or a failed call can leave.
     Any,
@@ -45,7 +45,8 @@ impl Worker {
 
     /// Makes the worker a simulation of the model, with at most these results.
     fn prepare(&mut self, model: &Arc<Model>, allowed: Results) -> Result<()> {
-        // A closure may have replaced the simulation, or exchanged it for the one of a scope with callbacks.
+        // A closure may have replaced the simulation, or exchanged it for the one of a scope with
+        // callbacks.
         let replaced = !Arc::ptr_eq(self.data.model(), model) || self.data.has_callbacks();
         if self.results == Results::Any && replaced {
             (self.data, self.results) = (Data::new(model.clone())?, Results::None);
@@ -118,8 +119,8 @@ impl Pool {
 pub(super) struct Own {
     pub(super) difference: ModelDifference,
     callbacks: OwnCallbacks,
-    /// `true` if a closure has edited the model. A step may then compute other quantities than a step of the shared model, for example
-    /// because options differ.
+    /// `true` if a closure has edited the model. A step may then compute other quantities than a
+    /// step of the shared model, for example because options differ.
     edited_by_closure: bool,
 }
 
@@ -129,7 +130,8 @@ impl Own {
     }
 }
 
-/// Worker with the model and the callbacks of a row. They return to the row when this is dropped, also by a panic of a closure.
+/// Worker with the model and the callbacks of a row. They return to the row when this is dropped,
+/// also by a panic of a closure.
 pub(super) struct Loaded<'l> {
     worker: &'l mut Worker,
     own: &'l mut Option<Box<Own>>,
@@ -165,7 +167,8 @@ impl<'l> Loaded<'l> {
         &mut self.worker.data
     }
 
-    /// Ends the use of the worker, which has only these results. Unless they are [`Results::Any`], no closure has changed the simulation.
+    /// Ends the use of the worker, which has only these results. Unless they are [`Results::Any`],
+    /// no closure has changed the simulation.
     pub(super) fn finish(mut self, leaves: Results) {
         self.changed = leaves == Results::Any;
         if !self.own.as_ref().is_some_and(|own| own.computes_other_results()) {
@@ -217,7 +220,8 @@ fn set_own(own: &mut Option<Box<Own>>, difference: &ModelDifference, callbacks: 
     }
 }
 
-/// Sets a simulation to a state of [`StateSpec::INTEGRATION`] with these counters of warnings, and no computed results.
+/// Sets a simulation to a state of [`StateSpec::INTEGRATION`] with these counters of warnings, and
+/// no computed results.
 pub(super) fn continue_from(data: &mut Data, state: &[f64], warnings: &WarningCounters) -> Result<()> {
     data.set_state(StateSpec::INTEGRATION, state)?;
     data.set_computed(PipelineFlags::empty());

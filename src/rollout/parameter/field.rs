@@ -8,49 +8,58 @@ use crate::model::{Model, ModelMut};
 
 /// Quantity of the model with a value for each simulation of a batch. Each is one number.
 ///
-/// All values are those of the model's field, with the exception of [`MassFactor`](Self::MassFactor). Components count from 0.
+/// All values are those of the model's field, with the exception of
+/// [`MassFactor`](Self::MassFactor). Components count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Parameter {
     /// Component of the acceleration of gravity (`opt.gravity`), m/s², in the world frame. Finite.
     #[doc(alias = "gravity")]
     Gravity(usize),
-    /// Factor of the mass and the moments of inertia of a body relative to the model of the batch, as in
-    /// [`scale_mass`](crate::element::BodyMut::scale_mass). From 1e-6 to 1e6. Updates the derived constants.
+    /// Factor of the mass and the moments of inertia of a body relative to the model of the batch,
+    /// as in [`scale_mass`](crate::element::BodyMut::scale_mass). From 1e-6 to 1e6. Updates the
+    /// derived constants.
     #[doc(alias = "body_mass")]
     MassFactor(BodyId),
-    /// Component of the position of a body's centre of mass in its frame (`body_ipos`), m. Finite. Updates the derived constants.
-    /// Engines since 2.3 return an error for a body that moves independently (`body_simple`).
+    /// Component of the position of a body's centre of mass in its frame (`body_ipos`), m. Finite.
+    /// Updates the derived constants. Engines since 2.3 return an error for a body that moves
+    /// independently (`body_simple`).
     #[doc(alias = "body_ipos")]
     CentreOfMass(BodyId, usize),
     /// Stiffness of a joint's spring (`jnt_stiffness`), N/m or N·m/rad. Not negative.
     #[doc(alias = "jnt_stiffness")]
     JointStiffness(JointId),
-    /// Damping of all degrees of freedom of a joint (`dof_damping`), N·s/m or N·m·s/rad. Not negative.
+    /// Damping of all degrees of freedom of a joint (`dof_damping`), N·s/m or N·m·s/rad. Not
+    /// negative.
     #[doc(alias = "dof_damping")]
     JointDamping(JointId),
-    /// Dry friction of all degrees of freedom of a joint (`dof_frictionloss`), N or N·m. Not negative.
+    /// Dry friction of all degrees of freedom of a joint (`dof_frictionloss`), N or N·m. Not
+    /// negative.
     #[doc(alias = "dof_frictionloss")]
     JointFrictionLoss(JointId),
-    /// Inertia of the rotor, added to all degrees of freedom of a joint (`dof_armature`), kg or kg·m². Not negative. Updates the derived
-    /// constants.
+    /// Inertia of the rotor, added to all degrees of freedom of a joint (`dof_armature`), kg or
+    /// kg·m². Not negative. Updates the derived constants.
     #[doc(alias = "dof_armature")]
     JointArmature(JointId),
-    /// Friction coefficient of a geom (`geom_friction`): sliding, torsional (m), rolling (m). Not negative.
+    /// Friction coefficient of a geom (`geom_friction`): sliding, torsional (m), rolling (m). Not
+    /// negative.
     #[doc(alias = "geom_friction")]
     GeomFriction(GeomId, usize),
-    /// Size of a sphere, capsule, cylinder, ellipsoid or box (`geom_size`), m. Positive. Updates the bounds for
-    /// collision detection with the derived constants. The mass of the body does not change.
+    /// Size of a sphere, capsule, cylinder, ellipsoid or box (`geom_size`), m. Positive. Updates
+    /// the bounds for collision detection with the derived constants. The mass of the body does not
+    /// change.
     #[doc(alias = "geom_size")]
     GeomSize(GeomId, usize),
-    /// Gain parameter of an actuator (`actuator_gainprm`): for motors, position and velocity actuators the gain is component 0. Finite.
+    /// Gain parameter of an actuator (`actuator_gainprm`): for motors, position and velocity
+    /// actuators the gain is component 0. Finite.
     #[doc(alias = "actuator_gainprm")]
     ActuatorGain(ActuatorId, usize),
-    /// Bias parameter of an actuator (`actuator_biasprm`): constant, factor of the length and factor of the velocity for affine actuators.
-    /// Finite.
+    /// Bias parameter of an actuator (`actuator_biasprm`): constant, factor of the length and
+    /// factor of the velocity for affine actuators. Finite.
     #[doc(alias = "actuator_biasprm")]
     ActuatorBias(ActuatorId, usize),
-    /// First component of an actuator's gear (`actuator_gear`). Finite. Updates the derived constants.
+    /// First component of an actuator's gear (`actuator_gear`). Finite. Updates the derived
+    /// constants.
     #[doc(alias = "actuator_gear")]
     ActuatorGear(ActuatorId),
 }
@@ -121,7 +130,8 @@ impl Parameter {
         }
     }
 
-    /// Returns the name, for example `geom_friction[0] of geom 'floor'`, or an error if the model does not have the quantity.
+    /// Returns the name, for example `geom_friction[0] of geom 'floor'`, or an error if the model
+    /// does not have the quantity.
     ///
     /// # Panics
     ///

@@ -10,7 +10,8 @@ use super::Batch;
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};
 
-/// List of parameters that differ between the simulations of a [`Batch`], each with the distribution of its values.
+/// List of parameters that differ between the simulations of a [`Batch`], each with the
+/// distribution of its values.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -57,8 +58,9 @@ impl Parameters {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for a parameter that is already in the list, a component out of range, a geom whose size cannot vary, and a
-    /// distribution with values that are not valid for the parameter.
+    /// [`Error::Invalid`] for a parameter that is already in the list, a component out of range, a
+    /// geom whose size cannot vary, and a distribution with values that are not valid for the
+    /// parameter.
     ///
     /// # Panics
     ///
@@ -117,7 +119,8 @@ impl Parameters {
         self.columns.is_empty()
     }
 
-    /// Returns the names of the parameters, in the order of the columns: `factor of the mass of body 'pole'`, `gravity[2]`.
+    /// Returns the names of the parameters, in the order of the columns:
+    /// `factor of the mass of body 'pole'`, `gravity[2]`.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|column| &*column.name)
     }
@@ -153,7 +156,8 @@ impl Parameters {
         Ok(())
     }
 
-    /// Writes the values that differ from the present ones to a copy of the model, and updates the derived constants if necessary.
+    /// Writes the values that differ from the present ones to a copy of the model, and updates the
+    /// derived constants if necessary.
     pub(super) fn write(&self, from: &[f64], to: &[f64], model: &Model, copy: &mut ModelMut<'_>) -> Result<()> {
         let mut has_derived_constants = false;
         let changes =

@@ -1,12 +1,13 @@
-//! Random numbers that depend on the simulation and its episode only, and distributions of parameters.
+//! Random numbers that depend on the simulation and its episode only, and distributions of
+//! parameters.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Generator of random numbers for one episode of one simulation.
 ///
-/// The numbers are determined by the seed, the index of the simulation and the number of the episode. They depend neither on the number of
-/// threads nor on other simulations.
+/// The numbers are determined by the seed, the index of the simulation and the number of the
+/// episode. They depend neither on the number of threads nor on other simulations.
 ///
 /// ```
 /// use mujoco_safe::rollout::Random;
@@ -36,9 +37,10 @@ impl Random {
         Self::stream(seed, index, episode, 0)
     }
 
-    /// Creates one of several independent generators of an episode. Stream 0 is that of [`new`](Self::new). Parameter `k` of
-    /// [`Parameters`](super::Parameters) uses stream `k + 1`, and the noise and delays of a
-    /// [`VectorEnvironment`](crate::environment::VectorEnvironment) use stream `u64::MAX`. For others, choose large numbers.
+    /// Creates one of several independent generators of an episode. Stream 0 is that of
+    /// [`new`](Self::new). Parameter `k` of [`Parameters`](super::Parameters) uses stream `k + 1`,
+    /// and the noise and delays of a [`VectorEnvironment`](crate::environment::VectorEnvironment)
+    /// use stream `u64::MAX`. For others, choose large numbers.
     pub fn stream(seed: u64, index: usize, episode: u64, stream: u64) -> Self {
         let key = [index as u64, episode, stream].into_iter().fold(mix(seed), |key, number| mix(key ^ mix(number)));
         Self { generator: Xoshiro256PlusPlus::seed_from_u64(key) }
@@ -60,7 +62,8 @@ impl Random {
     }
 }
 
-/// Permutes 64-bit integers so that neighbours differ in about half of their bits: the output function of SplitMix64 (Steele et al. 2014).
+/// Permutes 64-bit integers so that neighbours differ in about half of their bits: the output
+/// function of SplitMix64 (Steele et al. 2014).
 fn mix(number: u64) -> u64 {
     let mut mixed = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -68,7 +71,8 @@ fn mix(number: u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// Distribution from which [`Batch::draw_parameters`](super::Batch::draw_parameters) draws the value of a [`Parameter`](super::Parameter).
+/// Distribution from which [`Batch::draw_parameters`](super::Batch::draw_parameters) draws the
+/// value of a [`Parameter`](super::Parameter).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Distribution {
@@ -101,7 +105,8 @@ pub enum Distribution {
 const TRUNCATION: f64 = 3.0;
 
 impl Distribution {
-    /// Returns the smallest and the largest value, if any. They are in this order if the distribution is valid.
+    /// Returns the smallest and the largest value, if any. They are in this order if the
+    /// distribution is valid.
     pub(super) fn bounds(&self) -> Option<[f64; 2]> {
         match *self {
             Self::Unchanged => None,

@@ -63,8 +63,9 @@ impl Angles {
         Ok(())
     }
 
-    /// Converts a rotation. Where attributes of an element and of its class compete, the kind of the attribute decides which one the compiler
-    /// uses, so the kind stays the same if the order of Euler angles does.
+    /// Converts a rotation. Where attributes of an element and of its class compete, the kind of
+    /// the attribute decides which one the compiler uses, so the kind stays the same if the order
+    /// of Euler angles does.
     fn convert_rotation(
         &self,
         tree: &mut Tree,

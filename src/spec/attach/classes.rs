@@ -82,8 +82,9 @@ fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
     std::iter::successors(tree.parent(index), |&outer| tree.parent(outer)).filter(|&outer| outer != Tree::ROOT)
 }
 
-/// Gives a tree and one that becomes a part of it separate classes, so that no element gets defaults of the other one. `body` is the body
-/// that will contain the child, and `prefix` that of the child's names. Returns the new class of the tree's own elements, if `main` had defaults.
+/// Gives a tree and one that becomes a part of it separate classes, so that no element gets
+/// defaults of the other one. `body` is the body that will contain the child, and `prefix` that of
+/// the child's names. Returns the new class of the tree's own elements, if `main` had defaults.
 pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<Option<Index>> {
     let of_body =
         std::iter::once(body).chain(ancestors(tree, body)).any(|outer| tree.attribute(outer, "childclass").is_some());
@@ -98,7 +99,8 @@ pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &
     Ok(own)
 }
 
-/// Gives the elements of a tree a class without the attached ones, which `main` contains too. Returns the class.
+/// Gives the elements of a tree a class without the attached ones, which `main` contains too.
+/// Returns the class.
 pub(in super::super) fn separate_own(tree: &mut Tree, attached: &HashSet<Index>) -> Result<Index> {
     let name = unused(&[tree], "outer");
     demote(tree, &name, true, attached)
@@ -124,8 +126,8 @@ fn has_settings(tree: &Tree) -> bool {
     tree.sections("default").any(|section| tree.children(section).iter().any(|&child| tree.tag(child) != "default"))
 }
 
-/// Moves all classes into a new one with this name, which is directly in `main`, and gives it to all elements without a class, except
-/// `others`. Returns the class.
+/// Moves all classes into a new one with this name, which is directly in `main`, and gives it to
+/// all elements without a class, except `others`. Returns the class.
 fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -> Result<Index> {
     let of = |tree: &Tree, index| -> Vec<Index> {
         tree.children(index).iter().copied().filter(|child| !others.contains(child)).collect()
@@ -137,7 +139,8 @@ fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -
     let last = contents.pop().unwrap_or_default();
     let mut place = tree.section("default");
     for content in contents.into_iter().map(Some).chain([None]) {
-        // Classes in a section have the defaults of this and of earlier sections, not those of later ones.
+        // Classes in a section have the defaults of this and of earlier sections, not those of
+        // later ones.
         let class_name = if content.is_some() { unused(&[tree], &format!("{name}_")) } else { name.to_owned() };
         let class = tree.add(place, "default");
         tree.node_mut(class).set("class", class_name);

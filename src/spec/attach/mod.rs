@@ -21,7 +21,8 @@ use crate::error::{Error, Result};
 use crate::kind::{self, Kind};
 use crate::math::{self, Pose};
 
-/// Place at which [`Spec::attach`] puts the world of another spec: a body or a site, and a pose in its frame.
+/// Place at which [`Spec::attach`] puts the world of another spec: a body or a site, and a pose in
+/// its frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Mount {
     place: Place,
@@ -67,32 +68,36 @@ const COPIED: [&str; 10] =
 
 /// # Attachment
 impl Spec {
-    /// Attaches another spec: adds copies of the elements of its world to a body, and copies of its other elements, with `prefix` before all
-    /// names. Returns the ids of the bodies that were in its world.
+    /// Attaches another spec: adds copies of the elements of its world to a body, and copies of its
+    /// other elements, with `prefix` before all names. Returns the ids of the bodies that were in
+    /// its world.
     ///
-    /// The attached elements keep the defaults, angles, limits and directories of their own spec: classes of defaults are copied, angles are
-    /// converted if the unit or the order of Euler angles differs, limits become explicit if `autolimits` differs, and names of files become
-    /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the type that the joint has when the text is
-    /// written, also if the position or the type is that of a class, and for joints that are added later. Defaults in `main` of this spec,
-    /// also later ones by [`default_mut`](Self::default_mut) and [`section_mut`](Self::section_mut), move to a class of their own, which its
-    /// elements get, also those that are added later.
+    /// The attached elements keep the defaults, angles, limits and directories of their own spec:
+    /// classes of defaults are copied, angles are converted if the unit or the order of Euler
+    /// angles differs, limits become explicit if `autolimits` differs, and names of files become
+    /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the
+    /// type that the joint has when the text is written, also if the position or the type is that
+    /// of a class, and for joints that are added later. Defaults in `main` of this spec, also later
+    /// ones by [`default_mut`](Self::default_mut) and [`section_mut`](Self::section_mut), move to a
+    /// class of their own, which its elements get, also those that are added later.
     ///
-    /// References to the world become references to the body, and anchors of constraints in the world
-    /// move with the pose. Options, statistics, visualiser settings, sizes and keyframes of the other
-    /// spec are not copied. The settings of `compiler` that concern the model as a whole, such as
-    /// `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
+    /// References to the world become references to the body, and anchors of constraints in the
+    /// world move with the pose. Options, statistics, visualiser settings, sizes and keyframes of
+    /// the other spec are not copied. The settings of `compiler` that concern the model as a whole,
+    /// such as `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
     ///
-    /// The settings of `compiler` that concern inertia and meshes must agree, such as `balanceinertia` and `fitaabb`. A spec without bodies
-    /// and meshes takes those of the first one that is attached.
+    /// The settings of `compiler` that concern inertia and meshes must agree, such as
+    /// `balanceinertia` and `fitaabb`. A spec without bodies and meshes takes those of the first
+    /// one that is attached.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings differ, or if a pose or an angle is
-    /// not a list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or has
-    /// an attribute that only newer engines than those of this crate have, or for a prefix and a skin
-    /// whose file names bodies. The pose must be that of
-    /// the body for elements that refer to the frame of the world: vertices of flexes, bones of skins,
-    /// targets of cameras and lights, frames of sensors, and `relpose`.
+    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings
+    /// differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
+    /// element cannot be moved to the pose, or has an attribute that only newer engines than those
+    /// of this crate have, or for a prefix and a skin whose file names bodies. The pose must be
+    /// that of the body for elements that refer to the frame of the world: vertices of flexes,
+    /// bones of skins, targets of cameras and lights, frames of sensors, and `relpose`.
     ///
     /// # Panics
     ///
@@ -200,7 +205,8 @@ impl Spec {
 
 const BODY: Named = Named::Kind(Kind::Body);
 
-/// Returns an error if an element has an attribute of a newer engine, which may be a name, an angle, a limit or a place in the world.
+/// Returns an error if an element has an attribute of a newer engine, which may be a name, an
+/// angle, a limit or a place in the world.
 fn check_known(child: &Tree) -> Result<()> {
     let sections = COPIED.iter().chain(&["worldbody"]).flat_map(|tag| child.sections(tag));
     for index in sections.flat_map(|section| child.descendants(section)) {
@@ -236,8 +242,8 @@ fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
     Ok(())
 }
 
-/// Moves the anchors of constraints in the world, and makes the world explicit in constraints without
-/// a second body.
+/// Moves the anchors of constraints in the world, and makes the world explicit in constraints
+/// without a second body.
 fn move_anchors(child: &mut Tree, pose: &Pose) -> Result<()> {
     let is_moved = *pose != Pose::default();
     let constraints: Vec<Index> =
@@ -280,7 +286,8 @@ fn refer_to_frame(child: &mut Tree, body: &str, pose: &Pose) -> Result<()> {
             if *pose != Pose::default() {
                 return Err(in_world(child, index, &attribute));
             }
-            // Of other bodies than the world, `body` is the inertial frame. Plugins interpret the type themselves.
+            // Of other bodies than the world, `body` is the inertial frame. Plugins interpret the
+            // type themselves.
             let kind = attribute.replace("name", "type");
             if body != WORLD && child.tag(index) != "plugin" && child.attribute(index, &kind) == Some("body") {
                 child.node_mut(index).set(&kind, "xbody".to_owned());
@@ -297,7 +304,8 @@ fn in_world(child: &Tree, index: Index, attribute: &str) -> Error {
     ))
 }
 
-/// Puts a prefix before all names and references. References to the world become references to `body`.
+/// Puts a prefix before all names and references. References to the world become references to
+/// `body`.
 fn add_prefix(child: &mut Tree, prefix: &str, body: &str) {
     names::map_references(child, &mut |class, name| {
         let is_world = class == BODY && name == WORLD;

@@ -44,7 +44,8 @@ fn not_movable<T>(tree: &Tree, index: Index) -> Result<T> {
     Err(Error::Unsupported(format!("cannot attach {element} at a pose; put it into a body of its spec")))
 }
 
-/// Returns the elements `flexcomp` to which the pose of an element applies: itself, or those in frames.
+/// Returns the elements `flexcomp` to which the pose of an element applies: itself, or those in
+/// frames.
 fn flexes_in_frames(tree: &Tree, index: Index) -> Vec<Index> {
     match tree.tag(index) {
         "flexcomp" => vec![index],
@@ -54,8 +55,8 @@ fn flexes_in_frames(tree: &Tree, index: Index) -> Vec<Index> {
 }
 
 /// Returns `true` if a `flexcomp` at another pose is the same object. The compiler moves the
-/// vertices. The axes of their joints remain those of the body, and radial joints point away from its
-/// origin. The box of the nodes turns in newer engines, but not with pins.
+/// vertices. The axes of their joints remain those of the body, and radial joints point away from
+/// its origin. The box of the nodes turns in newer engines, but not with pins.
 fn is_movable(tree: &Tree, flex: Index, pose: &Pose) -> bool {
     let is_turned = pose.quat != Pose::default().quat;
     let is_pinned = || tree.children(flex).iter().any(|&child| tree.tag(child) == "pin");
@@ -68,7 +69,8 @@ fn is_movable(tree: &Tree, flex: Index, pose: &Pose) -> bool {
     }
 }
 
-/// Changes the pose of an element. Returns `false`, and changes nothing, if only the compiler can do that.
+/// Changes the pose of an element. Returns `false`, and changes nothing, if only the compiler can
+/// do that.
 fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) -> Result<bool> {
     let is_turned = pose.quat != Pose::default().quat;
     match tree.tag(index) {
@@ -85,7 +87,8 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
                 tree.node_mut(index).set("fromto", (&moved[..]).text().into_owned());
                 return Ok(true);
             }
-            // A quaternion does not replace these attributes of a class, also where the element has replaced them by its own.
+            // A quaternion does not replace these attributes of a class, also where the element has
+            // replaced them by its own.
             let of_class = |name: &&str| classes::of_class(tree, index, name).is_some();
             if is_turned && (competes(tree, index) || ORIENTATIONS[1..].iter().any(of_class)) {
                 return Ok(false);
@@ -115,8 +118,8 @@ fn move_in_place(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles) ->
     Ok(true)
 }
 
-/// Replaces the ends of a capsule or cylinder by its size and its pose, with the rotation about the axis that the compiler chooses. Newer engines
-/// have frames for this.
+/// Replaces the ends of a capsule or cylinder by its size and its pose, with the rotation about the
+/// axis that the compiler chooses. Newer engines have frames for this.
 fn turn_ends(tree: &mut Tree, index: Index, pose: &Pose, ends: &[f64]) -> Result<bool> {
     let is_of_class = |name: &str| classes::of_class(tree, index, name).is_some();
     let is_round = matches!(classes::effective(tree, index, "type"), Some("capsule" | "cylinder"));
@@ -143,8 +146,8 @@ fn turn_ends(tree: &mut Tree, index: Index, pose: &Pose, ends: &[f64]) -> Result
     Ok(true)
 }
 
-/// Returns `true` if an element and its classes have several attributes of its orientation, of which the version of the engine decides which
-/// one it uses.
+/// Returns `true` if an element and its classes have several attributes of its orientation, of
+/// which the version of the engine decides which one it uses.
 fn competes(tree: &Tree, index: Index) -> bool {
     let found: Vec<&str> =
         ORIENTATIONS.into_iter().filter(|name| classes::effective(tree, index, name).is_some()).collect();

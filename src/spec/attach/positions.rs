@@ -1,8 +1,9 @@
 //! Joint positions of a spec with another unit of angles.
 //!
-//! The type of a joint decides whether its position is an angle, and the type and the position can have different places: one is an attribute
-//! of the joint and the other one of its class, which also serves joints of other types, and both can change later. So an attribute keeps
-//! its value as an angle and as a length until the text is written.
+//! The type of a joint decides whether its position is an angle, and the type and the position can
+//! have different places: one is an attribute of the joint and the other one of its class, which
+//! also serves joints of other types, and both can change later. So an attribute keeps its value as
+//! an angle and as a length until the text is written.
 
 use std::borrow::Cow;
 
@@ -61,7 +62,8 @@ pub(in super::super) fn resolved(tree: &Tree) -> Cow<'_, Tree> {
     Cow::Owned(resolved)
 }
 
-/// Returns `true` if the compiler reads an attribute of a joint, or of the defaults of joints, as an angle.
+/// Returns `true` if the compiler reads an attribute of a joint, or of the defaults of joints, as
+/// an angle.
 fn is_angle(tree: &Tree, index: Index, attribute: &str) -> Result<bool> {
     let joint_type = classes::effective(tree, index, "type").unwrap_or("hinge");
     match (joint_type, attribute) {

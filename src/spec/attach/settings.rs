@@ -30,8 +30,8 @@ const OF_MESHES: [&str; 3] = ["convexhull", "exactmeshinertia", "fitaabb"];
 /// Default of `autolimits`.
 const AUTOLIMITS: &str = if cfg!(engine_since = "2.3.0") { "true" } else { "false" };
 
-/// Adapts a spec to the settings of the one to which it is attached, or returns an error. A spec without bodies takes the settings of the
-/// attached one that it does not have.
+/// Adapts a spec to the settings of the one to which it is attached, or returns an error. A spec
+/// without bodies takes the settings of the attached one that it does not have.
 pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
     if paths::setting(child, "coordinate") == Some("global") {
         return Err(Error::Unsupported("cannot attach a spec with global coordinates".to_owned()));
@@ -71,7 +71,8 @@ pub(super) fn are_limits_automatic(tree: &Tree) -> bool {
     paths::setting(tree, "autolimits").unwrap_or(AUTOLIMITS) == "true"
 }
 
-/// Removes the inertias that the compiler replaces by those of the geoms. Returns `true` if all inertias are those of geoms.
+/// Removes the inertias that the compiler replaces by those of the geoms. Returns `true` if all
+/// inertias are those of geoms.
 fn compute_inertia(child: &mut Tree) -> bool {
     let inertias: Vec<Index> =
         child.descendants(Tree::ROOT).into_iter().filter(|&index| child.tag(index) == "inertial").collect();

@@ -1,4 +1,5 @@
-//! Physics' side of the link: execution of the requests that any simulation supports, and publication of snapshots.
+//! Physics' side of the link: execution of the requests that any simulation supports, and
+//! publication of snapshots.
 
 mod keyframe;
 mod publish;
@@ -124,8 +125,9 @@ impl SimulationEndpoint {
         data.set_state(APPLIED, &self.start[before..before + model.state_size(APPLIED)])
     }
 
-    /// Recomputes the quantities that depend on the state, and leaves the state unchanged bit for bit: forward dynamics alone would
-    /// change the warm start of the solver and the last bits of quaternions.
+    /// Recomputes the quantities that depend on the state, and leaves the state unchanged bit for
+    /// bit: forward dynamics alone would change the warm start of the solver and the last bits of
+    /// quaternions.
     pub fn refresh(&mut self, data: &mut Data) -> Result<()> {
         self.state.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
         data.state_into(StateSpec::INTEGRATION, &mut self.state)?;

@@ -10,13 +10,14 @@ use crate::viewer::instruments::Instruments;
 use crate::viewer::link::{Event, SelectedBody, Snapshot};
 
 impl SimulationEndpoint {
-    /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the fields that differ between the viewer's
-    /// and a program's simulation, such as status, mode and speed. If the data is unusable, the snapshot has its values and the
-    /// previous scene.
+    /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the
+    /// fields that differ between the viewer's and a program's simulation, such as status, mode and
+    /// speed. If the data is unusable, the snapshot has its values and the previous scene.
     ///
     /// # Errors
     ///
-    /// If there is no memory for a scene, or if `add` or the instruments add an invalid geom. The snapshot is published in the second case.
+    /// If there is no memory for a scene, or if `add` or the instruments add an invalid geom. The
+    /// snapshot is published in the second case.
     pub fn publish(
         &mut self,
         data: &mut Data,
@@ -118,7 +119,8 @@ impl SimulationEndpoint {
     }
 }
 
-/// Adds the geoms of the instruments to a scene. The controller may have created them for a model that the user has replaced.
+/// Adds the geoms of the instruments to a scene. The controller may have created them for a model
+/// that the user has replaced.
 fn add_instruments(scene: &mut Scene, instruments: &Instruments) -> Result<()> {
     for geom in instruments.geoms() {
         if !geom.fits(scene) {

@@ -18,7 +18,8 @@ use crate::viewer::link::{EndpointRequest, Event, SavedFile};
 const MAX_KEYS: usize = 256;
 
 impl SimulationEndpoint {
-    /// Executes a request. Returns `true` if the state or the model has changed, so that dependent quantities must be recomputed.
+    /// Executes a request. Returns `true` if the state or the model has changed, so that dependent
+    /// quantities must be recomputed.
     ///
     /// # Errors
     ///
@@ -136,8 +137,8 @@ impl SimulationEndpoint {
     }
 }
 
-/// Sets one element of a joint's position. Normalises the quaternion that contains the element, because a drag with the mouse requires
-/// a rotation.
+/// Sets one element of a joint's position. Normalises the quaternion that contains the element,
+/// because a drag with the mouse requires a rotation.
 fn set_position(joint: JointId, part: usize, value: f64, data: &mut Data) -> Result<bool> {
     check_finite("a position", value)?;
     let mut joint = data.joint_mut(joint);

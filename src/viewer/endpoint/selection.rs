@@ -55,7 +55,8 @@ impl SimulationEndpoint {
         Ok(())
     }
 
-    /// Makes the window track the body at a point. The world is not tracked, because it does not move.
+    /// Makes the window track the body at a point. The world is not tracked, because it does not
+    /// move.
     pub(super) fn track(&mut self, point: ViewportPoint, data: &mut Data) -> Result<()> {
         if let Some(found) = self.pick(point, data)?.filter(|found| found.body.index() > 0) {
             self.link.send(Event::Track(found.body));
@@ -96,7 +97,8 @@ impl SimulationEndpoint {
         self.perturbation.remove_force(data);
     }
 
-    /// Applies the perturbation before a step: sets the pose of a mocap body, and adds a force to any other body.
+    /// Applies the perturbation before a step: sets the pose of a mocap body, and adds a force to
+    /// any other body.
     pub fn apply_perturbation(&mut self, data: &mut Data) -> Result<()> {
         if self.perturbation.active.is_empty() {
             return Ok(());

@@ -1,8 +1,10 @@
-//! Table of the key bindings, the single source for key presses, the help on the screen and on the terminal, and the tests.
+//! Table of the key bindings, the single source for key presses, the help on the screen and on the
+//! terminal, and the tests.
 //!
-//! The bindings follow the engine's `simulate`. Keys of MuJoCo.jl's viewer are added if `simulate` does not use them: arrows and Enter
-//! for steps and speed, F8 to F11 for the size, and the keys of trajectories. The engine's own table assigns the comma twice; here it
-//! toggles activations, and segmentation with Shift.
+//! The bindings follow the engine's `simulate`. Keys of MuJoCo.jl's viewer are added if `simulate`
+//! does not use them: arrows and Enter for steps and speed, F8 to F11 for the size, and the keys of
+//! trajectories. The engine's own table assigns the comma twice; here it toggles activations, and
+//! segmentation with Shift.
 
 use super::{Key, KeyPress, Modifiers};
 use crate::scene::{RenderFlags, VisualFlags};

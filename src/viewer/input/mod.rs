@@ -1,4 +1,5 @@
-//! Keyboard and mouse input, independent of the windowing library: keys, the table of bindings, and mouse gestures.
+//! Keyboard and mouse input, independent of the windowing library: keys, the table of bindings, and
+//! mouse gestures.
 
 mod binding;
 mod help;
@@ -71,10 +72,12 @@ impl Modifiers {
     pub const COMMAND: Self = Self(1 << 1);
     /// Alt key, or Option on macOS.
     pub const ALT: Self = Self(1 << 2);
-    /// Remaining modifier: Super (the Windows key), or Ctrl on macOS. No binding of the viewer uses it.
+    /// Remaining modifier: Super (the Windows key), or Ctrl on macOS. No binding of the viewer uses
+    /// it.
     pub const OTHER: Self = Self(1 << 3);
 
-    /// Creates the set of the held keys. [`COMMAND`](Self::COMMAND) is Ctrl or Super, depending on the platform.
+    /// Creates the set of the held keys. [`COMMAND`](Self::COMMAND) is Ctrl or Super, depending on
+    /// the platform.
     #[allow(clippy::fn_params_excessive_bools, reason = "one parameter for each key")]
     pub(crate) fn held(shift: bool, control: bool, alt: bool, system: bool) -> Self {
         let (command, other) = if cfg!(target_os = "macos") { (system, control) } else { (control, system) };

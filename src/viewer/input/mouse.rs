@@ -12,8 +12,8 @@ const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 /// Motion of the pointer, in pixels, beyond which a click becomes a drag.
 const JITTER: f64 = 5.0;
 
-/// Zoom by a notch of the wheel, in units of the picture's height. As in the engine's programs, turning the wheel away from the user
-/// moves the camera away from the scene.
+/// Zoom by a notch of the wheel, in units of the picture's height. As in the engine's programs,
+/// turning the wheel away from the user moves the camera away from the scene.
 const NOTCH: f64 = -0.05;
 
 /// Meaning of a mouse event.
@@ -38,8 +38,8 @@ impl From<PlaybackRequest> for Gesture {
     }
 }
 
-/// Bounds of the time of an event, on any monotonic clock. The exact time is unknown, because an event may have waited in the queue
-/// while a frame was drawn.
+/// Bounds of the time of an event, on any monotonic clock. The exact time is unknown, because an
+/// event may have waited in the queue while a frame was drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EventTime {
     pub earliest: Duration,
@@ -82,7 +82,8 @@ impl Default for Mouse {
 }
 
 impl Mouse {
-    /// Sets the area of the window that shows the scene: the upper left corner and the size, pixels.
+    /// Sets the area of the window that shows the scene: the upper left corner and the size,
+    /// pixels.
     pub fn set_area(&mut self, origin: [f64; 2], size: [f64; 2]) {
         self.origin = origin;
         self.size = size.map(|pixels| pixels.max(1.0));
@@ -95,8 +96,8 @@ impl Mouse {
         ViewportPoint { aspectratio: width / height, position: [x / width, 1.0 - y / height] }
     }
 
-    /// Handles the press of a button. `selected` is `true` if there is a body to perturb. Two presses are a double-click if the bounds
-    /// of their times allow it.
+    /// Handles the press of a button. `selected` is `true` if there is a body to perturb. Two
+    /// presses are a double-click if the bounds of their times allow it.
     pub fn press(
         &mut self,
         button: MouseButton,
@@ -138,7 +139,8 @@ impl Mouse {
         if (0..2).any(|axis| (position[axis] - self.pressed_at[axis]).abs() > JITTER) {
             self.last_press = None;
         }
-        // Relative to the height in both directions, so that the speed does not depend on the aspect ratio.
+        // Relative to the height in both directions, so that the speed does not depend on the
+        // aspect ratio.
         let motion = [0, 1].map(|axis| (position[axis] - before[axis]) / self.size[1]);
         if motion == [0.0; 2] {
             return Gesture::None;

@@ -1,4 +1,5 @@
-//! Requests of the window to the physics, nested by receiver, and events of the physics for the window.
+//! Requests of the window to the physics, nested by receiver, and events of the physics for the
+//! window.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,7 +11,8 @@ use crate::scene::{MouseAction, PerturbationFlags};
 use crate::viewer::endpoint::Watch;
 use crate::viewer::input::KeyPress;
 
-/// Request of the window to the physics. Ids of a model that was replaced in the meantime are ignored.
+/// Request of the window to the physics. Ids of a model that was replaced in the meantime are
+/// ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Request {
     /// Pauses (`true`) or resumes (`false`) the simulation.
@@ -207,15 +209,16 @@ impl Request {
         matches!(self, Self::Endpoint(EndpointRequest::MovePerturbation(..)))
     }
 
-    /// Returns `true` if the effect of this request depends on the poses that are computed from the state.
+    /// Returns `true` if the effect of this request depends on the poses that are computed from the
+    /// state.
     pub fn reads_poses(&self) -> bool {
         use EndpointRequest::{CopyCamera, LookAt, MovePerturbation, Track};
         self.ends_perturbation()
             || matches!(self, Self::Endpoint(LookAt(_) | Track(_) | MovePerturbation(..) | CopyCamera))
     }
 
-    /// Merges the next request into this request if a single request is equivalent to both, so that a slow loop executes fewer
-    /// requests. Returns `false` if the two requests cannot be merged.
+    /// Merges the next request into this request if a single request is equivalent to both, so that
+    /// a slow loop executes fewer requests. Returns `false` if the two requests cannot be merged.
     pub fn merge(&mut self, next: &Self) -> bool {
         use EndpointRequest::{MovePerturbation, SetControl, SetParameter, SetPosition};
         match (self, next) {
@@ -252,7 +255,8 @@ impl Request {
     }
 }
 
-/// Single message of the physics to the window. Continuous state is in the [`Snapshot`](super::Snapshot).
+/// Single message of the physics to the window. Continuous state is in the
+/// [`Snapshot`](super::Snapshot).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Event {
     /// Text for the clipboard.

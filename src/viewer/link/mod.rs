@@ -1,7 +1,7 @@
 //! Connection between the window and the physics.
 //!
-//! Requests flow from the window to the physics through a bounded queue. Snapshots flow back through a triple buffer, events through
-//! a list. Each lock is held only to move values in or out.
+//! Requests flow from the window to the physics through a bounded queue. Snapshots flow back
+//! through a triple buffer, events through a list. Each lock is held only to move values in or out.
 
 mod message;
 mod prediction;
@@ -22,7 +22,8 @@ pub(crate) use self::snapshot::{
 };
 use crate::scene::{Camera, CameraView, SceneOptions};
 
-/// Capacity of the request queue. Requests beyond it are dropped with a warning: the program has not called `sync` for a long time.
+/// Capacity of the request queue. Requests beyond it are dropped with a warning: the program has
+/// not called `sync` for a long time.
 const MAX_REQUESTS: usize = 4096;
 /// Capacity of the event list.
 const MAX_EVENTS: usize = 1024;
@@ -36,8 +37,8 @@ pub(crate) struct SceneView {
 }
 
 impl SceneView {
-    /// Returns `true` if both views are equivalent. The look-at point of a tracking camera is ignored, because the tracked body
-    /// determines it.
+    /// Returns `true` if both views are equivalent. The look-at point of a tracking camera is
+    /// ignored, because the tracked body determines it.
     fn is_equivalent(&self, other: &Self) -> bool {
         let comparable = |camera: Option<Camera>| {
             camera.map(|camera| match camera.view {
@@ -98,7 +99,8 @@ pub(crate) struct PhysicsEnd {
     shared: Arc<Shared>,
 }
 
-/// Creates both ends of a link. The physics thread calls `wake` when there is a new snapshot or event.
+/// Creates both ends of a link. The physics thread calls `wake` when there is a new snapshot or
+/// event.
 pub(crate) fn link(wake: impl Fn() + Send + Sync + 'static) -> (WindowEnd, PhysicsEnd) {
     let shared = Arc::new(Shared {
         inbox: Mutex::default(),
@@ -112,7 +114,8 @@ pub(crate) fn link(wake: impl Fn() + Send + Sync + 'static) -> (WindowEnd, Physi
 }
 
 impl WindowEnd {
-    /// Queues a request. Returns its number, which is that of the previous request if both are merged, or `None` if the queue is full.
+    /// Queues a request. Returns its number, which is that of the previous request if both are
+    /// merged, or `None` if the queue is full.
     pub fn send(&self, request: impl Into<Request>) -> Option<u64> {
         let request = request.into();
         let number = {
@@ -125,7 +128,8 @@ impl WindowEnd {
                 log::warn!("the viewer drops the request {request:?}: {MAX_REQUESTS} requests wait for the program");
                 return None;
             }
-            // A request that refers to the displayed frame must be executed with the view from which the user made it.
+            // A request that refers to the displayed frame must be executed with the view from
+            // which the user made it.
             if request.reads_poses()
                 && let Some(view) = inbox.view.take()
             {
@@ -140,7 +144,8 @@ impl WindowEnd {
         Some(number)
     }
 
-    /// Returns the number of requests that were ever queued, which is the number of the last request.
+    /// Returns the number of requests that were ever queued, which is the number of the last
+    /// request.
     #[cfg(feature = "test-hooks")]
     pub fn queued(&self) -> u64 {
         lock(&self.shared.inbox).queued
@@ -156,7 +161,8 @@ impl WindowEnd {
         self.shared.arrived.notify_one();
     }
 
-    /// Returns the newest snapshot, and `true` if it has not been returned before. `None` before the first snapshot.
+    /// Returns the newest snapshot, and `true` if it has not been returned before. `None` before
+    /// the first snapshot.
     pub fn latest(&mut self) -> Option<(&mut Snapshot, bool)> {
         let mut outbox = lock(&self.shared.outbox);
         if let Some(newer) = outbox.ready.take() {
@@ -168,18 +174,20 @@ impl WindowEnd {
         self.current.as_deref_mut().map(|snapshot| (snapshot, newer))
     }
 
-    /// Returns the snapshot of the last call of [`latest`](Self::latest) or [`take_events`](Self::take_events), mutably.
+    /// Returns the snapshot of the last call of [`latest`](Self::latest) or
+    /// [`take_events`](Self::take_events), mutably.
     pub fn current_mut(&mut self) -> Option<&mut Snapshot> {
         self.current.as_deref_mut()
     }
 
-    /// Returns the snapshot of the last call of [`latest`](Self::latest) or [`take_events`](Self::take_events).
+    /// Returns the snapshot of the last call of [`latest`](Self::latest) or
+    /// [`take_events`](Self::take_events).
     pub fn current(&self) -> Option<&Snapshot> {
         self.current.as_deref()
     }
 
-    /// Removes the events since the last call. Takes the newest snapshot along, so that events match its model. Events about a model
-    /// that was replaced in the meantime are discarded.
+    /// Removes the events since the last call. Takes the newest snapshot along, so that events
+    /// match its model. Events about a model that was replaced in the meantime are discarded.
     pub fn take_events(&mut self) -> Vec<Event> {
         let mut outbox = lock(&self.shared.outbox);
         let mut events = mem::take(&mut outbox.events);
@@ -197,12 +205,14 @@ impl WindowEnd {
     /// Ends the physics thread or the program's loop.
     pub fn close(&self) {
         self.shared.closed.store(true, Ordering::Release);
-        // Taking the lock prevents a lost wake-up: `wait` holds it from its check of the flag until it sleeps.
+        // Taking the lock prevents a lost wake-up: `wait` holds it from its check of the flag until
+        // it sleeps.
         drop(lock(&self.shared.inbox));
         self.shared.arrived.notify_all();
     }
 
-    /// Returns `true` if the window must close: either end has requested it, or the physics has finished.
+    /// Returns `true` if the window must close: either end has requested it, or the physics has
+    /// finished.
     pub fn is_closing(&self) -> bool {
         self.shared.closed.load(Ordering::Acquire) || self.is_finished()
     }
@@ -263,7 +273,8 @@ impl PhysicsEnd {
         }
     }
 
-    /// Publishes a snapshot and wakes the window. Returns a snapshot that is free to be overwritten, if there is any.
+    /// Publishes a snapshot and wakes the window. Returns a snapshot that is free to be
+    /// overwritten, if there is any.
     pub fn publish(&self, snapshot: Box<Snapshot>) -> Option<Box<Snapshot>> {
         let free = {
             let mut outbox = lock(&self.shared.outbox);

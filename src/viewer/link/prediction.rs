@@ -9,14 +9,16 @@ use crate::id::{ActuatorId, EqualityId, JointId};
 use crate::model::Options;
 use crate::viewer::simulation::Burst;
 
-/// Predicted state after the pending requests. The window interprets keys, buttons and edits by it, because the newest snapshot may
-/// be older than the last request while the simulation is busy.
+/// Predicted state after the pending requests. The window interprets keys, buttons and edits by it,
+/// because the newest snapshot may be older than the last request while the simulation is busy.
 ///
-/// Panels base every edit on a predicted value, never on that of the snapshot. A text field discards its text if its number changes while
-/// the user types: with the number of an older snapshot, all digits but the last would be lost. A toggle or a difference would be
-/// computed from the previous value twice.
+/// Panels base every edit on a predicted value, never on that of the snapshot. A text field
+/// discards its text if its number changes while the user types: with the number of an older
+/// snapshot, all digits but the last would be lost. A toggle or a difference would be computed from
+/// the previous value twice.
 ///
-/// Requests are numbered from 1. A snapshot contains the number of the last request that was executed before it.
+/// Requests are numbered from 1. A snapshot contains the number of the last request that was
+/// executed before it.
 #[derive(Debug, Default)]
 pub(crate) struct PredictedState {
     /// Number of the last request that may select a body.
@@ -203,7 +205,8 @@ impl PredictedState {
         })
     }
 
-    /// Returns an element of a joint's position that the user has set, until a snapshot contains it.
+    /// Returns an element of a joint's position that the user has set, until a snapshot contains
+    /// it.
     pub fn position(&self, snapshot: &Snapshot, joint: JointId, part: usize) -> Option<f64> {
         self.endpoint(snapshot, |request| match request {
             EndpointRequest::SetPosition(set, index, value) if (*set, *index) == (joint, part) => Some(*value),
@@ -211,7 +214,8 @@ impl PredictedState {
         })
     }
 
-    /// Returns the state of an equality constraint that the user has set, until a snapshot contains it.
+    /// Returns the state of an equality constraint that the user has set, until a snapshot contains
+    /// it.
     pub fn equality(&self, snapshot: &Snapshot, equality: EqualityId) -> Option<bool> {
         self.endpoint(snapshot, |request| match request {
             EndpointRequest::SetEquality(set, active) if *set == equality => Some(*active),

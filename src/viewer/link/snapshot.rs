@@ -19,7 +19,8 @@ const MAX_GEOMS: usize = 10_000;
 #[derive(Debug)]
 pub(crate) struct Snapshot {
     pub scene: Scene,
-    /// A different `Arc` than in the last snapshot means that the model was edited. A different `generation` means that it was replaced.
+    /// A different `Arc` than in the last snapshot means that the model was edited. A different
+    /// `generation` means that it was replaced.
     pub model: Arc<Model>,
     /// Number of times that the model was replaced.
     pub generation: u64,
@@ -63,7 +64,8 @@ pub(crate) struct Snapshot {
     pub playback: Option<PlaybackState>,
     /// Number of states in the history.
     pub history_len: usize,
-    /// Index of the current state in the history; `history_len` for the newest state, which the history does not contain.
+    /// Index of the current state in the history; `history_len` for the newest state, which the
+    /// history does not contain.
     pub history_position: usize,
     pub selected: Option<SelectedBody>,
     /// Keyframes that the user has captured.
@@ -130,7 +132,8 @@ impl Appearance {
 /// Noise on the controls: an Ornstein–Uhlenbeck process on each control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ControlNoise {
-    /// Standard deviation in half ranges of the control, or in its unit if it has no limits. 0 for no noise.
+    /// Standard deviation in half ranges of the control, or in its unit if it has no limits. 0 for
+    /// no noise.
     pub deviation: f64,
     /// Time in which the correlation falls to 1/e, s.
     pub correlation_time: f64,
@@ -189,7 +192,8 @@ pub(crate) struct SelectedBody {
     pub localpos: [f64; 3],
     /// `true` while the body is pulled or rotated.
     pub active: bool,
-    /// Force, N, and torque, N m, on the centre of mass, world frame. Zero while paused, because the pose is set directly then.
+    /// Force, N, and torque, N m, on the centre of mass, world frame. Zero while paused, because
+    /// the pose is set directly then.
     pub force: [f64; 6],
 }
 

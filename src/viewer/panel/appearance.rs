@@ -1,4 +1,5 @@
-//! Panel of the model's appearance: the settings of the visualiser (`mjModel.vis`) and the statistics on which they are based (`mjModel.stat`).
+//! Panel of the model's appearance: the settings of the visualiser (`mjModel.vis`) and the
+//! statistics on which they are based (`mjModel.stat`).
 
 use egui::{CollapsingHeader, DragValue, Ui};
 

@@ -22,7 +22,8 @@ impl Curve {
         Self { name: name.into(), points: VecDeque::with_capacity(MAX_POINTS) }
     }
 
-    /// Appends a point, and removes points at or after its time, which decreases after a step back. NaN leaves a gap.
+    /// Appends a point, and removes points at or after its time, which decreases after a step back.
+    /// NaN leaves a gap.
     pub fn push(&mut self, time: f64, value: f64) {
         while self.points.back().is_some_and(|[last, _]| *last >= time) {
             self.points.pop_back();
@@ -109,7 +110,8 @@ impl Curves {
         }
     }
 
-    /// Adds the values of the instruments. Other plots or curves than in the last snapshot replace all plots.
+    /// Adds the values of the instruments. Other plots or curves than in the last snapshot replace
+    /// all plots.
     fn update_instruments(&mut self, time: f64, values: &[PlottedValue]) {
         let number: usize = self.instruments.iter().map(|plot| plot.curves.len()).sum();
         let curve_of = |plots: &mut [InstrumentPlot], value: &PlottedValue| {

@@ -10,7 +10,8 @@ use crate::viewer::link::EndpointRequest;
 /// Maximum number of results.
 const MAX_RESULTS: usize = 12;
 
-/// Panel with a text field and the elements whose names contain the text. A click selects the body of an element.
+/// Panel with a text field and the elements whose names contain the text. A click selects the body
+/// of an element.
 #[derive(Default)]
 pub(super) struct FindPanel {
     text: String,
@@ -39,7 +40,8 @@ impl FindPanel {
     }
 }
 
-/// Returns the kind, the name and the body of each element whose name contains the text, in upper or lower case.
+/// Returns the kind, the name and the body of each element whose name contains the text, in upper
+/// or lower case.
 fn find<'m>(model: &'m Model, text: &str) -> impl Iterator<Item = (&'static str, &'m str, BodyId)> {
     let wanted = text.to_lowercase();
     let bodies = model.bodies().map(|body| ("body", body.name(), body.id()));

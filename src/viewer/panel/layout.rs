@@ -1,5 +1,6 @@
-//! Layout of the panels. The side panels lie beside the picture of the scene, the others over it. All are in layers above the
-//! background layer, so that the overlay can always determine if the pointer is over a panel.
+//! Layout of the panels. The side panels lie beside the picture of the scene, the others over it.
+//! All are in layers above the background layer, so that the overlay can always determine if the
+//! pointer is over a panel.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -11,7 +12,8 @@ use egui::{
 
 use crate::viewer::view::View;
 
-/// Width of the side panels and of their content, points. A narrow window has narrower panels, whose content scrolls.
+/// Width of the side panels and of their content, points. A narrow window has narrower panels,
+/// whose content scrolls.
 const SIDE_WIDTH: f32 = 286.0;
 /// Minimum width of a side panel, points.
 const MIN_SIDE_WIDTH: f32 = 100.0;
@@ -20,8 +22,9 @@ const MIN_PICTURE_WIDTH: f32 = 264.0;
 /// Gap around the panels, points.
 pub(super) const GAP: f32 = 8.0;
 
-/// Returns the widths of the left and right side panels in a window of this width, in points. A closed panel has the width zero. The
-/// plots and the instruments, if there are any, are in the right panel.
+/// Returns the widths of the left and right side panels in a window of this width, in points. A
+/// closed panel has the width zero. The plots and the instruments, if there are any, are in the
+/// right panel.
 pub fn side_widths(view: &View, has_instruments: bool, window: f32) -> [f32; 2] {
     let right = view.right_panel || view.profile || view.sensors || (view.instruments && has_instruments);
     let open = [view.left_panel, right];
@@ -30,7 +33,8 @@ pub fn side_widths(view: &View, has_instruments: bool, window: f32) -> [f32; 2] 
     open.map(|open| if open { width } else { 0.0 })
 }
 
-/// Returns whether a window of this width, in points, has place for both side panels and the picture.
+/// Returns whether a window of this width, in points, has place for both side panels and the
+/// picture.
 pub fn has_place_for_sides(window: f32) -> bool {
     window >= 2.0 * SIDE_WIDTH + MIN_PICTURE_WIDTH
 }
@@ -120,8 +124,8 @@ pub(super) fn labelled<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnO
     .inner
 }
 
-/// Elides a text that is wider than `width` in the body font. The middle is replaced, because the ends of the names of similar elements
-/// differ.
+/// Elides a text that is wider than `width` in the body font. The middle is replaced, because the
+/// ends of the names of similar elements differ.
 pub(super) fn fit<'a>(ui: &Ui, text: &'a str, width: f32) -> Cow<'a, str> {
     let font = TextStyle::Body.resolve(ui.style());
     ui.fonts_mut(|fonts| elide(text, width, |character| fonts.glyph_width(&font, character)))
@@ -149,8 +153,8 @@ fn elide(text: &str, width: f32, mut glyph_width: impl FnMut(char) -> f32) -> Co
     format!("{start}…{end}").into()
 }
 
-/// Shows a slider over a range. Only edits by the user are limited to the range and rounded: a slider that limited the shown value would
-/// edit it.
+/// Shows a slider over a range. Only edits by the user are limited to the range and rounded: a
+/// slider that limited the shown value would edit it.
 pub(super) fn slider<N: egui::emath::Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
     Slider::new(value, range).clamping(SliderClamping::Edits)
 }
@@ -161,8 +165,9 @@ pub(super) fn frame(context: &Context) -> Frame {
     Frame::new().fill(fill).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(10, 8))
 }
 
-/// Returns the frame of a side panel. It has no background, because filling a third of the window by the shader of the panels costs a software
-/// rasteriser as much time as the rest of the panels: the window's canvas has this colour beside the scene.
+/// Returns the frame of a side panel. It has no background, because filling a third of the window
+/// by the shader of the panels costs a software rasteriser as much time as the rest of the panels:
+/// the window's canvas has this colour beside the scene.
 fn side_frame(context: &Context) -> Frame {
     frame(context).corner_radius(CornerRadius::ZERO).fill(Color32::TRANSPARENT)
 }

@@ -1,4 +1,5 @@
-//! Panels over the scene. They display a snapshot and the view, and turn the user's input into actions.
+//! Panels over the scene. They display a snapshot and the view, and turn the user's input into
+//! actions.
 
 mod appearance;
 mod curves;
@@ -53,7 +54,8 @@ impl PanelContext<'_> {
         self.actions.push(Action::Send(request.into()));
     }
 
-    /// Returns `true` if states can be edited. A simulation that the viewer runs would overwrite them immediately.
+    /// Returns `true` if states can be edited. A simulation that the viewer runs would overwrite
+    /// them immediately.
     fn is_editable(&self) -> bool {
         matches!(self.snapshot.status, Status::Paused | Status::Program)
     }

@@ -76,7 +76,8 @@ struct Message {
     is_problem: bool,
     /// Display time.
     time: Duration,
-    /// End of the display time, which starts when the message is first shown: a frame may take longer.
+    /// End of the display time, which starts when the message is first shown: a frame may take
+    /// longer.
     until: Option<Instant>,
 }
 
@@ -111,7 +112,8 @@ impl Messages {
         self.messages.push(Message { text, is_problem, time, until: None });
     }
 
-    /// Starts the display time of new messages and removes those whose time is over. Returns the time until the next removal.
+    /// Starts the display time of new messages and removes those whose time is over. Returns the
+    /// time until the next removal.
     fn update(&mut self, now: Instant) -> Option<Duration> {
         let time_left =
             |message: &mut Message| message.until.get_or_insert(now + message.time).saturating_duration_since(now);
@@ -190,7 +192,8 @@ pub(super) fn show_help(context: &Context, cx: &PanelContext<'_>) {
     });
 }
 
-/// Distributes sections over columns: the longest first, each into the shortest column. Keeps their order within and between columns.
+/// Distributes sections over columns: the longest first, each into the shortest column. Keeps their
+/// order within and between columns.
 fn split(sections: &[HelpSection], columns: usize) -> Vec<Vec<&HelpSection>> {
     let length = |section: usize| sections[section].lines.len() + 2;
     let mut order: Vec<usize> = (0..sections.len()).collect();

@@ -11,8 +11,8 @@ const SCALES: std::ops::RangeInclusive<f64> = 0.25..=4.0;
 /// Factor of a step of the scale.
 const SCALE_STEP: f64 = 1.1;
 
-/// Palettes of the curves on a dark and on a light background: distinguishable with colour blindness (Okabe and Ito, 2008), brightened or
-/// darkened.
+/// Palettes of the curves on a dark and on a light background: distinguishable with colour
+/// blindness (Okabe and Ito, 2008), brightened or darkened.
 const CURVES: [[Color32; 8]; 2] = [
     [
         Color32::from_rgb(86, 180, 233),

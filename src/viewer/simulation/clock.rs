@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// Maximum lag behind real time that is caught up, s. The excess is dropped, so that a simulation that is slower than real time does
-/// not accumulate an unbounded lag.
+/// Maximum lag behind real time that is caught up, s. The excess is dropped, so that a simulation
+/// that is slower than real time does not accumulate an unbounded lag.
 const MAX_LAG: f64 = 0.1;
 
 /// Interval over which the speed is measured.
@@ -16,7 +16,8 @@ pub(crate) enum Due {
     At(Duration),
 }
 
-/// Clock that keeps simulated time at a multiple of real time. The caller provides real time, from any monotonic clock.
+/// Clock that keeps simulated time at a multiple of real time. The caller provides real time, from
+/// any monotonic clock.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RealTimeClock {
     /// Start of the synchronisation; `None` while stopped.
@@ -36,8 +37,8 @@ struct Origin {
 }
 
 impl RealTimeClock {
-    /// Returns the time of the next step at a speed: simulated over real time. The first call, and a call with a new speed, set the
-    /// origin.
+    /// Returns the time of the next step at a speed: simulated over real time. The first call, and
+    /// a call with a new speed, set the origin.
     pub fn due(&mut self, now: Duration, speed: f64) -> Due {
         let fresh = Origin { time: now, speed, simulated: 0.0 };
         let Some(origin) = self.origin.as_mut().filter(|origin| origin.speed == speed) else {
@@ -72,7 +73,8 @@ impl RealTimeClock {
         (self.origin, self.meter) = (None, SpeedMeter::default());
     }
 
-    /// Returns simulated over real time, measured in the last half second. Zero before the first measurement.
+    /// Returns simulated over real time, measured in the last half second. Zero before the first
+    /// measurement.
     pub fn measured(&self) -> f64 {
         self.meter.measured()
     }
@@ -103,7 +105,8 @@ impl SpeedMeter {
         }
     }
 
-    /// Returns simulated over real time, measured in the last half second. Zero before the first measurement.
+    /// Returns simulated over real time, measured in the last half second. Zero before the first
+    /// measurement.
     pub fn measured(&self) -> f64 {
         self.measured
     }
@@ -115,7 +118,8 @@ mod tests {
 
     use super::{Due, RealTimeClock};
 
-    /// Runs a simulation with a time step of 2 ms for a real time. A step costs `cost` seconds. Returns the simulated time, s.
+    /// Runs a simulation with a time step of 2 ms for a real time. A step costs `cost` seconds.
+    /// Returns the simulated time, s.
     fn run(clock: &mut RealTimeClock, now: &mut Duration, seconds: f64, speed: f64, cost: f64) -> f64 {
         let end = *now + Duration::from_secs_f64(seconds);
         let mut simulated = 0.0;

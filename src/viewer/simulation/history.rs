@@ -3,13 +3,14 @@
 use crate::data::{Data, StateSpec};
 use crate::model::Model;
 
-/// Limits of the capacity: the number of states, their memory, and the number that is allowed regardless of the memory.
+/// Limits of the capacity: the number of states, their memory, and the number that is allowed
+/// regardless of the memory.
 const MAX_STATES: usize = 20_000;
 const MAX_BYTES: usize = 64 << 20;
 const MIN_STATES: usize = 100;
 
-/// Ring buffer of the states before each step. A state contains everything that the next step depends on, so a simulation continues
-/// bit for bit from a restored state.
+/// Ring buffer of the states before each step. A state contains everything that the next step
+/// depends on, so a simulation continues bit for bit from a restored state.
 #[derive(Debug)]
 pub(super) struct History {
     /// Number of elements of a state.
@@ -45,7 +46,8 @@ impl History {
         self.len
     }
 
-    /// Returns the index of the current state, or [`len`](Self::len) if it is newer than all states of the history.
+    /// Returns the index of the current state, or [`len`](Self::len) if it is newer than all states
+    /// of the history.
     pub fn position(&self) -> usize {
         self.position.unwrap_or(self.len)
     }
@@ -58,19 +60,22 @@ impl History {
         self.push(data);
     }
 
-    /// Restores the state this number of steps ago, or the oldest. Returns `false` if it is the current state already.
+    /// Restores the state this number of steps ago, or the oldest. Returns `false` if it is the
+    /// current state already.
     pub fn back(&mut self, steps: usize, data: &mut Data) -> bool {
         self.go_to(self.position().saturating_sub(steps), data)
     }
 
-    /// Restores a state, or the newest if the index is too large. Returns `false` if it is the current state already.
+    /// Restores a state, or the newest if the index is too large. Returns `false` if it is the
+    /// current state already.
     pub fn go_to(&mut self, index: usize, data: &mut Data) -> bool {
         if self.len == 0 || (self.position.is_none() && index >= self.len) {
             return false;
         }
         let mut index = index;
         if self.position.is_none() {
-            // Appends the current state, so that the user can return to it. A full ring loses its oldest state.
+            // Appends the current state, so that the user can return to it. A full ring loses its
+            // oldest state.
             index = index.saturating_sub(usize::from(self.len == self.capacity));
             self.push(data);
         }

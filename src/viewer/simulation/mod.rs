@@ -1,4 +1,5 @@
-//! Simulation of the physics thread: modes, pause, speed, history and the loop that steps it in real time.
+//! Simulation of the physics thread: modes, pause, speed, history and the loop that steps it in
+//! real time.
 
 mod clock;
 mod history;
@@ -66,7 +67,8 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
-    /// Creates a paused simulation in the first available mode, and publishes the first snapshot. A reset restores the current state.
+    /// Creates a paused simulation in the first available mode, and publishes the first snapshot. A
+    /// reset restores the current state.
     ///
     /// # Errors
     ///

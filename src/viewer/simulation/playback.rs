@@ -33,7 +33,8 @@ pub(super) struct Player {
     frame: usize,
     pub reversed: bool,
     pub burst: Burst,
-    /// Simulation that computes the poses of the other records of a burst. Created by the first burst.
+    /// Simulation that computes the poses of the other records of a burst. Created by the first
+    /// burst.
     burst_data: Option<Data>,
     /// Index of the first geom of each record of a burst in the scene, and the index of the record.
     added: Vec<(usize, usize)>,
@@ -44,7 +45,8 @@ impl Player {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a trajectory of another model, [`Error::Invalid`] for a trajectory without records or an empty list.
+    /// [`Error::Shape`] for a trajectory of another model, [`Error::Invalid`] for a trajectory
+    /// without records or an empty list.
     pub fn new(trajectories: Vec<Trajectory>, model: &Model) -> Result<Self> {
         for trajectory in &trajectories {
             trajectory.check_sizes(model)?;
@@ -108,7 +110,8 @@ impl Player {
         self.frame = frame.min(self.present().len() - 1);
     }
 
-    /// Advances by this number of trajectories, cyclically. Keeps the index of the record if possible.
+    /// Advances by this number of trajectories, cyclically. Keeps the index of the record if
+    /// possible.
     pub fn cycle(&mut self, step: i32) {
         let count = self.trajectories.len() as i64;
         self.choose((self.trajectory as i64 + i64::from(step)).rem_euclid(count) as usize);
@@ -223,7 +226,8 @@ impl Burst {
         (value.round() - Self::RANGE.start()) / (Self::RANGE.end() - Self::RANGE.start())
     }
 
-    /// Returns the records that are shown besides `present`: at most `room`, evenly spaced over the whole trajectory.
+    /// Returns the records that are shown besides `present`: at most `room`, evenly spaced over the
+    /// whole trajectory.
     fn records(&self, sampling: Sampling, present: usize, room: usize) -> impl Iterator<Item = usize> {
         let Sampling { count, interval } = sampling;
         // The maximum is one record every 20 ms, for any time step.
@@ -234,8 +238,8 @@ impl Burst {
         (0..number).map(move |index| (index as f64 * spacing).round() as usize).filter(move |&record| record != present)
     }
 
-    /// Returns the colour of a geom of another record: opacity fades with the distance in time, and the Doppler effect scales red and
-    /// blue and removes green.
+    /// Returns the colour of a geom of another record: opacity fades with the distance in time, and
+    /// the Doppler effect scales red and blue and removes green.
     fn shade(&self, rgba: [f32; 4], sampling: Sampling, present: usize, record: usize) -> [f32; 4] {
         let [mut r, mut g, mut b, a] = rgba;
         let distance = record.abs_diff(present) as f64;

@@ -87,7 +87,8 @@ impl Simulation {
             }
             self.problem.clear();
         } else if !self.paused && self.mode != Mode::Trajectory {
-            // After a step, derived quantities refer to the state before it. A paused window must show the current state.
+            // After a step, derived quantities refer to the state before it. A paused window must
+            // show the current state.
             self.stale = true;
         }
         self.step_pending = !paused && (self.paused || self.step_pending);

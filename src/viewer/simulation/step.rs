@@ -43,8 +43,8 @@ impl StepTiming {
 }
 
 impl Simulation {
-    /// Takes a step forward in time, or plays a record. Returns the simulated duration, s. After an error it returns `None`, and the
-    /// simulation is paused in the state before the step.
+    /// Takes a step forward in time, or plays a record. Returns the simulated duration, s. After an
+    /// error it returns `None`, and the simulation is paused in the state before the step.
     pub(super) fn step(&mut self) -> Option<f64> {
         let timestep = self.data.model().timestep();
         if self.mode == Mode::Trajectory {
@@ -112,7 +112,8 @@ impl Simulation {
         }
     }
 
-    /// Lets the controller declare its instruments, and receive the parameters that the user has changed.
+    /// Lets the controller declare its instruments, and receive the parameters that the user has
+    /// changed.
     pub(super) fn declare_instruments(&mut self) {
         let Self { data, endpoint, controller, mode, .. } = self;
         let controller = controller.as_deref_mut().filter(|_| *mode == Mode::Controller);
@@ -163,7 +164,8 @@ impl Simulation {
     }
 }
 
-/// Calls a closure, and converts an error or a panic into a message. The caller must restore what the closure has modified.
+/// Calls a closure, and converts an error or a panic into a message. The caller must restore what
+/// the closure has modified.
 fn catch<T>(what: &str, call: impl FnOnce() -> Result<T>) -> Result<T, String> {
     match catch_panic(call) {
         Ok(result) => result.map_err(|error| error.to_string()),

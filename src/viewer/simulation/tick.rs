@@ -1,4 +1,5 @@
-//! Loop of the physics thread. Each tick executes the queued requests, takes the steps that are due and publishes a snapshot.
+//! Loop of the physics thread. Each tick executes the queued requests, takes the steps that are due
+//! and publishes a snapshot.
 
 use std::time::{Duration, Instant};
 
@@ -22,11 +23,13 @@ impl Simulation {
         self.into_data()
     }
 
-    /// Executes the queued requests, takes the steps that are due and publishes a snapshot if anything has changed. Returns the time
-    /// of the next tick, or `None` if there is nothing to do until the next request. `now` is any monotonic clock.
+    /// Executes the queued requests, takes the steps that are due and publishes a snapshot if
+    /// anything has changed. Returns the time of the next tick, or `None` if there is nothing to do
+    /// until the next request. `now` is any monotonic clock.
     ///
-    /// Each request of a batch takes effect before the next request is executed, as if each had a separate tick. A gesture that
-    /// starts and ends while the thread is busy is therefore not lost.
+    /// Each request of a batch takes effect before the next request is executed, as if each had a
+    /// separate tick. A gesture that starts and ends while the thread is busy is therefore not
+    /// lost.
     pub fn tick(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
         let mut requested = false;
         while let Some(request) = self.endpoint.link.next() {
@@ -42,7 +45,8 @@ impl Simulation {
         if self.paused { self.tick_paused(now) } else { self.tick_running(requested, now) }
     }
 
-    /// Takes the pending step if the next request ends the run or the pull that requires it, even if no step is due yet.
+    /// Takes the pending step if the next request ends the run or the pull that requires it, even
+    /// if no step is due yet.
     fn take_pending_step(&mut self, next: &Request, now: &dyn Fn() -> Duration) {
         if !self.step_pending || self.paused || !(next.pauses() || next.ends_perturbation()) {
             return;
@@ -107,7 +111,8 @@ impl Simulation {
         let Self { data, endpoint, player, modes, history, timing, problem, lines, paused, .. } = self;
         let moves = !*paused && mode != Mode::Trajectory;
         if moves {
-            // The scene shows an arrow for this force. The next step applies the perturbation again and reports errors.
+            // The scene shows an arrow for this force. The next step applies the perturbation again
+            // and reports errors.
             let _ = endpoint.apply_perturbation(data);
         }
         let model = data.model().clone();

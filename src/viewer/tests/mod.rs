@@ -78,13 +78,15 @@ impl Bench {
         self.snapshot()
     }
 
-    /// Advances the clock and ticks the simulation at the times that it requests. A step costs no time.
+    /// Advances the clock and ticks the simulation at the times that it requests. A step costs no
+    /// time.
     pub fn pass(&mut self, seconds: f64) -> &Snapshot {
         let end = self.now.get() + Duration::from_secs_f64(seconds);
         self.window.set_view(&self.view.scene_view());
         loop {
             let now = &self.now;
-            // The clock does not advance during the tick, so the simulation takes only the steps that are due.
+            // The clock does not advance during the tick, so the simulation takes only the steps
+            // that are due.
             let next = self.simulation.tick(&|| now.get());
             match next {
                 Some(next) if next < end => {

@@ -48,7 +48,8 @@ fn model_and_listings_are_saved_without_overwriting_files() {
 #[test]
 fn model_is_saved_as_xml() {
     let folder = tempfile::tempdir().unwrap();
-    // The engine keeps the XML of the last model only, and other tests load models at the same time.
+    // The engine keeps the XML of the last model only, and other tests load models at the same
+    // time.
     let model = (0..10_000).find_map(|_| {
         let mut bench = Bench::humanoid();
         bench.send(EndpointRequest::Save(SavedFile::Xml, folder.path().into()));

@@ -1,4 +1,5 @@
-//! Numbers that the user types into the panels while the simulation is busy, so that the newest snapshot is older than the last key.
+//! Numbers that the user types into the panels while the simulation is busy, so that the newest
+//! snapshot is older than the last key.
 
 use egui::epaint::ClippedShape;
 use egui::{Context, Event, PointerButton, Pos2, RawInput, Rect, Shape, vec2};
@@ -36,7 +37,8 @@ impl Screen {
         screen
     }
 
-    /// Runs a pass of the panels and sends the resulting requests, as the window does, without a tick of the simulation.
+    /// Runs a pass of the panels and sends the resulting requests, as the window does, without a
+    /// tick of the simulation.
     fn pass(&mut self, events: Vec<Event>) {
         let Self { bench: Bench { window, view, .. }, panels, context, predicted, shapes } = self;
         let status =

@@ -13,13 +13,15 @@ use super::session::Session;
 use crate::error::catch_panic;
 use crate::viewer::error::ViewerError;
 
-/// After a shorter wait, the events were already in the queue. The limit is not zero, because the thread may be preempted during the
-/// wait.
+/// After a shorter wait, the events were already in the queue. The limit is not zero, because the
+/// thread may be preempted during the wait.
 const MIN_WAIT: Duration = Duration::from_millis(20);
 
-/// All windows of the process. A window is drawn when something in it has changed; otherwise the thread sleeps.
+/// All windows of the process. A window is drawn when something in it has changed; otherwise the
+/// thread sleeps.
 ///
-/// A panic ends only its window: the process cannot create a second event loop, so a panic must not reach the first.
+/// A panic ends only its window: the process cannot create a second event loop, so a panic must not
+/// reach the first.
 pub(super) struct App {
     sessions: HashMap<WindowId, Session>,
     exit: ExitCondition,
@@ -28,7 +30,8 @@ pub(super) struct App {
 /// Condition on which the event loop exits.
 enum ExitCondition {
     Never,
-    /// After this window was opened and all windows are closed. Messages about previous windows may arrive before it opens.
+    /// After this window was opened and all windows are closed. Messages about previous windows may
+    /// arrive before it opens.
     After(WindowToken),
     WhenEmpty,
     /// At once. Windows are not opened any more.
@@ -52,8 +55,8 @@ impl App {
         Self { sessions: HashMap::new(), exit: ExitCondition::Never }
     }
 
-    /// Calls a function with each selected window, and removes the windows that are closed afterwards. Ends all windows after the loss of
-    /// the connection.
+    /// Calls a function with each selected window, and removes the windows that are closed
+    /// afterwards. Ends all windows after the loss of the connection.
     fn update(
         &mut self,
         event_loop: &ActiveEventLoop,

@@ -1,4 +1,5 @@
-//! Image of the window's content on the GPU. A frame repaints only the parts that have changed, and copies the image to the window.
+//! Image of the window's content on the GPU. A frame repaints only the parts that have changed, and
+//! copies the image to the window.
 
 use super::pixel_rect::PixelRect;
 use crate::render::{Gpu, RenderError, create_texture, screen_pipeline};
@@ -30,7 +31,8 @@ pub(super) struct CanvasLayout {
 }
 
 impl CanvasLayout {
-    /// Returns the areas on the left of the scene, of the scene and on its right. They cover the window.
+    /// Returns the areas on the left of the scene, of the scene and on its right. They cover the
+    /// window.
     pub fn columns(&self) -> [PixelRect; 3] {
         let [left, right] = [self.scene.origin[0], self.scene.end()[0]];
         let [width, height] = self.size;
@@ -92,8 +94,8 @@ impl Canvas {
         self.image.as_ref().map(|image| &image.view)
     }
 
-    /// Draws what is behind the panels in parts of the window, each of which is in one column of the layout: the image of the scene, or
-    /// the background.
+    /// Draws what is behind the panels in parts of the window, each of which is in one column of
+    /// the layout: the image of the scene, or the background.
     pub fn draw_background(
         &self,
         encoder: &mut wgpu::CommandEncoder,

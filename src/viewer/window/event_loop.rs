@@ -1,11 +1,12 @@
 //! The event loop of the process, and messages to its thread.
 //!
-//! The windowing library allows a process to create a single event loop. After a window is closed, the loop is therefore kept for the
-//! next window: in the thread that opened the first window ([`run_on_this_thread`]), or in a background thread ([`window_thread`])
-//! that lives as long as the process.
+//! The windowing library allows a process to create a single event loop. After a window is closed,
+//! the loop is therefore kept for the next window: in the thread that opened the first window
+//! ([`run_on_this_thread`]), or in a background thread ([`window_thread`]) that lives as long as
+//! the process.
 //!
-//! The library also connects to a single X server, once. After the loss of that connection, all windows end with an error, and later ones
-//! cannot be opened.
+//! The library also connects to a single X server, once. After the loss of that connection, all
+//! windows end with an error, and later ones cannot be opened.
 
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -32,17 +33,20 @@ thread_local! {
 /// Owner of the event loop.
 enum Owner {
     None,
-    /// Thread that has called [`Viewer::run`](crate::viewer::Viewer::run) or [`run`](crate::viewer::run) first.
+    /// Thread that has called [`Viewer::run`](crate::viewer::Viewer::run) or
+    /// [`run`](crate::viewer::run) first.
     Caller(ThreadId),
     /// Background thread.
     WindowThread(EventLoopProxy<Wake>),
-    /// The creation has failed, or the loop has ended for good. The library does not allow a second attempt.
+    /// The creation has failed, or the loop has ended for good. The library does not allow a second
+    /// attempt.
     Failed(String),
 }
 
 static OWNER: Mutex<Owner> = Mutex::new(Owner::None);
 
-/// Lock of the owner. While a thread holds it, the event loop does not end for good, so that messages to it are received.
+/// Lock of the owner. While a thread holds it, the event loop does not end for good, so that
+/// messages to it are received.
 pub(super) struct OwnerLock(MutexGuard<'static, Owner>);
 
 fn owner() -> OwnerLock {
@@ -57,8 +61,9 @@ pub(super) enum EventLoopAccess {
     WindowThread(EventLoopProxy<Wake>),
 }
 
-/// Returns the event loop for a window of the calling thread: the loop of the background thread if it was started, else the loop of
-/// the calling thread. The lock must be held until the window is requested.
+/// Returns the event loop for a window of the calling thread: the loop of the background thread if
+/// it was started, else the loop of the calling thread. The lock must be held until the window is
+/// requested.
 pub(super) fn acquire() -> Result<(EventLoopAccess, OwnerLock), ViewerError> {
     let mut lock = owner();
     let owner = &mut *lock.0;
@@ -77,7 +82,8 @@ pub(super) fn acquire() -> Result<(EventLoopAccess, OwnerLock), ViewerError> {
     Ok((EventLoopAccess::ThisThread(Box::new(event_loop)), lock))
 }
 
-/// Runs the event loop on the calling thread until the window, which was requested through the loop's proxy, is closed.
+/// Runs the event loop on the calling thread until the window, which was requested through the
+/// loop's proxy, is closed.
 pub(super) fn run_on_this_thread(event_loop: Box<EventLoop<Wake>>, token: WindowToken) -> Result<(), ViewerError> {
     store(run(event_loop, App::until_closed(token))?);
     Ok(())
@@ -87,10 +93,11 @@ pub(super) fn run_on_this_thread(event_loop: Box<EventLoop<Wake>>, token: Window
 ///
 /// # Errors
 ///
-/// [`ViewerError::Window`] if the connection to the display server is lost or the windowing library fails. All windows have received the
-/// error.
+/// [`ViewerError::Window`] if the connection to the display server is lost or the windowing library
+/// fails. All windows have received the error.
 fn run(mut event_loop: Box<EventLoop<Wake>>, mut app: App) -> Result<Box<EventLoop<Wake>>, ViewerError> {
-    // The handlers of `app` do not panic, but the library panics in some of its calls after the connection was lost.
+    // The handlers of `app` do not panic, but the library panics in some of its calls after the
+    // connection was lost.
     let result = catch_panic(|| event_loop.run_app_on_demand(&mut app));
     let problem = match result {
         _ if connection_is_lost() => CONNECTION_LOST.to_owned(),
@@ -114,7 +121,8 @@ pub(super) const CONNECTION_LOST: &str = "the connection to the X server was los
 #[cfg(target_os = "linux")]
 pub(super) use crate::x11::is_lost as connection_is_lost;
 
-/// Returns `true` if the connection to the display server was lost, which does not happen on this platform.
+/// Returns `true` if the connection to the display server was lost, which does not happen on this
+/// platform.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn connection_is_lost() -> bool {
     false
@@ -125,8 +133,8 @@ pub(super) fn store(event_loop: Box<EventLoop<Wake>>) {
     IDLE.with(|idle| idle.replace(Some(event_loop)));
 }
 
-/// Returns a proxy of the background thread's event loop. The first call starts the thread. The lock must be held until the window is
-/// requested.
+/// Returns a proxy of the background thread's event loop. The first call starts the thread. The
+/// lock must be held until the window is requested.
 #[cfg(not(target_os = "macos"))]
 pub(super) fn window_thread() -> Result<(EventLoopProxy<Wake>, OwnerLock), ViewerError> {
     let mut lock = owner();
@@ -198,7 +206,8 @@ fn convert(error: &EventLoopError) -> ViewerError {
     }
 }
 
-/// Returns the text of an error of the windowing library, without the place in its source code that precedes errors of the system.
+/// Returns the text of an error of the windowing library, without the place in its source code that
+/// precedes errors of the system.
 pub(super) fn message_of(error: &impl Display) -> String {
     let text = error.to_string();
     match text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": ")) {
@@ -262,7 +271,8 @@ impl Waker {
 
     /// Acknowledges the messages so far. The next update sends a message again.
     pub fn acknowledge(&self) {
-        // Not a store, which the processor may delay until after the window has looked for updates: an update between both would be lost.
+        // Not a store, which the processor may delay until after the window has looked for updates:
+        // an update between both would be lost.
         self.pending.swap(false, Ordering::SeqCst);
     }
 }

@@ -16,14 +16,17 @@ use crate::viewer::view::View;
 
 /// Delay before the next attempt to acquire a surface that is not ready.
 const RETRY_DELAY: Duration = Duration::from_millis(30);
-/// Minimum delay before a pass that the panels request. They request one after each pass with input, even if nothing changes.
+/// Minimum delay before a pass that the panels request. They request one after each pass with
+/// input, even if nothing changes.
 const MIN_REPAINT_DELAY: Duration = Duration::from_millis(50);
-/// Minimum delay before a pass that the panels request after motion of the pointer, which needs no second pass.
+/// Minimum delay before a pass that the panels request after motion of the pointer, which needs no
+/// second pass.
 const MIN_MOTION_DELAY: Duration = Duration::from_millis(200);
 /// Delay before the next frame after an error.
 const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 
-/// Minimum time between passes of the panels while the simulation runs or the camera moves. Numbers that change faster cannot be read.
+/// Minimum time between passes of the panels while the simulation runs or the camera moves. Numbers
+/// that change faster cannot be read.
 const PANEL_SPACING: Duration = Duration::from_millis(100);
 
 /// Values that the panels show, except the window's.
@@ -80,13 +83,14 @@ impl Session {
         Ok(())
     }
 
-    /// Runs a pass of the panels if one is due, and requests a frame if the window does not show the panels of the last pass, whatever has
-    /// caused that pass.
+    /// Runs a pass of the panels if one is due, and requests a frame if the window does not show
+    /// the panels of the last pass, whatever has caused that pass.
     pub(super) fn schedule(&mut self, now: Instant) {
         if self.scheduler.pass_due().is_some_and(|due| due <= now) {
             self.run_panels();
         }
-        // A hidden window is drawn when it appears, and a frame that failed has requested the next attempt.
+        // A hidden window is drawn when it appears, and a frame that failed has requested the next
+        // attempt.
         if self.overlay.has_changes() && !self.hidden && self.scheduler.due().is_none() {
             self.scheduler.request(now);
         }
@@ -145,7 +149,8 @@ impl Session {
     /// Renders the newest snapshot and the panels.
     fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<(), RenderError> {
         let gpu = self.surface.gpu().clone();
-        // Another snapshot may have arrived since `handle_physics_events`. Its instruments determine the area of the picture.
+        // Another snapshot may have arrived since `handle_physics_events`. Its instruments
+        // determine the area of the picture.
         self.update_model();
         let area = self.picture_area();
         self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));
@@ -184,7 +189,8 @@ impl Session {
         Ok(())
     }
 
-    /// Repaints the parts of the canvas that have changed since the last frame, and copies the canvas to the window.
+    /// Repaints the parts of the canvas that have changed since the last frame, and copies the
+    /// canvas to the window.
     fn repaint(
         &mut self,
         window: &wgpu::Texture,
@@ -218,7 +224,8 @@ impl Session {
         Ok(())
     }
 
-    /// Runs a pass of the panels if it is needed now. A pass for a new snapshot or another camera may follow later, at a limited rate.
+    /// Runs a pass of the panels if it is needed now. A pass for a new snapshot or another camera
+    /// may follow later, at a limited rate.
     fn update_panels(&mut self) {
         let (Some(snapshot), Some(view), now) = (self.link.current(), &self.view, Instant::now()) else { return };
         let shows_all = self.shown.as_ref().is_some_and(|shown| shown.shows(snapshot, view));
@@ -287,7 +294,8 @@ impl Session {
         }
     }
 
-    /// Recovers from a frame that could not be drawn. Recreates the GPU resources if they were lost, and shows the problem.
+    /// Recovers from a frame that could not be drawn. Recreates the GPU resources if they were
+    /// lost, and shows the problem.
     pub(super) fn recover(&mut self, problem: &RenderError) {
         log::warn!("a frame could not be drawn: {problem}");
         self.renderer.drop_renderer();

@@ -23,7 +23,8 @@ const DEFAULT_COLUMNS: usize = 80;
 const PIXELS_PER_NOTCH: f64 = 50.0;
 /// Minimum time between passes of the panels that change the highlighted widget.
 const HIGHLIGHT_SPACING: Duration = Duration::from_millis(100);
-/// Minimum time between passes of the panels for motions over one widget, such as a plot that labels the point under the pointer.
+/// Minimum time between passes of the panels for motions over one widget, such as a plot that
+/// labels the point under the pointer.
 const HOVER_SPACING: Duration = Duration::from_millis(200);
 
 impl Session {
@@ -104,7 +105,8 @@ impl Session {
         }
     }
 
-    /// Performs the action of a key or a panel. Before the first snapshot, only actions on the window have an effect.
+    /// Performs the action of a key or a panel. Before the first snapshot, only actions on the
+    /// window have an effect.
     pub(super) fn act(&mut self, action: &Action) {
         let (view, snapshot) = (self.view.as_mut(), self.link.current());
         match action {
@@ -211,8 +213,9 @@ impl Session {
         self.perform(gesture);
     }
 
-    /// Handles a motion of the pointer. Returns `true` if the scene changes or a widget is dragged. Other motions over a panel may change
-    /// highlights: passes of the panels at a lower rate determine if they do.
+    /// Handles a motion of the pointer. Returns `true` if the scene changes or a widget is dragged.
+    /// Other motions over a panel may change highlights: passes of the panels at a lower rate
+    /// determine if they do.
     fn move_pointer(&mut self, position: [f64; 2]) -> bool {
         self.pointer = position;
         let gesture = self.mouse.moved(position, modifiers(self.modifiers));
@@ -231,7 +234,8 @@ impl Session {
         false
     }
 
-    /// Releases the held button after the window has lost the focus, because the release event will not arrive.
+    /// Releases the held button after the window has lost the focus, because the release event will
+    /// not arrive.
     fn release_all(&mut self) {
         let gesture = self.mouse.leave();
         self.perform(gesture);
@@ -253,7 +257,8 @@ impl Session {
     }
 }
 
-/// Converts a key by its symbol without modifiers. `None` for keys that the viewer does not support.
+/// Converts a key by its symbol without modifiers. `None` for keys that the viewer does not
+/// support.
 fn translate_key(event: &KeyEvent) -> Option<Key> {
     let named = match event.key_without_modifiers() {
         WinitKey::Named(named) => named,

@@ -31,7 +31,8 @@ struct Opening {
     waker: Waker,
     link: WindowEnd,
     options: ViewerOptions,
-    /// Receives the result of the opening, and then the error that ends the window, if there is one.
+    /// Receives the result of the opening, and then the error that ends the window, if there is
+    /// one.
     result: mpsc::Sender<Result<(), ViewerError>>,
 }
 
@@ -41,7 +42,8 @@ pub(super) struct WindowRequest {
     opened: OpeningResult,
 }
 
-/// Event loop of the calling thread, which must run to open the window. Stored for the next window when it is dropped.
+/// Event loop of the calling thread, which must run to open the window. Stored for the next window
+/// when it is dropped.
 pub(super) struct LocalEventLoop {
     event_loop: Option<Box<EventLoop<Wake>>>,
     token: WindowToken,
@@ -51,7 +53,8 @@ pub(super) struct LocalEventLoop {
 pub(super) struct OpeningResult(mpsc::Receiver<Result<(), ViewerError>>);
 
 impl WindowRequest {
-    /// Requests a window on the calling thread, or on the background thread if that was started before.
+    /// Requests a window on the calling thread, or on the background thread if that was started
+    /// before.
     pub fn on_this_thread(options: ViewerOptions) -> Result<(Self, PhysicsEnd), ViewerError> {
         options.check()?;
         let token = WindowToken::next();
@@ -86,7 +89,8 @@ impl WindowRequest {
         enable_timers();
         let (sender, receiver) = mpsc::channel();
         let opening = Opening { waker, link: window, options, result: sender };
-        // If the loop has ended, dropping the opening disconnects the channel, and `OpeningResult::wait` returns an error.
+        // If the loop has ended, dropping the opening disconnects the channel, and
+        // `OpeningResult::wait` returns an error.
         let _ = proxy.send_event(Wake::Open(Box::new(opening)));
         (Self { event_loop, opened: OpeningResult(receiver) }, physics)
     }
@@ -118,7 +122,8 @@ impl OpeningResult {
         self.0.recv().map_err(|_| ViewerError::Window("the window thread has ended".to_owned()))?
     }
 
-    /// Returns the error that has ended the open window, if there was one. Call it once, after the window was closed.
+    /// Returns the error that has ended the open window, if there was one. Call it once, after the
+    /// window was closed.
     pub fn end(&self) -> Result<(), ViewerError> {
         self.0.try_recv().unwrap_or(Ok(()))
     }

@@ -1,4 +1,5 @@
-//! Loading of model files on a background thread, so that the window stays responsive and shows the previous model.
+//! Loading of model files on a background thread, so that the window stays responsive and shows the
+//! previous model.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, TryRecvError};

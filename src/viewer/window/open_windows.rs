@@ -8,8 +8,8 @@ use super::event_loop::Wake;
 use crate::render::DriverUse;
 use crate::viewer::error::ViewerError;
 
-/// Exit status of a program that a signal has ended. The number is that of SIGINT by the convention of shells, because the handler does
-/// not receive the signal.
+/// Exit status of a program that a signal has ended. The number is that of SIGINT by the convention
+/// of shells, because the handler does not receive the signal.
 const INTERRUPTED: i32 = 130;
 
 struct OpenWindows {
@@ -33,9 +33,10 @@ impl OpenWindows {
     }
 }
 
-/// Registration of an open window, created before its graphics resources and dropped after them. While a registration exists, Ctrl-C,
-/// SIGTERM and SIGHUP close the windows, so that a running recording is finished and the program continues. Without windows, these
-/// signals end the program. The end of the process closes the windows, too, and waits until they are destroyed.
+/// Registration of an open window, created before its graphics resources and dropped after them.
+/// While a registration exists, Ctrl-C, SIGTERM and SIGHUP close the windows, so that a running
+/// recording is finished and the program continues. Without windows, these signals end the program.
+/// The end of the process closes the windows, too, and waits until they are destroyed.
 pub(super) struct OpenWindow {
     /// Makes the end of the process wait.
     _driver_use: DriverUse,

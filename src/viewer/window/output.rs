@@ -69,7 +69,8 @@ impl Output {
         Ok(path)
     }
 
-    /// Finishes the running recording, which lasts until this simulation time. Returns a message for the user.
+    /// Finishes the running recording, which lasts until this simulation time. Returns a message
+    /// for the user.
     pub fn finish(&mut self, time: Option<f64>) -> Result<Option<String>> {
         let Some(recording) = self.recording.take() else { return Ok(None) };
         let Some(summary) = recording.finish(time)? else { return Ok(Some("nothing was recorded".to_owned())) };
@@ -95,7 +96,8 @@ impl Output {
         report
     }
 
-    /// Records a snapshot if a recording runs and a frame is due. An error ends the recording and is returned as a message.
+    /// Records a snapshot if a recording runs and a frame is due. An error ends the recording and
+    /// is returned as a message.
     fn record(&mut self, renderer: &mut SceneRenderer, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
         if let Some(recording) = &mut self.recording
             && let Err(error) = recording.add(snapshot.time, |size| renderer.picture(gpu, snapshot, size))
@@ -140,7 +142,8 @@ impl Session {
         }
     }
 
-    /// Finishes the running recording with the newest snapshot, so that it includes the time since the last frame.
+    /// Finishes the running recording with the newest snapshot, so that it includes the time since
+    /// the last frame.
     pub(super) fn finish_recording(&mut self) -> Result<Option<String>> {
         self.record_newest();
         let time = self.link.current().map(|snapshot| snapshot.time);
@@ -172,8 +175,8 @@ impl Session {
     }
 }
 
-/// Running recording. Its duration is the simulated time, independent of the frame rate of the window: each image is repeated until
-/// the next image.
+/// Running recording. Its duration is the simulated time, independent of the frame rate of the
+/// window: each image is repeated until the next image.
 struct Recording {
     recorder: Recorder,
     /// Size of all frames, even if the window is resized.
@@ -205,7 +208,8 @@ impl Recording {
         Ok(())
     }
 
-    /// Finishes the recording, which lasts until this simulation time if it is known. Returns `None` if the recording has no frame.
+    /// Finishes the recording, which lasts until this simulation time if it is known. Returns
+    /// `None` if the recording has no frame.
     fn finish(self, time: Option<f64>) -> Result<Option<Summary>> {
         if self.recorder.frames() == 0 {
             return Ok(None);
@@ -245,7 +249,8 @@ mod tests {
     fn recording_lasts_as_long_as_the_simulation_at_any_frame_rate() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("clip.gif");
-        // Times at which the window is drawn, from 1 s to 4 s of the simulation, and the display times of the frames.
+        // Times at which the window is drawn, from 1 s to 4 s of the simulation, and the display
+        // times of the frames.
         for (times, expected) in [
             (vec![1.0], vec![300]),
             (vec![1.0, 1.05, 3.7], vec![270, 30]),

@@ -1,4 +1,5 @@
-//! Layer of the panels: the egui context, its input, and the render pass that draws the panels over the scene.
+//! Layer of the panels: the egui context, its input, and the render pass that draws the panels over
+//! the scene.
 
 use std::time::Duration;
 
@@ -48,7 +49,8 @@ pub(super) struct Overlay {
     scale: f32,
     /// Theme of the last pass.
     theme: egui::Theme,
-    /// Rectangles that contain the changes of the output since the last call of [`Overlay::take_changes`], points.
+    /// Rectangles that contain the changes of the output since the last call of
+    /// [`Overlay::take_changes`], points.
     changes: Vec<Rect>,
     /// Parts of the window that were painted last, and their triangles.
     triangles: (Vec<PixelRect>, Vec<ClippedPrimitive>),
@@ -63,7 +65,8 @@ impl Overlay {
     pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, options: &ViewerOptions) -> Self {
         let context = Context::default();
         apply_style(&context, options.theme, options.scale);
-        // egui measures the time between two passes. With a limit, a click during a slow frame would be lost.
+        // egui measures the time between two passes. With a limit, a click during a slow frame
+        // would be lost.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         let side = device.limits().max_texture_dimension_2d as usize;
         let scale = Some(window.scale_factor() as f32);
@@ -99,8 +102,9 @@ impl Overlay {
         });
     }
 
-    /// Returns `true` if the pointer at a position, in pixels, belongs to the panels: a panel is at this position or holds the pointer.
-    /// All panels are in layers above the background layer, which is empty.
+    /// Returns `true` if the pointer at a position, in pixels, belongs to the panels: a panel is at
+    /// this position or holds the pointer. All panels are in layers above the background layer,
+    /// which is empty.
     pub fn is_over(&self, position: [f64; 2]) -> bool {
         let scale = self.context.pixels_per_point();
         let position = egui::pos2(position[0] as f32 / scale, position[1] as f32 / scale);
@@ -113,7 +117,8 @@ impl Overlay {
         self.context.egui_is_using_pointer()
     }
 
-    /// Returns the widget of the last pass at a position, in pixels, for example to determine if its highlight changes.
+    /// Returns the widget of the last pass at a position, in pixels, for example to determine if
+    /// its highlight changes.
     pub fn widget_at(&self, position: [f64; 2]) -> Option<egui::Id> {
         let scale = self.context.pixels_per_point();
         let position = egui::pos2(position[0] as f32 / scale, position[1] as f32 / scale);
@@ -137,7 +142,8 @@ impl Overlay {
         wgpu::Color { r, g, b, a: 1.0 }
     }
 
-    /// Returns the rectangles of the panels with these names, from the upper left to the lower right corner, in pixels.
+    /// Returns the rectangles of the panels with these names, from the upper left to the lower
+    /// right corner, in pixels.
     #[cfg(feature = "test-hooks")]
     pub fn panel_rects(&self, names: &[&'static str]) -> Vec<(&'static str, [[f32; 2]; 2])> {
         let scale = self.context.pixels_per_point();
@@ -151,9 +157,11 @@ impl Overlay {
         names.iter().filter_map(rect).collect()
     }
 
-    /// Returns `true` if the panels need a pass before the next event. A pass uses only the last position of the pointer and the last
-    /// state of a button. With a press and a motion in one pass, a drag on a panel would be lost, and a drag from the scene to a
-    /// slider would start on the slider. A pass also determines if a click has started to edit a text, which receives the next key.
+    /// Returns `true` if the panels need a pass before the next event. A pass uses only the last
+    /// position of the pointer and the last state of a button. With a press and a motion in one
+    /// pass, a drag on a panel would be lost, and a drag from the scene to a slider would start on
+    /// the slider. A pass also determines if a click has started to edit a text, which receives the
+    /// next key.
     pub fn needs_pass_before(&self, event: &WindowEvent) -> bool {
         match self.pending {
             PendingPointerEvents::None => false,
@@ -180,7 +188,8 @@ impl Overlay {
             _ => {}
         }
         if let WindowEvent::KeyboardInput { event: key, .. } = event {
-            // Outside of text fields the viewer handles all keys: egui would move its focus with Tab and press buttons with Space.
+            // Outside of text fields the viewer handles all keys: egui would move its focus with
+            // Tab and press buttons with Space.
             if !self.is_editing() {
                 return;
             }
@@ -239,7 +248,8 @@ impl Overlay {
         !self.changes.is_empty()
     }
 
-    /// Returns for each of these areas of a window the smallest rectangle that contains the changes of the panels since the last call.
+    /// Returns for each of these areas of a window the smallest rectangle that contains the changes
+    /// of the panels since the last call.
     pub fn take_changes<const N: usize>(&mut self, areas: [PixelRect; N], window: [u32; 2]) -> [PixelRect; N] {
         let changes: Vec<_> = self.changes.drain(..).map(|rect| covered_pixels(rect, self.scale, window)).collect();
         areas.map(|area| {
@@ -248,7 +258,8 @@ impl Overlay {
         })
     }
 
-    /// Draws parts of the panels of the last pass over the scene. Returns commands that precede those of the encoder.
+    /// Draws parts of the panels of the last pass over the scene. Returns commands that precede
+    /// those of the encoder.
     pub fn paint(
         &mut self,
         gpu: &Gpu,
@@ -297,7 +308,8 @@ impl Overlay {
 
 impl Drop for Overlay {
     fn drop(&mut self) {
-        // A window can be closed between a pass and the next frame. epaint panics if texture updates are dropped without this call.
+        // A window can be closed between a pass and the next frame. epaint panics if texture
+        // updates are dropped without this call.
         self.textures.clear();
     }
 }

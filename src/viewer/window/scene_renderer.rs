@@ -58,8 +58,9 @@ impl SceneRenderer {
         }
     }
 
-    /// Renders a snapshot, seen by the camera of its last update, to an image of a window's format. Returns `false` if the scene has not
-    /// changed since the last call, so that its image is the same.
+    /// Renders a snapshot, seen by the camera of its last update, to an image of a window's format.
+    /// Returns `false` if the scene has not changed since the last call, so that its image is the
+    /// same.
     pub fn draw(
         &mut self,
         gpu: &Gpu,

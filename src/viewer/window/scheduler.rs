@@ -1,5 +1,6 @@
-//! Scheduling of the frames of a window, and of passes of the panels between them: a frame follows each change, at most at the refresh
-//! rate of the screen. A pass determines if the panels have changed, for example after a motion of the pointer.
+//! Scheduling of the frames of a window, and of passes of the panels between them: a frame follows
+//! each change, at most at the refresh rate of the screen. A pass determines if the panels have
+//! changed, for example after a motion of the pointer.
 
 use std::time::{Duration, Instant};
 
@@ -90,7 +91,8 @@ impl FrameScheduler {
     pub fn frame_started(&mut self, now: Instant) {
         if let Some(last) = self.last {
             let passed = now.saturating_duration_since(last).as_secs_f64();
-            // An idle period does not lower the rate. A frame that takes a long time is not an idle period.
+            // An idle period does not lower the rate. A frame that takes a long time is not an idle
+            // period.
             let waited = now.saturating_duration_since(self.finished.unwrap_or(last));
             if waited < IDLE_TIME {
                 self.average = Some(self.average.map_or(passed, |average| 0.9 * average + 0.1 * passed));
@@ -107,7 +109,8 @@ impl FrameScheduler {
         self.finished = Some(now);
     }
 
-    /// Returns the mean frame rate, in Hz, unless the window is idle or was idle before the last frame.
+    /// Returns the mean frame rate, in Hz, unless the window is idle or was idle before the last
+    /// frame.
     pub fn rate(&self, now: Instant) -> Option<f64> {
         let active = self.last.max(self.finished).is_some_and(|last| now.saturating_duration_since(last) < IDLE_TIME);
         self.average.filter(|average| active && *average > 0.0).map(|average| 1.0 / average)

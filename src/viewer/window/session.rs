@@ -33,7 +33,8 @@ const DEFAULT_SIZE: [u32; 2] = [1280, 720];
 
 /// Window with its surface, its panels and its end of the link.
 pub(super) struct Session {
-    // Fields are dropped in this order: renderers before the surface, the surface before the window.
+    // Fields are dropped in this order: renderers before the surface, the surface before the
+    // window.
     pub output: Output,
     pub renderer: SceneRenderer,
     pub overlay: Overlay,
@@ -41,7 +42,8 @@ pub(super) struct Session {
     pub surface: WindowSurface,
     pub window: Arc<Window>,
 
-    /// Receives the result of the opening, and then the error that ends the session, if there is one.
+    /// Receives the result of the opening, and then the error that ends the session, if there is
+    /// one.
     result: mpsc::Sender<Result<(), ViewerError>>,
     pub link: WindowEnd,
     pub waker: Waker,
@@ -67,7 +69,8 @@ pub(super) struct Session {
     pub scene_pressed: bool,
     pub predicted: PredictedState,
     pub opened: Instant,
-    /// Start of the last frame, if the events that are processed now may have arrived while it was drawn.
+    /// Start of the last frame, if the events that are processed now may have arrived while it was
+    /// drawn.
     pub frame_start: Option<Duration>,
     pub scheduler: FrameScheduler,
     /// The last frame was not drawn because the window was hidden.
@@ -154,9 +157,11 @@ impl Session {
         self.closed
     }
 
-    /// Handles an update of the physics: a new snapshot or event, or the request to close the window.
+    /// Handles an update of the physics: a new snapshot or event, or the request to close the
+    /// window.
     pub fn handle_update(&mut self) {
-        // `draw` acknowledges the update, so a simulation that is faster than the screen sends one message per frame.
+        // `draw` acknowledges the update, so a simulation that is faster than the screen sends one
+        // message per frame.
         if self.link.is_closing() {
             self.close();
         }
@@ -171,13 +176,14 @@ impl Session {
         self.link.close();
         self.closed = true;
         if !connection_is_lost() {
-            // The destruction of the window reaches the server only with the next request, which may never be sent.
+            // The destruction of the window reaches the server only with the next request, which
+            // may never be sent.
             self.window.set_visible(false);
         }
     }
 
-    /// Ends the session with an error, which the thread that opened the window receives. Finishes the recording as [`close`](Self::close)
-    /// does.
+    /// Ends the session with an error, which the thread that opened the window receives. Finishes
+    /// the recording as [`close`](Self::close) does.
     pub fn fail(&mut self, problem: &str) {
         if self.closed {
             return;
@@ -197,14 +203,15 @@ impl Session {
         self.opened.elapsed()
     }
 
-    /// Returns bounds of the time of the event that is processed now. The event queue has no times, so the event may have arrived at
-    /// any time since the start of the last frame.
+    /// Returns bounds of the time of the event that is processed now. The event queue has no times,
+    /// so the event may have arrived at any time since the start of the last frame.
     pub fn event_time(&self) -> EventTime {
         let latest = self.now();
         EventTime { earliest: self.frame_start.unwrap_or(latest), latest }
     }
 
-    /// Records that the thread has waited for events, so that the next events have arrived after the last frame.
+    /// Records that the thread has waited for events, so that the next events have arrived after
+    /// the last frame.
     pub fn events_awaited(&mut self) {
         self.frame_start = None;
     }

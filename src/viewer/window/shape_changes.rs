@@ -1,4 +1,5 @@
-//! Comparison of the shapes of two passes of the panels, and selection of the shapes in parts of the window.
+//! Comparison of the shapes of two passes of the panels, and selection of the shapes in parts of
+//! the window.
 
 use egui::Rect;
 use egui::epaint::ClippedShape;

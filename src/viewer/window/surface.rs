@@ -7,7 +7,8 @@ use winit::window::Window;
 
 use crate::render::{Gpu, GpuOptions, RenderError};
 
-/// Surface of a window and its GPU. The surface is recreated after it is lost, and unused while the window has no size.
+/// Surface of a window and its GPU. The surface is recreated after it is lost, and unused while the
+/// window has no size.
 pub(super) struct WindowSurface {
     window: Arc<Window>,
     surface: wgpu::Surface<'static>,

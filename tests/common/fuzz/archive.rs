@@ -104,7 +104,8 @@ mod damaged {
             .collect()
     }
 
-    /// Makes one change to an archive whose checksums are correct. About half of the changes keep it valid.
+    /// Makes one change to an archive whose checksums are correct. About half of the changes keep
+    /// it valid.
     fn damage(members: &mut Members, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         let which = bytes.below(members.len());
         let Some((name, content)) = members.get_mut(which) else { return };

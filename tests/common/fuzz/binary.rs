@@ -69,7 +69,8 @@ pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
     }
 }
 
-/// Returns `true` if collisions are fast, and if copies of states fit into the memory of a case: Rust ends a process without memory.
+/// Returns `true` if collisions are fast, and if copies of states fit into the memory of a case:
+/// Rust ends a process without memory.
 pub(super) fn is_small(model: &Model) -> bool {
     #[cfg(engine_since = "3.5.0")]
     let history = model.nhistory();

@@ -1,5 +1,5 @@
-//! MJCF texts from a grammar of most kinds of elements. Nearly all texts are valid: they test that a model that loads can be
-//! saved, loaded again and used. Damaged texts are in `text`.
+//! MJCF texts from a grammar of most kinds of elements. Nearly all texts are valid: they test that
+//! a model that loads can be saved, loaded again and used. Damaged texts are in `text`.
 
 use std::fmt::Write as _;
 

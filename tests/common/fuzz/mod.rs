@@ -1,7 +1,8 @@
-//! Fuzz targets: each maps bytes to a verdict. A case is reproducible because the bytes decide everything.
+//! Fuzz targets: each maps bytes to a verdict. A case is reproducible because the bytes decide
+//! everything.
 //!
-//! `tests/fuzz` derives the bytes from seeds; the targets of cargo-fuzz in `fuzz/` derive them from the coverage of earlier
-//! bytes.
+//! `tests/fuzz` derives the bytes from seeds; the targets of cargo-fuzz in `fuzz/` derive them from
+//! the coverage of earlier bytes.
 
 #![forbid(unsafe_code)]
 #![allow(unreachable_pub, dead_code, reason = "included by several programs, each of which uses some of it")]
@@ -36,7 +37,8 @@ mod print_all;
 pub use self::bytes::Bytes;
 pub use self::coverage::missing;
 
-/// The result of a case without a finding. A finding is a crash, an exit, a hang, a panic, or a read of standard input.
+/// The result of a case without a finding. A finding is a crash, an exit, a hang, a panic, or a
+/// read of standard input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The model was loaded and the calls were made. Calls may have returned errors.
@@ -62,7 +64,8 @@ pub enum Target {
     Plain,
     /// Generated MJCF, saved and loaded again, and steps of accepted models.
     Mjcf,
-    /// Texts with extreme values of all elements and attributes of the engine's schema, and calls with accepted models.
+    /// Texts with extreme values of all elements and attributes of the engine's schema, and calls
+    /// with accepted models.
     Schema,
 }
 

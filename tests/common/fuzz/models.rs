@@ -130,15 +130,16 @@ pub(super) fn all() -> &'static [Source] {
     })
 }
 
-/// Reduces the arrays of constraints and the stack, whose allocation dominates the time to create a simulation, and the iterations of the
-/// solver.
+/// Reduces the arrays of constraints and the stack, whose allocation dominates the time to create a
+/// simulation, and the iterations of the solver.
 fn smaller(text: &str, njmax: usize, nconmax: usize, nstack: usize) -> String {
     let size =
         format!(r#"<size njmax="{njmax}" nconmax="{nconmax}" nstack="{nstack}"/><option iterations="20"/><worldbody>"#);
     text.replacen("<worldbody>", &size, 1)
 }
 
-/// Returns the index of the model of a case. The smallest model takes the place of a model that the engine rejects.
+/// Returns the index of the model of a case. The smallest model takes the place of a model that the
+/// engine rejects.
 pub(super) fn choose(bytes: &mut Bytes<'_>) -> usize {
     let mut ticket = bytes.below(all().iter().map(|source| source.share).sum());
     let index = all().iter().position(|source| {

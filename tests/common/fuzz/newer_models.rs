@@ -1,8 +1,10 @@
-//! Models and fragments of MJCF with elements that 2.2.2 lacks. All models are small, so that a step is fast.
+//! Models and fragments of MJCF with elements that 2.2.2 lacks. All models are small, so that a
+//! step is fast.
 
 use mujoco_safe::Version;
 
-/// A model, and the first version that must load it. Models without a version may be rejected by any engine.
+/// A model, and the first version that must load it. Models without a version may be rejected by
+/// any engine.
 pub(super) struct Newer {
     pub(super) name: &'static str,
     /// Relative number of cases with this model.
@@ -152,8 +154,8 @@ const TACTILE: &str = r#"<mujoco>
   <sensor><tactile geom="skin" mesh="tetrahedron"/></sensor>
 </mujoco>"#;
 
-/// Several shapes of a body in contact, hulls with large and small faces, several contact points, a height field, textures, a mocap body,
-/// constraints of sites and tendons between trees.
+/// Several shapes of a body in contact, hulls with large and small faces, several contact points, a
+/// height field, textures, a mocap body, constraints of sites and tendons between trees.
 const SHAPES: &str = r#"<mujoco>
   <size memory="600K"/>
   <option iterations="10" cone="elliptic"><flag multiccd="enable"/></option>
@@ -284,7 +286,8 @@ const STRAIN: &str = r#"<mujoco>
   <equality><connect body1="a" body2="b" anchor="0 0 0"/><weld body1="a" body2="b"/><joint joint1="a" joint2="b"/><tendon tendon1="a" tendon2="b"/></equality>
 </mujoco>"#;
 
-/// Actuators of all types, PID controllers and DC motors with each of their states. The crank is before those with several forces.
+/// Actuators of all types, PID controllers and DC motors with each of their states. The crank is
+/// before those with several forces.
 const ALL_ACTUATORS: &str = r#"<mujoco>
   <size memory="400K" nuserdata="4"/>
   <worldbody>

@@ -182,7 +182,8 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
     load(text, files, log).map_or(Verdict::Rejected, |model| use_model(model, log))
 }
 
-/// Loads a text with files in memory. An accepted model must survive the binary round trip bit for bit.
+/// Loads a text with files in memory. An accepted model must survive the binary round trip bit for
+/// bit.
 pub(super) fn load(text: &str, files: &[File], log: &mut dyn FnMut(&str)) -> Option<Model> {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (&name[..], &content[..])).collect();
     log(&format!("loading\n{text}\n"));

@@ -1,4 +1,5 @@
-//! For each attribute of the linked engine, a model in which it has a value that differs from the default.
+//! For each attribute of the linked engine, a model in which it has a value that differs from the
+//! default.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -53,8 +54,8 @@ fn instances(default: &str) -> Vec<String> {
     parents.iter().map(path).collect()
 }
 
-/// Returns a model for the attribute: the first with this effect among the values and places that are tried, or that with the largest
-/// effect.
+/// Returns a model for the attribute: the first with this effect among the values and places that
+/// are tried, or that with the largest effect.
 ///
 /// # Errors
 ///
@@ -63,8 +64,8 @@ pub fn case(attribute: &Attribute, enough: Effect) -> Result<Case, String> {
     search(attribute, enough, super::rig())
 }
 
-/// Draws eight of the attributes. Returns their names, and a model with those of them that the compiler
-/// accepts together, in the order of their addition.
+/// Draws eight of the attributes. Returns their names, and a model with those of them that the
+/// compiler accepts together, in the order of their addition.
 pub fn combination(attributes: &[Attribute], random: &mut Xoshiro256PlusPlus) -> (String, String) {
     let some = [(); 8].map(|()| &attributes[random.random_range(0..attributes.len())]);
     let text = some
@@ -157,7 +158,8 @@ impl Search<'_> {
             let mut values = own.into_iter().chain(values);
             values.any(|value| self.compare(path, specimen, &complete, value, &before, &without))
         } else {
-            // The attribute is required: the model with it is compared with another value, or with the model without the element.
+            // The attribute is required: the model with it is compared with another value, or with
+            // the model without the element.
             let rig = self.rig.text();
             let absent = Fingerprint::of(&rig).expect("the engine compiles the rig");
             let (with, before) = match Fingerprint::of(&complete.text()) {
@@ -196,7 +198,8 @@ impl Search<'_> {
         effect >= self.enough
     }
 
-    /// Returns the document with the value, in the element or in the class `plain` that the element then has.
+    /// Returns the document with the value, in the element or in the class `plain` that the element
+    /// then has.
     fn text(&self, path: &str, specimen: &Specimen, complete: &Node, value: &str) -> String {
         let mut document = complete.clone();
         let name = &self.attribute.name;

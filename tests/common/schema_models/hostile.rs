@@ -49,7 +49,8 @@ fn elements() -> &'static [Element] {
     ELEMENTS.get_or_init(schema::elements)
 }
 
-/// Returns a word of the list above or the name of an element, such as `frame`, which some attributes take for the type of an object.
+/// Returns a word of the list above or the name of an element, such as `frame`, which some
+/// attributes take for the type of an object.
 fn word(below: &mut dyn FnMut(usize) -> usize) -> &'static str {
     if below(2) == 0 {
         return WORDS[below(WORDS.len())];
@@ -66,8 +67,8 @@ pub fn hostile(below: &mut dyn FnMut(usize) -> usize) -> String {
         flexes::insert(&mut document, elements, below);
         return document.text();
     }
-    // Half of the texts have one extreme number or word and are valid otherwise, because the compiler
-    // rejects most of the others.
+    // Half of the texts have one extreme number or word and are valid otherwise, because the
+    // compiler rejects most of the others.
     if below(2) == 0 {
         one_extreme(&mut document, &elements[below(elements.len())], below);
         return document.text();

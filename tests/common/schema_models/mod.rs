@@ -1,9 +1,11 @@
-//! Models from the schema that the linked engine prints: every element and attribute, with values that the engine accepts.
+//! Models from the schema that the linked engine prints: every element and attribute, with values
+//! that the engine accepts.
 //!
-//! [`attributes`] lists the attributes of the engine, and [`case`] returns a small model in which one of them has a value that differs
-//! from the default and, if possible, changes the motion. The values are in `values.txt`, the elements in `specimens.xml`, and the model
-//! around them in `rig.xml`. An attribute or element that they lack is found by trying guesses. Everything is the same in each run with
-//! the same engine.
+//! [`attributes`] lists the attributes of the engine, and [`case`] returns a small model in which
+//! one of them has a value that differs from the default and, if possible, changes the motion. The
+//! values are in `values.txt`, the elements in `specimens.xml`, and the model around them in
+//! `rig.xml`. An attribute or element that they lack is found by trying guesses. Everything is the
+//! same in each run with the same engine.
 //!
 //! A program that wants the elements of plugins must load the plugins first.
 
@@ -41,7 +43,8 @@ pub fn files() -> &'static [(&'static str, Vec<u8>)] {
     FILES.get_or_init(|| {
         let mut files = assets::all();
         files.push(("piece.xml", PIECE.into()));
-        // Other contents of files that a folder of the compiler selects. Older engines compare names without their path.
+        // Other contents of files that a folder of the compiler selects. Older engines compare
+        // names without their path.
         if cfg!(engine_since = "3.0.0") {
             files.push(("other/meshes/solid.stl", twice_as_large(assets::stl())));
             files.push(("other/images/flat.png", assets::png(png::ColorType::Rgb, 1, 1, &[1, 2, 3])));

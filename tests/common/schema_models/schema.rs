@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// An element of MJCF. Its path omits the root, and the body of the world and nested bodies are `body`: `body/joint`,
-/// `actuator/plugin/config`.
+/// An element of MJCF. Its path omits the root, and the body of the world and nested bodies are
+/// `body`: `body/joint`, `actuator/plugin/config`.
 #[derive(Clone, Debug)]
 pub struct Element {
     pub path: String,

@@ -45,7 +45,8 @@ fn all() -> &'static [Specimen] {
     })
 }
 
-/// Attributes whose values are names of other elements, by which elements without an entry are tried.
+/// Attributes whose values are names of other elements, by which elements without an entry are
+/// tried.
 const REFERENCES: [&[(&str, &str)]; 12] = [
     &[],
     &[("site", "tip")],

@@ -77,8 +77,8 @@ pub fn guesses() -> Vec<String> {
     GUESSES.map(str::to_owned).to_vec()
 }
 
-/// Returns all words of the table, and the names in a document. They are tried if a message about a guess says that the attribute needs a
-/// keyword or a name.
+/// Returns all words of the table, and the names in a document. They are tried if a message about a
+/// guess says that the attribute needs a keyword or a name.
 pub fn words(document: &Node) -> Vec<String> {
     let is_word = |value: &&&str| value.starts_with(|first: char| first.is_ascii_alphabetic());
     let words = table().iter().flat_map(|row| &row.values).filter(is_word);
@@ -89,7 +89,8 @@ pub fn words(document: &Node) -> Vec<String> {
     all
 }
 
-/// Returns `true` if the message says that an attribute needs a keyword or a name. No word helps without the plugin.
+/// Returns `true` if the message says that an attribute needs a keyword or a name. No word helps
+/// without the plugin.
 pub fn needs_word(message: &str) -> bool {
     !message.contains("plugin mujoco.")
         && ["keyword", "unrecognized", "unknown", "not found", "could not find"]

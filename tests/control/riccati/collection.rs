@@ -1,5 +1,6 @@
-//! The benchmark collection DAREX, which includes badly scaled and singular equations. `tests/oracle/riccati.py` recorded the
-//! matrices, SciPy's solutions and the closed-form solutions.
+//! The benchmark collection DAREX, which includes badly scaled and singular equations.
+//! `tests/oracle/riccati.py` recorded the matrices, SciPy's solutions and the closed-form
+//! solutions.
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use nalgebra::DMatrix;
@@ -88,7 +89,8 @@ fn solutions_equal_closed_forms_and_scipy() {
     let mut compared = 0;
     for example in examples() {
         let p = example.solve().p;
-        // A spectral radius of 1 - 1e-8 makes the equation ill-conditioned: half of the digits are lost.
+        // A spectral radius of 1 - 1e-8 makes the equation ill-conditioned: half of the digits are
+        // lost.
         let determined = if example.name.starts_with("2.3") { 1e-6 } else { 1e-10 };
         for (source, expected) in [("its formula", &example.formula), ("SciPy", &example.scipy)] {
             if let Some(expected) = expected {

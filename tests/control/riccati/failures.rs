@@ -77,7 +77,8 @@ fn a_control_without_cost_must_have_an_effect() {
         assert_eq!(Riccati::new(&identity, &b, &identity, &r).solve(), Err(RiccatiError::SingularPencil));
     }
     assert_eq!(scalar(0.5, 0.0, 1.0, 0.0), Err(RiccatiError::SingularPencil));
-    // Each control has its own effect: together they bring the state to rest in one step at no cost.
+    // Each control has its own effect: together they bring the state to rest in one step at no
+    // cost.
     let solution = Riccati::new(&identity, &identity, &identity, &Matrix2::zeros()).solve().unwrap();
     assert_close_matrix(&solution.p, &DMatrix::identity(2, 2), 1e-14);
     assert_close_matrix(&solution.k, &DMatrix::identity(2, 2), 1e-14);
@@ -110,7 +111,8 @@ fn an_uncontrollable_mode_is_an_error_with_its_eigenvalue() {
 
 #[test]
 fn a_body_without_forces_is_uncontrollable() {
-    // Position and velocity of a mass without forces: a double eigenvalue, which rounding separates.
+    // Position and velocity of a mass without forces: a double eigenvalue, which rounding
+    // separates.
     let mut a = DMatrix::identity(4, 4);
     a[(0, 1)] = 0.005;
     a[(2, 3)] = 0.005;
@@ -125,7 +127,8 @@ fn a_body_without_forces_is_uncontrollable() {
 
 #[test]
 fn an_uncontrollable_mode_is_found_in_matrices_by_differences() {
-    // Two masses, of which the second is out of reach. Differences give it a minute dependence on all states and on the control.
+    // Two masses, of which the second is out of reach. Differences give it a minute dependence on
+    // all states and on the control.
     for error in [0.0, 1e-14, 1e-10, 1e-8, 1e-7, 1e-6] {
         for seed in 11..31 {
             let mut generator = Generator(seed);

@@ -1,9 +1,9 @@
-//! The Riccati solver: closed-form solutions, solutions checked by formulas that share no code with the solver
-//! (`solutions.rs`), a published benchmark collection (`collection.rs`), and the errors of unsolvable equations
-//! (`failures.rs`).
+//! The Riccati solver: closed-form solutions, solutions checked by formulas that share no code with
+//! the solver (`solutions.rs`), a published benchmark collection (`collection.rs`), and the errors
+//! of unsolvable equations (`failures.rs`).
 //!
-//! The textbook systems are from the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come
-//! from a small generator with fixed seeds.
+//! The textbook systems are from the collection DAREX (Abels and Benner 1999), written from their
+//! formulas. Random systems come from a small generator with fixed seeds.
 #![allow(
     clippy::many_single_char_names,
     clippy::unreadable_literal,
@@ -53,7 +53,8 @@ fn scalar(a: f64, b: f64, q: f64, r: f64) -> Result<RiccatiSolution, RiccatiErro
     Riccati::new(&Matrix1::new(a), &Matrix1::new(b), &Matrix1::new(q), &Matrix1::new(r)).solve()
 }
 
-/// Returns the larger root of the scalar equation, `b²p² + (r − a²r − qb²) p − qr = 0`, without cancellation.
+/// Returns the larger root of the scalar equation, `b²p² + (r − a²r − qb²) p − qr = 0`, without
+/// cancellation.
 fn scalar_solution(a: f64, b: f64, q: f64, r: f64) -> f64 {
     let half = (q * b * b + a * a * r - r) / 2.0;
     let root = (half * half + b * b * q * r).sqrt();

@@ -135,7 +135,8 @@ fn the_solution_is_the_cost_of_the_closed_loop() {
 
 #[test]
 fn slow_modes_of_small_cost_are_solved_beside_fast_modes() {
-    // Scalar systems with closed-form solutions, in rotated coordinates, which preserve the exact properties.
+    // Scalar systems with closed-form solutions, in rotated coordinates, which preserve the exact
+    // properties.
     let mut generator = Generator(4);
     for free in [1, 3, 10] {
         let size = 40;

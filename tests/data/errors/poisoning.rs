@@ -22,12 +22,14 @@ fn squatting() -> Data {
 #[allow(unsafe_code, reason = "no safe call fills the stack")]
 fn fill_stack(data: &mut Data) {
     let raw = data.as_mut_ptr();
-    // SAFETY: the pointer is valid, and the data is borrowed exclusively. Engine calls can leave the stack full as well.
+    // SAFETY: the pointer is valid, and the data is borrowed exclusively. Engine calls can leave
+    // the stack full as well.
     unsafe {
         #[cfg(not(engine_since = "2.3.0"))]
         ((*raw).pstack = (*raw).nstack);
-        // The stack is the end of an arena, in bytes. Contacts and constraints are its beginning, and remain readable. A collision would
-        // release their memory, so it is not counted as used.
+        // The stack is the end of an arena, in bytes. Contacts and constraints are its beginning,
+        // and remain readable. A collision would release their memory, so it is not counted as
+        // used.
         #[cfg(engine_since = "2.3.0")]
         (((*raw).parena, (*raw).pstack) = (0, (*raw).narena as usize));
     }
@@ -90,7 +92,8 @@ fn readings(data: &Data) -> Vec<f64> {
         .collect()
 }
 
-/// Checks that `error` is an engine error, that all calls except a reset fail, and that a reset makes the data usable.
+/// Checks that `error` is an engine error, that all calls except a reset fail, and that a reset
+/// makes the data usable.
 #[track_caller]
 fn assert_poisoned(name: &str, error: Option<&Error>, data: &mut Data, qpos: &[f64]) {
     assert!(matches!(error, Some(Error::Engine { .. })), "{name}: {error:?}");

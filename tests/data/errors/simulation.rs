@@ -180,7 +180,8 @@ fn rejected_in_a_step() -> (Model, &'static str) {
         changed.unwrap();
         return (model, "mj_discreteAcc: discrete inverse dynamics is not supported by RK4 integrator");
     }
-    // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise. Newer engines only warn.
+    // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise. Newer
+    // engines only warn.
     let mut model = sample::cartpole();
     let mut edit = model.edit();
     edit.edit_options(|options| options.integrator = Integrator::Implicit).unwrap();
@@ -198,7 +199,8 @@ fn concurrent_errors_keep_their_own_messages() {
     let (rejected, message) = rejected_in_a_step();
     let rejected = Arc::new(rejected);
 
-    // A panic between the barriers would block the other threads, so mismatches are reported at the end.
+    // A panic between the barriers would block the other threads, so mismatches are reported at the
+    // end.
     let barrier = Barrier::new(3);
     let rounds = |wanted: &(dyn Fn(usize) -> String + Sync), mut fail: Box<dyn FnMut(usize) -> String + '_>| {
         let mut wrong = Vec::new();

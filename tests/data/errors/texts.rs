@@ -1,4 +1,5 @@
-//! The text of an error is what `unwrap` and a `main` that returns the error print, which is its `Debug` output.
+//! The text of an error is what `unwrap` and a `main` that returns the error print, which is its
+//! `Debug` output.
 
 use std::fmt;
 

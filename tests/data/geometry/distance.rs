@@ -89,7 +89,8 @@ fn distances_equal_analytic_distances() {
             assert_eq!(distance(&mut data, 0.9 * expected), None, "{what}");
             assert!(distance(&mut data, 1.1 * expected).is_some(), "{what}");
         }
-        // Exchanging the geoms reverses the segment. 3.5.0 finds other points then, up to 4 cm from the analytic ones of two ellipsoids.
+        // Exchanging the geoms reverses the segment. 3.5.0 finds other points then, up to 4 cm from
+        // the analytic ones of two ellipsoids.
         let tolerance = match [first, second] {
             _ if cfg!(any(not(engine_since = "3.5.0"), engine_since = "3.17.0")) => 0.0,
             [ELLIPSOID, ELLIPSOID] => 0.08,

@@ -96,8 +96,8 @@ fn all() -> Vec<Part> {
     IN_ORDER.into_iter().chain(OTHERS).chain(more()).collect()
 }
 
-/// Returns the two models with all solvers, cones and storages, with and without the no-slip solver, and every optional
-/// computation.
+/// Returns the two models with all solvers, cones and storages, with and without the no-slip
+/// solver, and every optional computation.
 fn subjects() -> impl Iterator<Item = (String, Data)> {
     let every = Model::from_xml_str(include_str!("../../models/every_element.xml")).unwrap();
     let models = [("every element", every), ("humanoid", sample::humanoid()), ("adhesion", adhesion())];
@@ -241,7 +241,8 @@ fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
 
 #[track_caller]
 fn assert_same(name: &str, ours: &Data, theirs: &Data) {
-    // The velocities of actuators with sparse moments are summed in another order than by the engine.
+    // The velocities of actuators with sparse moments are summed in another order than by the
+    // engine.
     assert_within(name, ours, theirs, if cfg!(engine_since = "3.2.5") { 1e-9 } else { 0.0 });
 }
 
@@ -272,8 +273,9 @@ pub(super) fn assert_within(name: &str, ours: &Data, theirs: &Data, tolerance: f
     assert_eq!(ours.contacts().len(), theirs.contacts().len(), "{name}");
 }
 
-/// Each pair runs with a fifth of the settings of each model. Five shares no factor with the numbers of settings, so that each
-/// pair meets each solver, cone, storage and number of iterations.
+/// Each pair runs with a fifth of the settings of each model. Five shares no factor with the
+/// numbers of settings, so that each pair meets each solver, cone, storage and number of
+/// iterations.
 #[test]
 fn all_pairs_succeed_or_are_rejected() {
     let all = all();

@@ -1,4 +1,5 @@
-//! Sensor readings and forces on bodies: each is current, or is an error that names the missing call.
+//! Sensor readings and forces on bodies: each is current, or is an error that names the missing
+//! call.
 
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::data::{MissingResults, SensorUpdate};
@@ -7,8 +8,8 @@ use mujoco_safe::model::DisableFlags;
 use mujoco_safe::{Data, Error, Model, Result, Stage};
 use proptest::prelude::*;
 
-/// Returns a ball that swings on a tendon and lands, with a sensor of each stage, and with each sensor that needs a separate
-/// computation.
+/// Returns a ball that swings on a tendon and lands, with a sensor of each stage, and with each
+/// sensor that needs a separate computation.
 fn model() -> Model {
     Model::from_xml_str(&text()).unwrap()
 }

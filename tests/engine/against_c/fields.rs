@@ -1,5 +1,6 @@
-//! Every generated accessor returns the engine's memory: the number itself, or the array of the struct's pointer, with the type,
-//! length and shape of the engine's headers, and inside the engine's buffer.
+//! Every generated accessor returns the engine's memory: the number itself, or the array of the
+//! struct's pointer, with the type, length and shape of the engine's headers, and inside the
+//! engine's buffer.
 
 use std::any::type_name;
 use std::collections::HashMap;
@@ -176,7 +177,8 @@ fn numbers(pairs: &Pairs) -> impl Iterator<Item = (&'static str, usize)> {
 struct Engine {
     sizes: HashMap<&'static str, usize>,
     buffer: Range<usize>,
-    /// The arena of a simulation, which contains the arrays of contacts and constraints in newer engines.
+    /// The arena of a simulation, which contains the arrays of contacts and constraints in newer
+    /// engines.
     arena: Range<usize>,
     /// `true` if the engine has computed the arrays in the arena.
     is_computed: bool,
@@ -195,8 +197,8 @@ impl Engine {
         }
     }
 
-    /// Returns the sizes of a simulation: those of the model, but with the current number of constraints, to which accessors
-    /// are limited.
+    /// Returns the sizes of a simulation: those of the model, but with the current number of
+    /// constraints, to which accessors are limited.
     fn of_data(model: &Pairs, simulation: &Data, data: &Pairs, raw: &mjData) -> Self {
         #[cfg(not(engine_since = "2.3.0"))]
         let _ = data;
@@ -223,8 +225,8 @@ impl Engine {
             .product()
     }
 
-    /// Returns the length of an accessor of the array at an address. Arrays in the arena are empty until the engine has allocated and written
-    /// them.
+    /// Returns the length of an accessor of the array at an address. Arrays in the arena are empty
+    /// until the engine has allocated and written them.
     fn length(&self, name: &str, line: &[&str], at: usize) -> usize {
         const INDICES_OF_J: [&str; 4] = ["efc_J_rownnz", "efc_J_rowadr", "efc_J_rowsuper", "efc_J_colind"];
         match (line[1], name) {
@@ -357,8 +359,9 @@ fn other_accessors(owner: &str) -> Vec<&'static str> {
     }
 }
 
-/// Returns `true` for fields of newer engines that have no accessor: file names, attributes and pointers of plugins, the numbers of the
-/// solver's iterations by island, the thread pool with its stacks, and the solver's workspace with its copies that are sorted by island.
+/// Returns `true` for fields of newer engines that have no accessor: file names, attributes and
+/// pointers of plugins, the numbers of the solver's iterations by island, the thread pool with its
+/// stacks, and the solver's workspace with its copies that are sorted by island.
 fn has_no_accessor(line: &[&str]) -> bool {
     const BY_ISLAND: [&str; 2] = ["solver_niter", "solver_nnz"];
     const WORKSPACE: [&str; 6] = ["iacc", "iefc_", "iM", "iLD", "ifrc_", "efm_"];
@@ -428,7 +431,8 @@ fn values_inside_the_data_struct_equal_c() {
 
 #[test]
 fn timers_equal_the_engines_constants() {
-    // Newer engines have no timer for the acceleration, and have others for an integration and for the phases of collision detection.
+    // Newer engines have no timer for the acceleration, and have others for an integration and for
+    // the phases of collision detection.
     let expected = TIMERS.iter().map(|(timer, _)| *timer);
     assert!(Timer::ALL.into_iter().filter(|timer| *timer != Timer::Acceleration).eq(expected));
     #[cfg(not(engine_since = "2.3.0"))]

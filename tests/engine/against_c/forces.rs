@@ -1,11 +1,13 @@
-//! Constraints, forces, velocities and accelerations of objects, and square roots of the inertia matrix.
+//! Constraints, forces, velocities and accelerations of objects, and square roots of the inertia
+//! matrix.
 
 use mujoco_safe::Stage;
 use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, SpatialVector};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
-/// Calls `mj_solveM2`. Newer engines take the square roots of `qLDiagInv` as an argument instead of `qLDiagSqrtInv`.
+/// Calls `mj_solveM2`. Newer engines take the square roots of `qLDiagInv` as an argument instead of
+/// `qLDiagSqrtInv`.
 fn solve_m2(twins: &Twins, vectors: &[f64], result: &mut [f64], count: i32) {
     let (m, d, (result, vectors)) = (twins.raw.m(), twins.raw.d, (result.as_mut_ptr(), vectors.as_ptr()));
     #[cfg(engine_since = "3.5.0")]
@@ -22,7 +24,8 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
-        // The engine's square root has a defect. Half of a solution of a product is a square root as well.
+        // The engine's square root has a defect. Half of a solution of a product is a square root
+        // as well.
         let vector = twins.numbers(nv);
         let (mut ours, mut product, mut theirs) = (vec![0.0; nv], vec![0.0; nv], vec![0.0; nv]);
         twins.ours.mul_m2_into(&vector, &mut ours).unwrap();

@@ -1,4 +1,5 @@
-//! Functions of a state: Jacobians, the inertia matrix, differences of positions, contacts, linearisations.
+//! Functions of a state: Jacobians, the inertia matrix, differences of positions, contacts,
+//! linearisations.
 
 use std::sync::Arc;
 
@@ -216,13 +217,15 @@ fn linearisations_equal_c() {
                 result => result.unwrap_or_else(|error| panic!("{}: {error}", twins.name)),
             };
             let mut theirs = [nx * nx, nx * nu, ny * nx, ny * nu].map(|length| vec![0.0; length]);
-            // The engine omits a matrix whose pointer is NULL, so empty matrices cannot be requested.
+            // The engine omits a matrix whose pointer is NULL, so empty matrices cannot be
+            // requested.
             let [a, b, c, d] = theirs
                 .each_mut()
                 .map(|matrix| if matrix.is_empty() { std::ptr::null_mut() } else { matrix.as_mut_ptr() });
             c!(mjd_transitionFD(twins.raw.m(), twins.raw.d, 1e-6, central, a, b, c, d));
 
-            // Before 4.0 the engine's central differences of the sensors by the controls have the wrong sign.
+            // Before 4.0 the engine's central differences of the sensors by the controls have the
+            // wrong sign.
             if differences == Differences::Central && cfg!(not(engine_since = "4.0.0")) {
                 theirs[3].iter_mut().for_each(|value| *value = 0.0 - *value);
             }

@@ -49,7 +49,8 @@ fn length_ranges_equal_c() {
             let ours = model.edit().set_length_range(id, &options).expect("the length range converges");
 
             if uselimit && index == 1 {
-                // For every actuator but the first, the engine uses the limits of another joint, or none.
+                // For every actuator but the first, the engine uses the limits of another joint, or
+                // none.
                 assert_eq!(ours, model.jnt_range()[1]);
                 continue;
             }

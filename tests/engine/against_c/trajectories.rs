@@ -61,8 +61,8 @@ fn trajectories_with_every_integrator_solver_and_cone_equal_c() {
     }
 }
 
-/// Returns the contents of the arrays of a data, except contacts: the engine copies uninitialised parts of local variables to
-/// them. Since 2.3 contacts are not among these arrays.
+/// Returns the contents of the arrays of a data, except contacts: the engine copies uninitialised
+/// parts of local variables to them. Since 2.3 contacts are not among these arrays.
 fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
     let length = usize::try_from(data.nbuffer).unwrap();
     // SAFETY: the buffer has this length, and the engine zeroes all of it on creation.
@@ -206,7 +206,8 @@ fn a_reset_equals_c() {
     }
 }
 
-/// Returns models in which the engine raises a warning in many steps, with the engine's number of the warning.
+/// Returns models in which the engine raises a warning in many steps, with the engine's number of
+/// the warning.
 fn warning_models() -> Vec<(&'static str, Model, Warning, u32)> {
     // Since 2.3 the limits of contacts and constraints have no effect.
     if cfg!(engine_since = "2.3.0") {

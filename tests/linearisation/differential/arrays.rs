@@ -45,7 +45,8 @@ macro_rules! other_rows {
 }
 other_rows!(i32, f32, u8);
 
-/// Arrays that a change makes inconsistent: identifiers stored as numbers, shapes, bounding volumes and quaternions.
+/// Arrays that a change makes inconsistent: identifiers stored as numbers, shapes, bounding volumes
+/// and quaternions.
 const LEFT_OUT: [&str; 14] = [
     "wrap_prm",
     "hfield_size",
@@ -63,7 +64,8 @@ const LEFT_OUT: [&str; 14] = [
     "eq_data",
 ];
 
-/// Changes the elements of the array with this number at random. Returns its name, or `None` if it has no numbers.
+/// Changes the elements of the array with this number at random. Returns its name, or `None` if it
+/// has no numbers.
 fn change(model: &Model, number: usize, random: &mut Xoshiro256PlusPlus) -> Option<&'static str> {
     let mut arrays: Vec<(&'static str, Option<&[f64]>)> = Vec::new();
     macro_rules! list {
@@ -74,8 +76,8 @@ fn change(model: &Model, number: usize, random: &mut Xoshiro256PlusPlus) -> Opti
     let values = values.filter(|values| !values.is_empty() && !LEFT_OUT.contains(&name))?;
     let (start, length) = (values.as_ptr().cast_mut(), values.len());
     for at in 0..length {
-        // SAFETY: an element of the array. The model is not used while it changes, and no call of the engine reads numbers of these arrays as
-        // indices.
+        // SAFETY: an element of the array. The model is not used while it changes, and no call of
+        // the engine reads numbers of these arrays as indices.
         unsafe {
             let value = start.add(at);
             *value = if *value == 0.0 { random.random_range(0.0..0.2) } else { *value * random.random_range(0.9..1.1) };
@@ -124,7 +126,8 @@ fn each_array_of_newer_engines_is_linearised() {
     assert!(total.failures.is_empty(), "{} of {}: {:#?}", total.failures.len(), total.compared, total.failures);
 }
 
-/// `STATES=5 cargo test --release --test linearisation -- --ignored --nocapture each_array_is_linearised`
+/// `STATES=5 cargo test --release --test linearisation -- --ignored --nocapture
+/// each_array_is_linearised`
 #[test]
 #[ignore = "a campaign"]
 fn each_array_is_linearised() {

@@ -34,7 +34,8 @@ pub(super) const NEW_ARRAYS: [&str; 24] = [
     "actuator_lengthrange",
 ];
 
-/// Returns a mechanism with attributes of the first joint, the first geom, the second body and the options, and with elements.
+/// Returns a mechanism with attributes of the first joint, the first geom, the second body and the
+/// options, and with elements.
 fn mechanism(option: &str, [joint, geom, body]: [&str; 3], tendons: &str, actuators: &str, rest: &str) -> String {
     format!(
         r#"<mujoco><option timestep="0.004" gravity="0.4 0.2 -3" {option}
@@ -314,9 +315,10 @@ pub(super) fn bases() -> Vec<String> {
     vec![euler, implicit]
 }
 
-/// Features that were silently wrong: with the implicit integrators controls beyond their range and negative damping of tendons, and
-/// limits of actuator forces and sensors that depend on controls; by the implicit method damping of higher order, damping and armature of
-/// actuators; fixed tendons at ball joints; with the discrete integrator inverse dynamics.
+/// Features that were silently wrong: with the implicit integrators controls beyond their range and
+/// negative damping of tendons, and limits of actuator forces and sensors that depend on controls;
+/// by the implicit method damping of higher order, damping and armature of actuators; fixed tendons
+/// at ball joints; with the discrete integrator inverse dynamics.
 ///
 /// Each with whether the linked engine must load models of it.
 const REGRESSIONS: [(&str, bool); 12] = [
@@ -371,7 +373,8 @@ fn compare_features(states: usize, only: impl Fn(usize, &str) -> bool) -> Tally 
     total
 }
 
-/// `STATES=5 cargo test --release --test linearisation -- --ignored --nocapture each_feature_is_linearised`
+/// `STATES=5 cargo test --release --test linearisation -- --ignored --nocapture
+/// each_feature_is_linearised`
 #[test]
 #[ignore = "a campaign"]
 fn each_feature_is_linearised() {

@@ -1,7 +1,9 @@
-//! The default method, the implicit method and the derivatives of inverse dynamics against differences of the engine's `mj_step` and of inverse
-//! dynamics, with every entry of A, B, C and D: on models with the features of newer engines, and with each array of the model changed.
+//! The default method, the implicit method and the derivatives of inverse dynamics against
+//! differences of the engine's `mj_step` and of inverse dynamics, with every entry of A, B, C and
+//! D: on models with the features of newer engines, and with each array of the model changed.
 //!
-//! An entry counts as compared if two steps of the differences agree on it. At a kink, or where the noise of the solver is too large, none do.
+//! An entry counts as compared if two steps of the differences agree on it. At a kink, or where the
+//! noise of the solver is too large, none do.
 
 mod arrays;
 mod features;
@@ -42,7 +44,8 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Compares a matrix with its estimates by differences. `finer` returns estimates by smaller steps, for entries that differ.
+    /// Compares a matrix with its estimates by differences. `finer` returns estimates by smaller
+    /// steps, for entries that differ.
     fn compare(
         &mut self,
         (name, subject, report): (&str, &dyn Debug, LinearisationReport),
@@ -107,7 +110,8 @@ pub(crate) fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
     data.act_mut().iter_mut().for_each(|value| *value = random.random_range(0.1..0.6));
 }
 
-/// Compares the default method and the implicit method with differences of steps at the present state.
+/// Compares the default method and the implicit method with differences of steps at the present
+/// state.
 pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
     let (mut estimates, mut finer) = (None, None);
     for method in [TransitionMethod::Analytic, TransitionMethod::Implicit] {
@@ -132,7 +136,8 @@ pub(crate) fn compare_steps(data: &mut Data, tally: &mut Tally) {
     }
 }
 
-/// Compares the derivatives of inverse dynamics with its differences at the present state and random accelerations.
+/// Compares the derivatives of inverse dynamics with its differences at the present state and
+/// random accelerations.
 pub(crate) fn compare_inverse(data: &mut Data, random: &mut Xoshiro256PlusPlus, tally: &mut Tally) {
     if data.forward().is_err() {
         return;
@@ -142,7 +147,8 @@ pub(crate) fn compare_inverse(data: &mut Data, random: &mut Xoshiro256PlusPlus, 
         data.qacc_mut().copy_from_slice(&qacc);
         let mut lineariser = Lineariser::new(data.model(), TransitionOptions::default()).unwrap();
         let (ours, report) = match lineariser.inverse_jacobians(data, force) {
-            // A model with the option `sleep`, or inverse dynamics in discrete time with the integrator RK4.
+            // A model with the option `sleep`, or inverse dynamics in discrete time with the
+            // integrator RK4.
             Err(Error::Unsupported(_) | Error::Engine { .. }) => return,
             result => result.unwrap(),
         };
@@ -184,7 +190,8 @@ pub(crate) fn compare_model(model: Model, seed: u64, states: usize, tally: &mut 
 
 /// Compares each model file of a directory.
 ///
-/// `MODELS=dir STATES=5 cargo test --release --test linearisation -- --ignored --nocapture model_files_are_linearised`
+/// `MODELS=dir STATES=5 cargo test --release --test linearisation -- --ignored --nocapture
+/// model_files_are_linearised`
 #[test]
 #[ignore = "a campaign on the files of a directory"]
 fn model_files_are_linearised() {

@@ -1,4 +1,5 @@
-//! Each attribute of the linked engine's schema, with each integrator and cone, at ordinary and special states.
+//! Each attribute of the linked engine's schema, with each integrator and cone, at ordinary and
+//! special states.
 
 use std::ops::Range;
 
@@ -34,8 +35,8 @@ fn load_plugins() {
     }
 }
 
-/// Moves to a special state: joints at the ends of their ranges, contacts that touch, controls at the
-/// ends of their ranges or beyond, activations that equal their controls.
+/// Moves to a special state: joints at the ends of their ranges, contacts that touch, controls at
+/// the ends of their ranges or beyond, activations that equal their controls.
 fn make_special(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
     data.reset().unwrap();
     let model = data.model().clone();
@@ -233,8 +234,8 @@ fn some_combinations_of_attributes_are_linearised() {
     check(&tallies);
 }
 
-/// `SEED` is the first seed, and `SEEDS` their number. `SHOW` prints failures at once, and `TEXT` is a
-/// file to which the last model is written.
+/// `SEED` is the first seed, and `SEEDS` their number. `SHOW` prints failures at once, and `TEXT`
+/// is a file to which the last model is written.
 ///
 /// `cargo test --test linearisation -- --ignored --nocapture many_combinations`
 #[test]
@@ -249,8 +250,9 @@ fn number(name: &str, default: usize) -> usize {
     std::env::var(name).map_or(default, |text| text.parse().expect("the variable is a number"))
 }
 
-/// `FROM` and `TO` select attributes. `STATES` is the number of states of each kind, `COMBINATIONS` the
-/// number of integrators with a cone for each attribute, instead of all. `SHOW` prints failures at once.
+/// `FROM` and `TO` select attributes. `STATES` is the number of states of each kind, `COMBINATIONS`
+/// the number of integrators with a cone for each attribute, instead of all. `SHOW` prints failures
+/// at once.
 ///
 /// `cargo test --test linearisation -- --ignored --nocapture each_attribute_is_linearised`
 #[test]

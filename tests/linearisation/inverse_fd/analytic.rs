@@ -1,4 +1,5 @@
-//! Derivatives of inverse dynamics in closed form, one term at a time: against extrapolated differences of the engine's `mj_inverse`.
+//! Derivatives of inverse dynamics in closed form, one term at a time: against extrapolated
+//! differences of the engine's `mj_inverse`.
 
 use mujoco_safe::derivative::{
     DifferencedTerms, Fallback, InverseForce, InverseJacobians, InverseOutputs, LinearisationReport, TransitionMethod,
@@ -31,7 +32,8 @@ fn analytic(data: &mut Data, force: InverseForce) -> (InverseJacobians, Linearis
     lineariser.inverse_jacobians(data, force).unwrap()
 }
 
-/// Returns the matrices with their names and the ranges of columns that are compared with their largest number.
+/// Returns the matrices with their names and the ranges of columns that are compared with their
+/// largest number.
 fn parts<'a>(model: &Model, jacobians: &'a InverseJacobians) -> Vec<(String, &'a Matrix, std::ops::Range<usize>)> {
     let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = jacobians;
     let whole = [("DfDq", df_dq), ("DfDv", df_dv), ("DfDa", df_da), ("DmDq", dm_dq)];
@@ -61,7 +63,8 @@ fn error(ours: &Matrix, theirs: &Matrix, columns: std::ops::Range<usize>) -> f64
     worst / largest
 }
 
-/// Compares all outputs with the differences, and checks that the method did not fall back to another. Returns the differenced terms.
+/// Compares all outputs with the differences, and checks that the method did not fall back to
+/// another. Returns the differenced terms.
 #[track_caller]
 fn check_force(what: &str, data: &mut Data, force: InverseForce) -> DifferencedTerms {
     let (ours, report) = analytic(data, force);

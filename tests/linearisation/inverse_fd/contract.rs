@@ -60,7 +60,8 @@ fn many_calls_do_not_exhaust_the_stack() {
 fn each_output_is_independent_of_the_other_outputs() {
     for data in subjects() {
         for force in [InverseForce::Total, InverseForce::WithoutActuators] {
-            // A call computes the forces of the actuators, which the sensors of the next call would read.
+            // A call computes the forces of the actuators, which the sensors of the next call would
+            // read.
             let all = data.clone().inverse_fd(EPS, force).unwrap();
             let alone = computed_alone(data.model(), |outputs| {
                 data.clone().inverse_fd_into(EPS, force, outputs).unwrap();

@@ -1,5 +1,5 @@
-//! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulas. The
-//! simulation is restored.
+//! Derivatives of inverse dynamics: against finite differences of the engine's function, the
+//! inertia matrix and formulas. The simulation is restored.
 
 mod analytic;
 mod contract;

@@ -11,7 +11,8 @@ use mujoco_safe::{Differences, Lineariser};
 use super::oracle::inertia;
 use super::{EPS, assert_near, subjects};
 
-/// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a modified copy.
+/// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a modified
+/// copy.
 fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut copy = data.clone();
     copy.set_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION)).unwrap();
@@ -117,7 +118,8 @@ fn the_derivative_of_the_inertia_matrix_equals_differences() {
 
 #[test]
 fn derivatives_of_a_pendulum_equal_the_formula() {
-    // A point mass of 2 kg at the end of a rod of 0.5 m, on a damped hinge with a spring and a position servo.
+    // A point mass of 2 kg at the end of a rod of 0.5 m, on a damped hinge with a spring and a
+    // position servo.
     let model = Model::from_xml_str(
         r#"<mujoco>
              <option gravity="0 0 -10"/>
@@ -159,7 +161,8 @@ fn derivatives_of_a_pendulum_equal_the_formula() {
 
 #[test]
 fn rows_correspond_to_inputs() {
-    // Coriolis forces are not symmetric between an arm that rotates and an arm that slides along it.
+    // Coriolis forces are not symmetric between an arm that rotates and an arm that slides along
+    // it.
     let model = Model::from_xml_str(
         r#"<mujoco>
              <option gravity="0 0 0"/>

@@ -1,4 +1,5 @@
-//! Derivatives of inverse dynamics computed from `mj_inverse` alone: central differences with Richardson extrapolation.
+//! Derivatives of inverse dynamics computed from `mj_inverse` alone: central differences with
+//! Richardson extrapolation.
 
 use std::sync::Arc;
 
@@ -47,7 +48,8 @@ impl Oracle {
             // SAFETY: as above, after the stages that the forces of actuators need.
             unsafe { sys::mj_fwdActuation(model.as_ptr(), data.as_mut_ptr()) };
             outputs.iter_mut().zip(data.qfrc_actuator()).for_each(|(total, actuator)| *total -= actuator);
-            // SAFETY: the array has a number for each actuator, which the sensors of the next evaluation read.
+            // SAFETY: the array has a number for each actuator, which the sensors of the next
+            // evaluation read.
             unsafe {
                 let forces = (*data.as_mut_ptr()).actuator_force;
                 forces.copy_from_nonoverlapping(actuator_force.as_ptr(), actuator_force.len());
@@ -72,7 +74,8 @@ impl Oracle {
             .collect()
     }
 
-    /// Returns the derivatives by differences whose largest step is `width`, and `acceleration_width` for accelerations.
+    /// Returns the derivatives by differences whose largest step is `width`, and
+    /// `acceleration_width` for accelerations.
     pub(crate) fn jacobians(&mut self, width: f64, acceleration_width: f64) -> InverseJacobians {
         let (nv, ns) = (self.model.nv(), self.model.nsensordata());
         let mut jacobians = InverseJacobians::zeros(&self.model);

@@ -50,7 +50,8 @@ fn with_options(mut data: Data, change: impl FnOnce(&mut Options)) -> Data {
 
 #[test]
 fn columns_equal_the_engine_bit_for_bit() {
-    // With the implicit integrator, the engine uses a factor from the previous step, which does not depend on the control.
+    // With the implicit integrator, the engine uses a factor from the previous step, which does not
+    // depend on the control.
     let mut moving = with_options(zoo(), |options| options.integrator = Integrator::Euler);
     // The engine averages the sides of a muscle at rest, the last actuator.
     let muscle = moving.model().actuator("biceps").unwrap().id().index();

@@ -1,11 +1,13 @@
-//! Each feature of the engine that affects a step, alone: the implicit method against extrapolated differences.
+//! Each feature of the engine that affects a step, alone: the implicit method against extrapolated
+//! differences.
 
 use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model, StateSpace};
 
 use super::{assert_near, oracle};
 
-/// Returns a chain of three links, with the feature's additions to the options, the world, the links and the model.
+/// Returns a chain of three links, with the feature's additions to the options, the world, the
+/// links and the model.
 pub(crate) fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>

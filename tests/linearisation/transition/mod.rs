@@ -1,5 +1,5 @@
-//! Linear systems of steps by every method: against extrapolated differences of the engine's `mj_step`, against its
-//! `mjd_transitionFD`, and against each other. The simulation is restored.
+//! Linear systems of steps by every method: against extrapolated differences of the engine's
+//! `mj_step`, against its `mjd_transitionFD`, and against each other. The simulation is restored.
 
 pub(crate) mod analytic;
 mod contract;

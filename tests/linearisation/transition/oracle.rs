@@ -1,5 +1,5 @@
-//! The linear system of a step computed from `mj_step` alone: central differences with Richardson extrapolation, and a solver
-//! that iterates to convergence.
+//! The linear system of a step computed from `mj_step` alone: central differences with Richardson
+//! extrapolation, and a solver that iterates to convergence.
 
 use mujoco_safe::{Data, StateSpace, StateSpec, sys};
 
@@ -56,8 +56,9 @@ impl Oracle {
         column
     }
 
-    /// Returns a column by differences to the right (`side` 1) or to the left (-1), with the estimated errors: of several steps, the one with
-    /// the least error for each entry. `base` is [`step`](Self::step) without a perturbation.
+    /// Returns a column by differences to the right (`side` 1) or to the left (-1), with the
+    /// estimated errors: of several steps, the one with the least error for each entry. `base` is
+    /// [`step`](Self::step) without a perturbation.
     pub(crate) fn one_sided(&mut self, index: usize, side: f64, base: &(Vec<f64>, Vec<f64>)) -> Vec<(f64, f64)> {
         let perturb = self.perturbation(index);
         let quotients = |oracle: &mut Self, width: f64| {
@@ -100,8 +101,8 @@ impl Oracle {
             .collect()
     }
 
-    /// Returns a column of the linear system, `[next state; sensors]`, by differences whose largest step is `width`. The columns
-    /// are those of A and C, and then those of B and D.
+    /// Returns a column of the linear system, `[next state; sensors]`, by differences whose largest
+    /// step is `width`. The columns are those of A and C, and then those of B and D.
     pub(crate) fn column(&mut self, index: usize, width: f64) -> Vec<f64> {
         let perturb = self.perturbation(index);
         self.width = width;
@@ -138,7 +139,8 @@ pub(crate) fn linear_system(data: &Data) -> StateSpace {
     linear_system_by(data, WIDTH, WIDTH)
 }
 
-/// Returns the linear system by differences whose largest step is `width`, and `control_width` for controls.
+/// Returns the linear system by differences whose largest step is `width`, and `control_width` for
+/// controls.
 pub(crate) fn linear_system_by(data: &Data, width: f64, control_width: f64) -> StateSpace {
     let mut oracle = Oracle::new(data);
     let mut system = StateSpace::zeros(data.model());

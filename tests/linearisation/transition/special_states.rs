@@ -1,7 +1,9 @@
-//! Special states (rest, controls that equal activations, ends of ranges, saturation, contacts that touch, disabled stages) by each method,
-//! integrator and cone, against differences of `mj_step` to the right and to the left.
+//! Special states (rest, controls that equal activations, ends of ranges, saturation, contacts that
+//! touch, disabled stages) by each method, integrator and cone, against differences of `mj_step` to
+//! the right and to the left.
 //!
-//! An entry must be between the derivatives of the two sides. If they differ, the report names a kink.
+//! An entry must be between the derivatives of the two sides. If they differ, the report names a
+//! kink.
 
 use std::fmt::Write as _;
 
@@ -16,8 +18,9 @@ use super::oracle::Oracle;
 /// Largest deviation from the derivatives of the sides, relative to the largest entry of a column.
 const TOLERANCE: f64 = 2e-4;
 
-/// The same for differences of steps, which have an error of truncation. It is proportional to the step
-/// where the curvature of the two sides differs, such as 5e-4 for a box on the floor with the step 1e-6.
+/// The same for differences of steps, which have an error of truncation. It is proportional to the
+/// step where the curvature of the two sides differs, such as 5e-4 for a box on the floor with the
+/// step 1e-6.
 const TOLERANCE_OF_STEPS: f64 = 1e-3;
 
 /// Integrators, of which 2.2.2 lacks the last.
@@ -170,11 +173,13 @@ pub(crate) fn compare(what: &str, data: &mut Data, tally: &mut Tally) {
                 let relative = if is_step { TOLERANCE_OF_STEPS } else { TOLERANCE };
                 let tolerance = relative * scale + 10.0 * noise + 1e-7;
                 let is_between = right.min(left) - tolerance <= value && value <= right.max(left) + tolerance;
-                // The report is silent about a small kink, such as that of the implicit integrator with the drag of a body at rest.
+                // The report is silent about a small kink, such as that of the implicit integrator
+                // with the drag of a body at rest.
                 let has_kink = (right - left).abs() > 10.0 * tolerance + 0.03 * right.abs().max(left.abs());
                 tally.with_kink += usize::from(has_kink);
                 let is_named = !has_kink || report.kinks != Kinks::empty();
-                // A step that jumps, as at a limit that a joint reaches in motion, or with several new constraints, has no derivative.
+                // A step that jumps, as at a limit that a joint reaches in motion, or with several
+                // new constraints, has no derivative.
                 if report.kinks.intersects(Kinks::DIFFERENCES | Kinks::CONSTRAINTS) {
                     tally.without_derivative += 1;
                     continue;

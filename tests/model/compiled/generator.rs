@@ -1,4 +1,5 @@
-//! Random models with several geoms per body, all joints, meshes, tendons, actuators, equalities, pairs, sensors and cameras.
+//! Random models with several geoms per body, all joints, meshes, tendons, actuators, equalities,
+//! pairs, sensors and cameras.
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,6 @@
-//! A model that is attached at a pose moves as it does alone, in the frame of the pose. The expected values are those of the model alone and
-//! an identity of mechanics: the laws of motion are the same in each frame that does not move.
+//! A model that is attached at a pose moves as it does alone, in the frame of the pose. The
+//! expected values are those of the model alone and an identity of mechanics: the laws of motion
+//! are the same in each frame that does not move.
 
 use mujoco_safe::math::{Pose, rot_vec_quat, trn_vec_pose};
 use mujoco_safe::spec::{Mount, Spec};
@@ -51,8 +52,8 @@ fn has_vertices_in_world(model: &Model) -> bool {
     bodies.into_iter().filter_map(|body| usize::try_from(body).ok()).any(is_in_world)
 }
 
-/// Attaches a spec to one with the same settings, whose gravity, wind and magnetic field have the same direction in the frame of the pose, and
-/// whose angles have other units.
+/// Attaches a spec to one with the same settings, whose gravity, wind and magnetic field have the
+/// same direction in the frame of the pose, and whose angles have other units.
 fn attached(spec: &Spec, alone: &Model, is_body: bool) -> mujoco_safe::Result<Spec> {
     let words = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
     let settings = ["compiler", "option", "size", "statistic", "visual"];
@@ -176,8 +177,9 @@ fn differences(alone: &Data, moved: &Data) -> Vec<String> {
     compare("actuator_force", alone.actuator_force(), moved.actuator_force());
     // Not the accelerations: random joints can have a singular inertia.
     compare("qfrc_smooth", &turned(model, alone.qfrc_smooth()), moved.qfrc_smooth());
-    // The rows of a constraint are in the frame of the world. Contacts may be others, because their frames depend on it. The engine leaves
-    // out constraints whose Jacobian is 0, which rounding decides for bodies that are fixed to each other.
+    // The rows of a constraint are in the frame of the world. Contacts may be others, because their
+    // frames depend on it. The engine leaves out constraints whose Jacobian is 0, which rounding
+    // decides for bodies that are fixed to each other.
     let norm = |data: &Data| data.efc_pos()[..data.ne()].iter().map(|row| row * row).sum::<f64>();
     compare("equality", &[norm(alone)], &[norm(moved)]);
     for sensor in (0..model.nsensor()).filter(|&sensor| is_local(model, sensor)) {
@@ -188,7 +190,8 @@ fn differences(alone: &Data, moved: &Data) -> Vec<String> {
     found
 }
 
-/// Returns `true` for sensors that measure in the frame of an element, without forces of constraints.
+/// Returns `true` for sensors that measure in the frame of an element, without forces of
+/// constraints.
 fn is_local(model: &Model, sensor: usize) -> bool {
     const LOCAL: [u32; 16] = [
         sys::mjSENS_VELOCIMETER,

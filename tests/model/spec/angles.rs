@@ -1,5 +1,6 @@
-//! Attachment of specs with another unit of angles. The compiler decides with the types of the joints whether their positions are angles,
-//! so the attached elements equal those of their own spec, compiled alone.
+//! Attachment of specs with another unit of angles. The compiler decides with the types of the
+//! joints whether their positions are angles, so the attached elements equal those of their own
+//! spec, compiled alone.
 
 use mujoco_safe::enums::JointType;
 use mujoco_safe::spec::Mount;
@@ -11,7 +12,8 @@ use super::parse;
 /// The compiler settings of the two specs.
 const UNITS: [[&str; 2]; 2] = [["degree", "radian"], ["radian", "degree"]];
 
-/// Attaches a text, whose unit of angles is `UNIT`, to specs with the other unit, and compares the models with that of the text alone.
+/// Attaches a text, whose unit of angles is `UNIT`, to specs with the other unit, and compares the
+/// models with that of the text alone.
 #[track_caller]
 fn attached_is_the_same(body: &str) {
     for [theirs, ours] in UNITS {
@@ -140,7 +142,8 @@ fn other_numbers_are_not_converted() {
     );
 }
 
-/// The unit of a joint that is added to an attached spec depends on its type, as for the joints of that spec.
+/// The unit of a joint that is added to an attached spec depends on its type, as for the joints of
+/// that spec.
 #[test]
 fn joints_that_are_added_later_have_the_positions_of_their_class() {
     for [theirs, ours] in UNITS {

@@ -293,7 +293,8 @@ fn conflicts_are_errors_and_change_nothing() {
     assert!(matches!(unsupported, Error::Unsupported(_)), "{unsupported}");
 }
 
-/// The compiler decides the orientation of some elements. Since 3.2 it has frames, which turn all elements.
+/// The compiler decides the orientation of some elements. Since 3.2 it has frames, which turn all
+/// elements.
 #[test]
 fn elements_that_only_the_compiler_can_turn_are_put_into_frames_or_rejected() {
     for world in [

@@ -39,21 +39,24 @@ impl Counts {
         };
         let mut found = theirs.differences(&ours, tolerance, except);
         if tolerance > 0.0 {
-            // The principal axes of equal inertias, and the inverse of a singular inertia, are those of rounding errors. Older engines divide by 0.
+            // The principal axes of equal inertias, and the inverse of a singular inertia, are
+            // those of rounding errors. Older engines divide by 0.
             let is_singular = ours.dof_invweight0().iter().any(|weight| weight.is_nan() || weight.abs() > 1e8)
                 || found.iter().any(|field| field.contains("NaN"));
             let arbitrary: &[&str] = if is_singular { &ROUNDED } else { &ROUNDED[..2] };
             let is_of =
                 |field: &String, names: &[&str]| names.iter().any(|name| field.starts_with(&format!("{name}[")));
             found.retain(|field| !is_of(field, arbitrary));
-            // The compiler stores the position of a body without mass, before the poses of frames, as its centre of mass.
+            // The compiler stores the position of a body without mass, before the poses of frames,
+            // as its centre of mass.
             let is_massless = |field: &String| {
                 let cell =
                     field.strip_prefix("body_ipos[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());
                 cell.is_some_and(|cell| ours.body_mass()[cell / 3] == 0.0)
             };
             found.retain(|field| !is_massless(field));
-            // Rounding decides the order of boxes in a hierarchy whose centres are equal in one direction.
+            // Rounding decides the order of boxes in a hierarchy whose centres are equal in one
+            // direction.
             if found.iter().all(|field| is_of(field, &HIERARCHY))
                 && found.iter().any(|field| is_of(field, &HIERARCHY[..2]))
             {

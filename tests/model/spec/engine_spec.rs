@@ -61,7 +61,8 @@ unsafe fn names(model: *const mjModel) -> Vec<(i32, i32, String)> {
     const MOST_TYPES: i32 = 40;
     let mut found = Vec::new();
     for kind in (1..MOST_TYPES).filter(|kind| *kind != sys::mjOBJ_KEY as i32) {
-        // SAFETY: a valid model. Each element has at least the end of its name in the names. Other types and ids have no name.
+        // SAFETY: a valid model. Each element has at least the end of its name in the names. Other
+        // types and ids have no name.
         unsafe {
             for id in 0..(*model).nnames {
                 let name = sys::mj_id2name(model, kind, id as _);
@@ -112,7 +113,8 @@ impl Source {
 /// Compiles a source with the engine.
 pub(super) fn compile(source: &Source) -> Option<RawModel> {
     let mut message = [0 as c_char; 1000];
-    // SAFETY: the names and texts end with NUL, and the buffer has its length. Only a text of the tests is loaded from a file.
+    // SAFETY: the names and texts end with NUL, and the buffer has its length. Only a text of the
+    // tests is loaded from a file.
     let load = |path: &Path| unsafe {
         let name = CString::new(path.to_str()?).ok()?;
         let model = sys::mj_loadXML(name.as_ptr(), ptr::null(), message.as_mut_ptr(), 1000);

@@ -1,5 +1,5 @@
-//! Random models, as texts: nested classes with joints of several types, orientations in several notations, limits, names with spaces,
-//! and references of all kinds.
+//! Random models, as texts: nested classes with joints of several types, orientations in several
+//! notations, limits, names with spaces, and references of all kinds.
 
 #![allow(clippy::format_push_string, reason = "texts in the order of their parts")]
 

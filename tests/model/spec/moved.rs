@@ -87,7 +87,8 @@ fn flexcomps_move_with_the_pose() {
     assert!(matches!(spec.attach(&child, mount, ""), Err(Error::Unsupported(_))));
 }
 
-/// The anchor of a weld is in the frame of the second body, that of `connect` in that of the first one.
+/// The anchor of a weld is in the frame of the second body, that of `connect` in that of the first
+/// one.
 #[test]
 fn anchors_in_the_world_move_with_the_pose() {
     let model = |prefix: &str, x: &str, equality: &str| {

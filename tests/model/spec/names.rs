@@ -6,7 +6,8 @@ use mujoco_safe::spec::{Any, ElementId, Mount, Spec};
 use super::super::same_models::assert_same;
 use super::{parse, same};
 
-/// Elements whose names are words of the names of others. Each element with a long name is referred to in all ways that all engines have.
+/// Elements whose names are words of the names of others. Each element with a long name is referred
+/// to in all ways that all engines have.
 const ROOM: &str = "<mujoco model='m'>
   <default><default class='c'/><default class='c d'><geom rgba='1 0 0 1'/></default></default>
   <asset>
@@ -57,7 +58,8 @@ const WORDS: [(&str, &str); 16] = [
     ("tuple", "14"),
 ];
 
-/// Returns the text of the room. Newer engines split the names in tuples at spaces, so they have no tuple.
+/// Returns the text of the room. Newer engines split the names in tuples at spaces, so they have no
+/// tuple.
 fn room() -> String {
     let tuple = ROOM.lines().find(|line| line.contains("<custom>")).unwrap();
     if cfg!(engine_since = "3.0.0") { ROOM.replace(tuple, "") } else { ROOM.to_owned() }
@@ -232,7 +234,8 @@ fn elements_that_unknown_attributes_may_refer_to_are_not_removed() {
     assert_eq!(spec.to_xml(), before);
 }
 
-/// The compiler gives the elements of a class the mesh of the class, so only these elements refer to it.
+/// The compiler gives the elements of a class the mesh of the class, so only these elements refer
+/// to it.
 #[test]
 fn a_removed_mesh_of_a_class_leaves_the_other_defaults_of_the_class() {
     const MESHES: &str = "<mesh name='b' vertex='0 0 0 4 0 0 0 2 0 0 0 1'/>";

@@ -1,5 +1,5 @@
-//! Operations of a spec, compared with the engine: `mjSpec` where it has one (since 3.2), else the same elements compiled alone. All arrays
-//! of the compiled models are compared.
+//! Operations of a spec, compared with the engine: `mjSpec` where it has one (since 3.2), else the
+//! same elements compiled alone. All arrays of the compiled models are compared.
 
 #![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
 
@@ -11,7 +11,8 @@ use super::elements;
 use super::engine_spec::{self as raw, RawModel, Source};
 use super::{alone, removal};
 
-/// Specs to which others are attached, without elements in the world: the attached elements are those of the model alone.
+/// Specs to which others are attached, without elements in the world: the attached elements are
+/// those of the model alone.
 const EMPTY_PARENTS: [&str; 4] = [
     "<mujoco model='m'/>",
     "<mujoco model='m'><compiler angle='radian' autolimits='true'/></mujoco>",
@@ -122,12 +123,14 @@ fn attach_to_empty(name: &str, spec: &Spec, reference: &RawModel, counts: &mut C
     }
 }
 
-/// Copies the sizes and settings of a model as a whole, which attachments do not copy: `mjs_attach` uses those of the outer spec too.
+/// Copies the sizes and settings of a model as a whole, which attachments do not copy: `mjs_attach`
+/// uses those of the outer spec too.
 fn copy_settings(spec: &Spec, outer: &mut Spec) {
     for id in elements(spec) {
         let element = spec.element(id);
         let is_copied = |attribute| match element.tag() {
-            // The compiler computes ranges of lengths, and stores the near plane for cameras without intrinsics.
+            // The compiler computes ranges of lengths, and stores the near plane for cameras
+            // without intrinsics.
             "size" | "lengthrange" | "map" => true,
             "compiler" => ["discardvisual", "fusestatic"].contains(&attribute),
             _ => false,
@@ -205,8 +208,8 @@ fn attach_as_the_engine(source: &Source, spec: &Spec, counts: &mut Counts) {
     for way in [Way::World, Way::Turned, Way::Site, Way::Nested] {
         let Some(child) = raw::RawSpec::parse(source) else { continue };
         let (outer, is_attached) = way.raw(&child.without_keyframes());
-        // In a body, the world of the attached spec becomes the body. The engine keeps it.
-        // At a pose, the engine does not move anchors in the world. `moved` tests those of this library.
+        // In a body, the world of the attached spec becomes the body. The engine keeps it. At a
+        // pose, the engine does not move anchors in the world. `moved` tests those of this library.
         let world: &[&str] = match way {
             Way::Site => &["eq_obj1id", "eq_obj2id", "eq_data", "exclude_signature"],
             Way::Turned | Way::Nested if has_anchor_in_world(spec) => &["eq_data"],
@@ -230,8 +233,9 @@ fn attach_as_the_engine(source: &Source, spec: &Spec, counts: &mut Counts) {
     }
 }
 
-/// Returns `true` if a class has joints with more positions than others. `mjs_attach` and `mjs_delete` of engines from 3.2 to 3.12 write the
-/// positions of a joint as if it had the type of its class, beyond the end of an array if its own type has fewer.
+/// Returns `true` if a class has joints with more positions than others. `mjs_attach` and
+/// `mjs_delete` of engines from 3.2 to 3.12 write the positions of a joint as if it had the type of
+/// its class, beyond the end of an array if its own type has fewer.
 #[cfg(engine_since = "3.2.0")]
 pub(super) fn writes_beyond_an_array(spec: &Spec) -> bool {
     elements(spec).into_iter().map(|id| spec.element(id)).any(|element| {

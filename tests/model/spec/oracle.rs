@@ -28,7 +28,8 @@ fn operations_on_generated_models_agree_with_the_engine() {
     counts.finish(count as usize);
 }
 
-/// A model for each attribute of the engine's schema, in which the attribute has another value than by default.
+/// A model for each attribute of the engine's schema, in which the attribute has another value than
+/// by default.
 #[test]
 #[ignore = "a campaign"]
 fn operations_on_models_of_the_schema_agree_with_the_engine() {

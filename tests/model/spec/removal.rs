@@ -1,5 +1,6 @@
-//! Removal of elements, compared with `mjSpec` where the engine has it (since 3.2), and with a text from which an independent program has removed
-//! the element and everything that the compiler then rejects.
+//! Removal of elements, compared with `mjSpec` where the engine has it (since 3.2), and with a text
+//! from which an independent program has removed the element and everything that the compiler then
+//! rejects.
 
 use std::collections::BTreeSet;
 
@@ -66,7 +67,8 @@ fn by_the_engine(_: &Source, _: &Spec, _: ElementId<Any>, _: &str, _: &mut Count
     None
 }
 
-/// Removes an element with `mjs_delete`. Returns `None` if the compiler rejects the rest, which may refer to the element.
+/// Removes an element with `mjs_delete`. Returns `None` if the compiler rejects the rest, which may
+/// refer to the element.
 #[cfg(engine_since = "3.2.0")]
 fn by_the_engine(
     source: &Source,
@@ -101,7 +103,8 @@ fn by_the_engine(
     removed
 }
 
-/// Removes an element from a text, and then all elements of [`PARTS`] that the compiler rejects. Returns `None` if it rejects another element.
+/// Removes an element from a text, and then all elements of [`PARTS`] that the compiler rejects.
+/// Returns `None` if it rejects another element.
 fn by_trials(source: &Source, text: &str, tag: &str, name: &str) -> Option<RawModel> {
     // Each part needs a compilation.
     const MOST_PARTS: usize = 60;

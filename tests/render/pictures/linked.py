@@ -342,7 +342,8 @@ def effects():
         scene(f"render_no_{flag.lower()}", sky, no_render=flag)
     for flag in ("WIREFRAME", "ADDITIVE", "FOG", "SEGMENT"):
         scene(f"render_{flag.lower()}", sky, render=flag, no_render="SHADOW" if flag == "WIREFRAME" else "")
-    # The reflector is added to its mirror image once for each of the polygons that share an edge, if rounding does not hide the second: without a mirror the lines are equal.
+    # The reflector is added to its mirror image once for each of the polygons that share an edge,
+    # if rounding does not hide the second: without a mirror the lines are equal.
     scene("render_matt_wireframe", sky.replace('reflectance=".3"', ""), render="WIREFRAME", no_render="SHADOW")
     scene("render_idcolor", sky, render="SEGMENT IDCOLOR")
     scene("mirror_transparent", xml(LIGHT + BODIES + '<geom size=".3" pos="0 0 .5" rgba=".3 .9 .3 .5"/><geom type="plane" size="1 1 1" pos="0 0 -.6" material="m"/>',
@@ -756,7 +757,8 @@ def draw(row, out, is_recorded=False):
         picture.flags[mujoco.mjtRndFlag.mjRND_DEPTH] = 0
     mujoco.mjr_render(area, picture, context)
     mujoco.mjr_readPixels(rgb, None, area, context)
-    # Transparent geoms have no depth. The engine has marked them, and does not draw geoms without an id here.
+    # Transparent geoms have no depth. The engine has marked them, and does not draw geoms without
+    # an id here.
     for geom in picture.geoms[: picture.ngeom]:
         if geom.transparent:
             geom.segid = -1

@@ -5,11 +5,12 @@
 //! - the mean of the absolute differences over all channels and pixels is at most 1.5 of 255;
 //! - at most 0.7 % of the pixels have a channel with a difference above 8 of 255.
 //!
-//! With lighting per pixel the limit is 2.5 %, and 6 % in the scenes of `spots.xml`: the edge of a spot light is sharp then, while the
-//! engine interpolates it over a cell of its floor.
+//! With lighting per pixel the limit is 2.5 %, and 6 % in the scenes of `spots.xml`: the edge of a
+//! spot light is sharp then, while the engine interpolates it over a cell of its floor.
 //!
-//! [`mujoco_safe::render`] explains the remaining differences. For a scene that differs, and for every scene if the environment variable
-//! `MUJOCO_SAFE_PICTURES` is set, the test saves the engine's image, ours, and their difference scaled by eight, side by side, in the folder
+//! [`mujoco_safe::render`] explains the remaining differences. For a scene that differs, and for
+//! every scene if the environment variable `MUJOCO_SAFE_PICTURES` is set, the test saves the
+//! engine's image, ours, and their difference scaled by eight, side by side, in the folder
 //! `pictures` of cargo's folder for tests (`target/tmp/pictures`).
 
 #![forbid(unsafe_code)]

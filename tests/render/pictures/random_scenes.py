@@ -4,8 +4,8 @@ import random
 
 VISUAL_FLAGS = "CONVEXHULL TEXTURE JOINT ACTUATOR CAMERA LIGHT TENDON INERTIA SCLINERTIA PERTFORCE CONTACTPOINT CONTACTFORCE TRANSPARENT COM SELECT STATIC SKIN".split()
 RENDER_FLAGS = "SHADOW WIREFRAME REFLECTION ADDITIVE SKYBOX FOG HAZE CULL_FACE".split()
-# Lines cover other pixels, which the scene `render_wireframe` shows. Boxes of inertia touch the caps of
-# cylinders, and the nearer of two surfaces in one plane depends on rounding.
+# Lines cover other pixels, which the scene `render_wireframe` shows. Boxes of inertia touch the
+# caps of cylinders, and the nearer of two surfaces in one plane depends on rounding.
 WITHOUT = {"WIREFRAME", "INERTIA", "SCLINERTIA"}
 SHAPES = ("sphere", "capsule", "cylinder", "ellipsoid", "box", "mesh")
 

@@ -1,4 +1,5 @@
-//! Scenes for comparing images and for benchmarks: models of `models/` and of the engine's package, and cameras.
+//! Scenes for comparing images and for benchmarks: models of `models/` and of the engine's package,
+//! and cameras.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 

@@ -15,7 +15,8 @@ use mujoco_safe::record::{Recorder, RecorderOptions};
 const WIDTH: usize = 24;
 const HEIGHT: usize = 10;
 
-/// Returns a grey image with a bright square at a position that depends on the number, with unequal amounts of each channel.
+/// Returns a grey image with a bright square at a position that depends on the number, with unequal
+/// amounts of each channel.
 fn picture(number: usize) -> Vec<u8> {
     let mut rgb = vec![90; 3 * WIDTH * HEIGHT];
     for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {

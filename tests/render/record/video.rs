@@ -1,5 +1,5 @@
-//! Video through a stand-in for `ffmpeg`, which stores its arguments and input, and through `ffmpeg` itself if installed
-//! (written for ffmpeg 5.1 with libx264 and ffprobe).
+//! Video through a stand-in for `ffmpeg`, which stores its arguments and input, and through
+//! `ffmpeg` itself if installed (written for ffmpeg 5.1 with libx264 and ffprobe).
 
 use std::fs;
 use std::path::{Path, PathBuf};

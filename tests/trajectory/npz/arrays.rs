@@ -7,7 +7,8 @@ use mujoco_safe::npz::{self, Array};
 
 use crate::numpy;
 
-/// Saves an array of each type and of several shapes. Returns the name, the type, the shape and the bytes of each.
+/// Saves an array of each type and of several shapes. Returns the name, the type, the shape and the
+/// bytes of each.
 fn save_samples(path: &std::path::Path) -> Vec<(&'static str, &'static str, &'static str, Vec<u8>)> {
     let doubles = [f64::NAN, -0.0, 0.1, f64::INFINITY, 5e-324, f64::MIN];
     let singles = [1.5_f32, -2.25];

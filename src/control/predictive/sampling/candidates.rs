@@ -36,7 +36,8 @@ impl Candidates {
         }
     }
 
-    /// Takes the control ranges of a model. The knots of a spline that is added to a regulator are at most the width of the range.
+    /// Takes the control ranges of a model. The knots of a spline that is added to a regulator are
+    /// at most the width of the range.
     pub(super) fn adopt_ranges(&mut self, model: &Model, is_added: bool) {
         self.ranges.clear();
         self.ranges.extend((0..model.nu()).map(|index| match control_range(model, index) {
@@ -65,7 +66,8 @@ impl Candidates {
         self.grid.shift(steps, &mut self.plan, self.ranges.len());
     }
 
-    /// Writes the candidates of an iteration: the plan, the regulator alone if there is one, and variations of the plan.
+    /// Writes the candidates of an iteration: the plan, the regulator alone if there is one, and
+    /// variations of the plan.
     pub(super) fn draw(&mut self, options: &SamplingOptions, has_regulator: bool) {
         let Self { plan, knots, ranges, iterations, .. } = self;
         let length = plan.len().max(1);
@@ -82,7 +84,8 @@ impl Candidates {
             let deviation = options.deviations[index % options.deviations.len()];
             let mut random = Random::new(options.seed, index, *iterations);
             for (knot, &([low, high], unit)) in candidate.iter_mut().zip(ranges.iter().cycle()) {
-                // Not `f64::clamp`, which panics if the ends of an edited range are in the wrong order.
+                // Not `f64::clamp`, which panics if the ends of an edited range are in the wrong
+                // order.
                 *knot = (*knot + deviation * unit * random.normal()).max(low).min(high);
             }
         }

@@ -23,7 +23,8 @@ impl ControlLaw for Law<'_> {
                 feedback.measure(data, regulator.qpos0(), None, regulator.act0())?;
                 data.ctrl_mut().copy_from_slice(regulator.ctrl0());
                 feedback.subtract(regulator.gain(), data.ctrl_mut());
-                // The spline is added to the clamped controls, so it takes effect even if the regulator demands more than the range.
+                // The spline is added to the clamped controls, so it takes effect even if the
+                // regulator demands more than the range.
                 clamp(data);
             }
         }

@@ -23,23 +23,29 @@ use crate::model::IntoModel;
 
 /// Planner that simulates random variations of its previous plan.
 ///
-/// The controls of a plan are a spline with a few knots. Each iteration adds normally distributed noise to the knots, within the control ranges,
-/// and simulates these candidates in parallel.
+/// The controls of a plan are a spline with a few knots. Each iteration adds normally distributed
+/// noise to the knots, within the control ranges, and simulates these candidates in parallel.
 ///
-/// - With a [temperature](SamplingOptions::temperature) of zero, the candidate of minimal cost is the new plan: predictive sampling
-///   (T. Howell et al., *Predictive Sampling: Real-time Behaviour Synthesis with MuJoCo*, 2022). The previous plan is one of the candidates,
-///   so an iteration never increases the cost.
-/// - With a temperature λ above zero, the knots of the new plan are the mean of those of the candidates with the weights `exp(−(J − J_min) / λ)` for
-///   costs J: model predictive path integral control (MPPI; G. Williams et al., *Information theoretic MPC for model-based reinforcement
-///   learning*, ICRA 2017). The cost of the mean can exceed that of the best candidate. If its simulation is unstable, the best candidate is the plan.
-///   Costs of the noise, which the paper adds, are absent.
+/// - With a [temperature](SamplingOptions::temperature) of zero, the candidate of minimal cost is
+///   the new plan: predictive sampling (T. Howell et al., *Predictive Sampling: Real-time Behaviour
+///   Synthesis with MuJoCo*, 2022). The previous plan is one of the candidates, so an iteration
+///   never increases the cost.
+/// - With a temperature λ above zero, the knots of the new plan are the mean of those of the
+///   candidates with the weights `exp(−(J − J_min) / λ)` for costs J: model predictive path
+///   integral control (MPPI; G. Williams et al., *Information theoretic MPC for model-based
+///   reinforcement learning*, ICRA 2017). The cost of the mean can exceed that of the best
+///   candidate. If its simulation is unstable, the best candidate is the plan. Costs of the noise,
+///   which the paper adds, are absent.
 ///
-/// The previous plan is moved forward to the present time without interpolation, because the times of the knots do not change. The gains of the plan
-/// are zero, or those of the [regulator](Self::with_regulator).
+/// The previous plan is moved forward to the present time without interpolation, because the times
+/// of the knots do not change. The gains of the plan are zero, or those of the
+/// [regulator](Self::with_regulator).
 ///
-/// The cost needs no derivatives, and is evaluated as for [`Ilqr`](crate::control::ilqr::Ilqr). The plan depends on the seed, but not on the number of
-/// threads: each candidate has its own random numbers and is simulated from a reset simulation. After the first plan, a plan in one thread does not allocate,
-/// and a plan in several threads allocates only what the queue of rayon's pool needs.
+/// The cost needs no derivatives, and is evaluated as for [`Ilqr`](crate::control::ilqr::Ilqr). The
+/// plan depends on the seed, but not on the number of threads: each candidate has its own random
+/// numbers and is simulated from a reset simulation. After the first plan, a plan in one thread
+/// does not allocate, and a plan in several threads allocates only what the queue of rayon's pool
+/// needs.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::TrajectoryCost;
@@ -87,12 +93,14 @@ pub struct SamplingPlanner {
 }
 
 impl SamplingPlanner {
-    /// Creates a planner for plans of `horizon` steps of the model's time step. The first plan starts from zero controls, clamped to their ranges.
+    /// Creates a planner for plans of `horizon` steps of the model's time step. The first plan
+    /// starts from zero controls, clamped to their ranges.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless the horizon has at least one step, all numbers of the options are at least 1, and the deviations and the temperature
-    /// are finite and not negative; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a simulation.
+    /// [`Error::Invalid`] unless the horizon has at least one step, all numbers of the options are
+    /// at least 1, and the deviations and the temperature are finite and not negative;
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a simulation.
     pub fn new(model: impl IntoModel, horizon: usize, options: SamplingOptions) -> Result<Self> {
         let model = model.into_model();
         if horizon == 0 {
@@ -116,7 +124,8 @@ impl SamplingPlanner {
         })
     }
 
-    /// Sets the controls that the first plan holds, `(nu)`. With a regulator, they are added to its controls.
+    /// Sets the controls that the first plan holds, `(nu)`. With a regulator, they are added to its
+    /// controls.
     ///
     /// # Errors
     ///
@@ -128,9 +137,10 @@ impl SamplingPlanner {
         Ok(self)
     }
 
-    /// Adds the controls of a regulator to the spline of each candidate. The regulator alone is the second candidate of each iteration. The gains of the plan are those of the
-    /// regulator, so they correct deviations between two plans. Sampling about a regulator stabilises simulations that fall within the horizon under
-    /// controls without feedback.
+    /// Adds the controls of a regulator to the spline of each candidate. The regulator alone is the
+    /// second candidate of each iteration. The gains of the plan are those of the regulator, so
+    /// they correct deviations between two plans. Sampling about a regulator stabilises simulations
+    /// that fall within the horizon under controls without feedback.
     ///
     /// # Errors
     ///
@@ -146,7 +156,8 @@ impl SamplingPlanner {
         Ok(self)
     }
 
-    /// Sets the components of the state that plans start from, as [`IlqrPlanner::with_foreseen`](super::IlqrPlanner::with_foreseen) does.
+    /// Sets the components of the state that plans start from, as
+    /// [`IlqrPlanner::with_foreseen`](super::IlqrPlanner::with_foreseen) does.
     #[must_use]
     pub fn with_foreseen(mut self, foreseen: StateSpec) -> Self {
         self.observation.foresee(foreseen);

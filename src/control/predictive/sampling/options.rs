@@ -8,7 +8,8 @@ use crate::macros::with_methods;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SamplingOptions {
-    /// Number of candidates of an iteration, at least 1; 32 by default. The first one is the previous plan.
+    /// Number of candidates of an iteration, at least 1; 32 by default. The first one is the
+    /// previous plan.
     pub samples: usize,
     /// Number of iterations of a plan, at least 1; 1 by default.
     pub iterations: usize,
@@ -16,14 +17,17 @@ pub struct SamplingOptions {
     pub knots: usize,
     /// Interpolation between the knots; linear by default.
     pub interpolation: Interpolation,
-    /// Standard deviations of the noise on a knot, relative to half the range of the control, or in the unit of a control without a range. The
-    /// candidates use them in turn. By default 0.3, 0.1 and 0.03: the large ones explore, and the small ones refine the plan.
+    /// Standard deviations of the noise on a knot, relative to half the range of the control, or in
+    /// the unit of a control without a range. The candidates use them in turn. By default 0.3, 0.1
+    /// and 0.03: the large ones explore, and the small ones refine the plan.
     pub deviations: Vec<f64>,
-    /// Temperature λ of the weights of the candidates, in the unit of the cost; 0 by default, which selects the candidate of minimal cost.
+    /// Temperature λ of the weights of the candidates, in the unit of the cost; 0 by default, which
+    /// selects the candidate of minimal cost.
     pub temperature: f64,
     /// Seed of the noise; 0 by default.
     pub seed: u64,
-    /// Maximum number of candidates that are simulated at the same time; 1 by default. The plan does not depend on it.
+    /// Maximum number of candidates that are simulated at the same time; 1 by default. The plan
+    /// does not depend on it.
     pub threads: usize,
 }
 

@@ -10,12 +10,14 @@ pub enum Interpolation {
     /// A straight line.
     #[default]
     Linear,
-    /// Cubic Hermite polynomial whose slope at a knot is that of the line through its two neighbours (Catmull and Rom, *A class of local interpolating
-    /// splines*, 1974), and zero at the first and the last knot. It can exceed the values of the knots.
+    /// Cubic Hermite polynomial whose slope at a knot is that of the line through its two
+    /// neighbours (Catmull and Rom, *A class of local interpolating splines*, 1974), and zero at
+    /// the first and the last knot. It can exceed the values of the knots.
     Cubic,
 }
 
-/// Position of the plan on the grid of the knots. The grid is fixed in time, so a knot keeps its time from one plan to the next.
+/// Position of the plan on the grid of the knots. The grid is fixed in time, so a knot keeps its
+/// time from one plan to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     interpolation: Interpolation,
@@ -45,7 +47,8 @@ impl Grid {
         self.phase = 0;
     }
 
-    /// Moves the start of the plan forward by some steps. Removes the knots `(rows, nu)` that end before it, and repeats the last one.
+    /// Moves the start of the plan forward by some steps. Removes the knots `(rows, nu)` that end
+    /// before it, and repeats the last one.
     pub(super) fn shift(&mut self, steps: usize, knots: &mut [f64], nu: usize) {
         let rows = knots.len() / nu.max(1);
         // After that number of steps, all knots are equal to the last one.

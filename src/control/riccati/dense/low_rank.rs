@@ -3,7 +3,8 @@
 use super::packed::PackedMatrix;
 use super::simd::{self, BLOCK, F64x8, InstructionSet};
 
-/// Relative remainder above which the factorisation stops after an eighth of the columns. Stopping early only saves time.
+/// Relative remainder above which the factorisation stops after an eighth of the columns. Stopping
+/// early only saves time.
 const MAX_EARLY_REMAINDER: f64 = 1e-2;
 
 /// Factors `U` and `W` of a matrix `U Wᵀ`, where `U` has orthonormal columns.
@@ -23,8 +24,8 @@ pub(in super::super) struct LowRank {
 }
 
 impl LowRank {
-    /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column pivoting. Returns `false` if its
-    /// rank is zero or more than half its size.
+    /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column
+    /// pivoting. Returns `false` if its rank is zero or more than half its size.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet, matrix: &PackedMatrix) -> bool {
         let (size, max_rank) = (matrix.padded_rows(), matrix.columns() / 2);
         let width = size / BLOCK;
@@ -58,7 +59,8 @@ impl LowRank {
             for (row, entry) in self.direction.iter_mut().flat_map(|vector| &mut vector.0).enumerate() {
                 *entry = panel[row].0[pivot % BLOCK] * length;
             }
-            // Orthogonalises again: rounding leaves components of earlier directions, which matter once the remainder is small.
+            // Orthogonalises again: rounding leaves components of earlier directions, which matter
+            // once the remainder is small.
             for earlier in self.u[..rank * width].chunks_exact(width) {
                 let overlap = dot(earlier, &self.direction);
                 for (entry, earlier) in self.direction.iter_mut().zip(earlier) {

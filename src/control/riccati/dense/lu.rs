@@ -1,4 +1,5 @@
-//! LU factorisation in panels: with partial pivoting, and without pivoting for positive definite matrices.
+//! LU factorisation in panels: with partial pivoting, and without pivoting for positive definite
+//! matrices.
 
 use super::packed::PackedMatrix;
 use super::simd::{self, BLOCK, F64x8, InstructionSet};
@@ -26,7 +27,8 @@ impl LuFactors {
         &mut self.packed
     }
 
-    /// Factorises with partial pivoting. Returns `false` if the matrix is singular to working precision, or not finite.
+    /// Factorises with partial pivoting. Returns `false` if the matrix is singular to working
+    /// precision, or not finite.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet) -> bool {
         self.eliminate(simd, |panel, from, column| {
             let largest = |best: (usize, f64), (row, vector): (usize, &F64x8)| {
@@ -38,7 +40,8 @@ impl LuFactors {
         })
     }
 
-    /// Factorises a symmetric matrix without pivoting, so that `U` is `D Lᵀ`. Returns `false` unless it is positive definite.
+    /// Factorises a symmetric matrix without pivoting, so that `U` is `D Lᵀ`. Returns `false`
+    /// unless it is positive definite.
     pub(in super::super) fn factorise_positive(&mut self, simd: InstructionSet) -> bool {
         let mut diagonal = std::mem::take(&mut self.diagonal);
         diagonal.clear();
@@ -51,7 +54,8 @@ impl LuFactors {
         positive
     }
 
-    /// Eliminates panel by panel. `pivot` selects the row of the next pivot from a panel, the first remaining row and the column.
+    /// Eliminates panel by panel. `pivot` selects the row of the next pivot from a panel, the first
+    /// remaining row and the column.
     fn eliminate(&mut self, simd: InstructionSet, pivot: impl Fn(&[F64x8], usize, usize) -> Option<usize>) -> bool {
         let (rows, size) = (self.packed.rows(), self.packed.padded_rows());
         self.exchanges.clear();

@@ -1,7 +1,7 @@
 //! A matrix packed for the kernels: panels of eight columns, each stored row by row.
 //!
-//! Rows and columns are padded with zeros to whole blocks. Sums and products of padded matrices are padded matrices, so no loop
-//! has a remainder.
+//! Rows and columns are padded with zeros to whole blocks. Sums and products of padded matrices are
+//! padded matrices, so no loop has a remainder.
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
@@ -38,7 +38,8 @@ impl PackedMatrix {
         &mut self.vectors
     }
 
-    /// Resizes the matrix and sets it to zero. Allocates only if the matrix was never as large before.
+    /// Resizes the matrix and sets it to zero. Allocates only if the matrix was never as large
+    /// before.
     pub(in super::super) fn clear(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
         self.vectors.clear();
@@ -77,7 +78,8 @@ impl PackedMatrix {
             let (used, padding) = vectors.split_at_mut(rows);
             for (vector, row) in used.iter_mut().zip(values.chunks_exact(columns)) {
                 let row = &row[BLOCK * panel..];
-                // A copy of constant length compiles to a few instructions instead of a function call.
+                // A copy of constant length compiles to a few instructions instead of a function
+                // call.
                 vector.0 = row.first_chunk().copied().unwrap_or_else(|| {
                     let mut block = [0.0; BLOCK];
                     block.iter_mut().zip(row).for_each(|(to, from)| *to = *from);
@@ -90,7 +92,8 @@ impl PackedMatrix {
 
     /// Copies the symmetric part `(M + Mᵀ) / 2` of a square matrix.
     pub(in crate::control) fn copy_symmetric_part(&mut self, matrix: &DMatrix<f64>) {
-        // The matrix is column-major, so this copies the transpose, whose symmetric part is the same.
+        // The matrix is column-major, so this copies the transpose, whose symmetric part is the
+        // same.
         self.copy_rows(matrix.ncols(), matrix.nrows(), matrix.as_slice());
         self.symmetrise();
     }
@@ -229,14 +232,16 @@ impl PackedMatrix {
         }
     }
 
-    /// Computes `self += left · right` for a symmetric product and a symmetric `self`. Computes only the lower triangle.
+    /// Computes `self += left · right` for a symmetric product and a symmetric `self`. Computes
+    /// only the lower triangle.
     pub(in super::super) fn add_symmetric_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.columns), (left.rows, right.columns, right.rows));
         simd::multiply(simd, self.blocks(Update::Add, true), &left.vectors, &right.vectors);
         self.mirror();
     }
 
-    /// Computes `self += leftᵀ · right` for a symmetric product and a symmetric `self`. Computes only the lower triangle.
+    /// Computes `self += leftᵀ · right` for a symmetric product and a symmetric `self`. Computes
+    /// only the lower triangle.
     pub(in super::super) fn add_symmetric_transposed(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.rows), (left.columns, right.columns, right.rows));
         simd::multiply_transposed(simd, self.blocks(Update::Add, true), &left.vectors, &right.vectors);
@@ -313,8 +318,9 @@ impl PackedMatrix {
         (sums[0].sum() + sums[1].sum()).sqrt()
     }
 
-    /// Returns the Frobenius norm after multiplying each row and each column by its unit. With an empty slice, all units are 1.
-    /// The slice must be padded to [`padded_rows`](Self::padded_rows).
+    /// Returns the Frobenius norm after multiplying each row and each column by its unit. With an
+    /// empty slice, all units are 1. The slice must be padded to
+    /// [`padded_rows`](Self::padded_rows).
     pub(in super::super) fn norm_in(&self, units: &[f64]) -> f64 {
         if units.is_empty() {
             return self.norm();
@@ -333,8 +339,8 @@ impl PackedMatrix {
         sum.sqrt()
     }
 
-    /// Returns the sum of the weighted squares of a row of a square matrix. The weights must be padded to
-    /// [`padded_rows`](Self::padded_rows).
+    /// Returns the sum of the weighted squares of a row of a square matrix. The weights must be
+    /// padded to [`padded_rows`](Self::padded_rows).
     pub(in super::super) fn weighted_row_square_sum(&self, row: usize, weights: &[f64]) -> f64 {
         let panels = self.vectors.chunks_exact(self.padded_rows()).zip(weights.as_chunks::<BLOCK>().0);
         let mut sums = [0.0; BLOCK];

@@ -1,7 +1,8 @@
 //! Kernels on 8 × 8 blocks: products, triangular solves, and elimination.
 //!
-//! Products and solves are built from one micro-kernel, `accumulate`, whose sums stay in vector registers. The kernels are
-//! compiled for several x86 instruction sets; the best one is selected at run time.
+//! Products and solves are built from one micro-kernel, `accumulate`, whose sums stay in vector
+//! registers. The kernels are compiled for several x86 instruction sets; the best one is selected
+//! at run time.
 #![allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #![allow(clippy::needless_range_loop, reason = "index loops over arrays, which the compiler unrolls")]
 #![allow(clippy::needless_pass_by_value, reason = "a view that is created for the call")]
@@ -54,8 +55,9 @@ impl InstructionSet {
 /// Availability of a fused multiply-add without run-time detection.
 const ALWAYS_FUSED: bool = cfg!(any(target_arch = "aarch64", target_feature = "fma"));
 
-/// Defines a function that calls the variant of another function that is compiled for the processor. The const parameters of the
-/// other function select fused multiply-add, and the number of rows of a block that the registers hold.
+/// Defines a function that calls the variant of another function that is compiled for the
+/// processor. The const parameters of the other function select fused multiply-add, and the number
+/// of rows of a block that the registers hold.
 macro_rules! for_processor {
     ($(#[$doc:meta])* fn $name:ident = $inner:ident($($argument:ident: $kind:ty),* $(,)?)) => {
         $(#[$doc])*
@@ -71,7 +73,8 @@ macro_rules! for_processor {
                     $inner::<true, 4>($($argument),*);
                 }
                 match simd.0 {
-                    // SAFETY: only `InstructionSet::detect` constructs this value, after it detected these instructions.
+                    // SAFETY: only `InstructionSet::detect` constructs this value, after it
+                    // detected these instructions.
                     Instructions::Avx512 => return unsafe { avx512($($argument),*) },
                     // SAFETY: as above.
                     Instructions::Avx2 => return unsafe { avx2($($argument),*) },
@@ -93,16 +96,19 @@ for_processor! {
     fn multiply_transposed = transposed_product(out: Blocks<'_>, left: &[F64x8], right: &[F64x8])
 }
 for_processor! {
-    /// Solves a system with a lower triangular matrix (forward substitution), given the inverses of its diagonal blocks. With
-    /// fewer inverses than diagonal blocks, uses only the corresponding block columns of the matrix.
+    /// Solves a system with a lower triangular matrix (forward substitution), given the inverses of
+    /// its diagonal blocks. With fewer inverses than diagonal blocks, uses only the corresponding
+    /// block columns of the matrix.
     fn substitute_forward = forward(lower: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
 }
 for_processor! {
-    /// Solves a system with an upper triangular matrix (back substitution), given the inverses of its diagonal blocks.
+    /// Solves a system with an upper triangular matrix (back substitution), given the inverses of
+    /// its diagonal blocks.
     fn substitute_backward = backward(upper: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
 }
 for_processor! {
-    /// Eliminates a column below the pivot: `row -= factor · pivot`, and stores each factor in the eliminated entry.
+    /// Eliminates a column below the pivot: `row -= factor · pivot`, and stores each factor in the
+    /// eliminated entry.
     fn eliminate = eliminate_column(column: usize, inverse: f64, pivot: &F64x8, below: &mut [F64x8])
 }
 for_processor! {
@@ -110,7 +116,8 @@ for_processor! {
     fn add_rows = sum_scaled_rows(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
 }
 for_processor! {
-    /// Computes `row -= factor · by` for the rows of a panel, and adds the squares of the results to `squares`.
+    /// Computes `row -= factor · by` for the rows of a panel, and adds the squares of the results
+    /// to `squares`.
     fn subtract_rows = subtract_scaled_row(factors: &[f64], by: &F64x8, rows: &mut [F64x8], squares: &mut F64x8)
 }
 
@@ -133,7 +140,8 @@ pub(super) struct Blocks<'a> {
 }
 
 impl Blocks<'_> {
-    /// Returns the number of rows of each panel of `right`. If an operand is empty, writes the zero product and returns `None`.
+    /// Returns the number of rows of each panel of `right`. If an operand is empty, writes the zero
+    /// product and returns `None`.
     #[inline(always)]
     fn inner(&mut self, left: &[F64x8], right: &[F64x8]) -> Option<usize> {
         if self.vectors.is_empty() || left.is_empty() {
@@ -167,7 +175,8 @@ fn multiply_add<const FUSED: bool>(sum: &mut F64x8, factor: f64, row: &F64x8) {
     }
 }
 
-/// Computes `sums += left · right` for `ROWS` rows of the block `left` and the complete block `right`.
+/// Computes `sums += left · right` for `ROWS` rows of the block `left` and the complete block
+/// `right`.
 #[inline(always)]
 fn accumulate<const FUSED: bool, const ROWS: usize>(
     sums: &mut [F64x8; ROWS],
@@ -246,8 +255,8 @@ fn transposed_product<const FUSED: bool, const ROWS: usize>(mut out: Blocks<'_>,
     }
 }
 
-/// Solves for block `index` of a panel of right-hand sides: subtracts the contributions of the `known` blocks, and multiplies by
-/// the inverse of the diagonal block, if it is given.
+/// Solves for block `index` of a panel of right-hand sides: subtracts the contributions of the
+/// `known` blocks, and multiplies by the inverse of the diagonal block, if it is given.
 #[inline(always)]
 fn substitute<const FUSED: bool, const ROWS: usize>(
     matrix: &[F64x8],
@@ -429,7 +438,8 @@ mod tests {
         for simd in instruction_sets() {
             for size in [1, 7, 8, 9, 23, 54] {
                 let mut factors = LuFactors::default();
-                // The large entries are on the antidiagonal, so the factorisation must exchange rows.
+                // The large entries are on the antidiagonal, so the factorisation must exchange
+                // rows.
                 factors.matrix().fill(size, size, |row, column| {
                     entry(4)(row, column) + if row + column + 1 == size { 40.0 } else { 0.0 }
                 });

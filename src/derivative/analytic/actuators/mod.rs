@@ -1,8 +1,9 @@
 //! Derivatives of actuators with affine gain and bias, and of muscles (`muscle.rs`).
 //!
-//! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an actuator with activation, the
-//! activation. Its length l depends on the position by its moment arms m: `∂l/∂q = ∂l̇/∂v = m`. They are constant except for spatial
-//! tendons (`tendon.rs`) and sites (`site.rs`).
+//! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an
+//! actuator with activation, the activation. Its length l depends on the position by its moment
+//! arms m: `∂l/∂q = ∂l̇/∂v = m`. They are constant except for spatial tendons (`tendon.rs`) and
+//! sites (`site.rs`).
 
 mod muscle;
 mod site;
@@ -50,13 +51,14 @@ fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
 }
 
-/// Returns `true` if the velocities of actuators follow those of the joints. Since 3.2 they are constant without actuation.
+/// Returns `true` if the velocities of actuators follow those of the joints. Since 3.2 they are
+/// constant without actuation.
 pub(super) fn has_velocities(model: &Model) -> bool {
     cfg!(not(engine_since = "3.2.0")) || !actuation_is_disabled(model)
 }
 
-/// Returns `true` if the moment arms of an actuator are constant or those of a tendon, and if its length depends on the position
-/// only by them.
+/// Returns `true` if the moment arms of an actuator are constant or those of a tendon, and if its
+/// length depends on the position only by them.
 fn has_known_moment(model: &Model, actuator: usize) -> bool {
     let object = ffi::size(model.actuator_trnid()[actuator][0]);
     let transmission = TransmissionType::from_raw(model.actuator_trntype()[actuator]);
@@ -67,7 +69,8 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
         Some(TransmissionType::Joint | TransmissionType::JointInParent) => {
             match JointType::of_field(model.jnt_type()[object]) {
                 JointType::Hinge | JointType::Slide => true,
-                // The length is a component of the rotation vector, of which the moment arm is not the derivative.
+                // The length is a component of the rotation vector, of which the moment arm is not
+                // the derivative.
                 JointType::Ball | JointType::Free => {
                     transmission == Some(TransmissionType::Joint) && !depends_on_length(model, actuator)
                 }
@@ -77,7 +80,8 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns `true` if the moment arms of an actuator are the derivatives of its length, which is that of a hinge, a slide or a tendon.
+/// Returns `true` if the moment arms of an actuator are the derivatives of its length, which is
+/// that of a hinge, a slide or a tendon.
 pub(super) fn has_differentiable_length(model: &Model, actuator: usize) -> bool {
     match TransmissionType::from_raw(model.actuator_trntype()[actuator]) {
         Some(TransmissionType::Tendon) => true,
@@ -104,7 +108,8 @@ fn depends_on_length(model: &Model, actuator: usize) -> bool {
     gain || bias
 }
 
-/// Gain or bias of an actuator, with its derivatives by the length and the velocity of the actuator.
+/// Gain or bias of an actuator, with its derivatives by the length and the velocity of the
+/// actuator.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Curve {
     pub(super) value: f64,
@@ -119,13 +124,15 @@ impl Curve {
     }
 }
 
-/// Derivatives of the force of an actuator by its length and velocity, and by its control or activation.
+/// Derivatives of the force of an actuator by its length and velocity, and by its control or
+/// activation.
 #[derive(Clone, Copy, Debug)]
 struct ForceSlopes {
     by_length: f64,
     by_velocity: f64,
     by_input: f64,
-    /// Column of the control or the activation among positions, velocities, activations and controls.
+    /// Column of the control or the activation among positions, velocities, activations and
+    /// controls.
     input_column: usize,
     /// True for a force at an end of its range.
     is_at_limit: bool,
@@ -171,8 +178,8 @@ impl ForceSlopes {
     }
 }
 
-/// Derivative of the force of an actuator by its velocity, as the implicit integrator has it: regardless of limits, of which newer
-/// engines consider some.
+/// Derivative of the force of an actuator by its velocity, as the implicit integrator has it:
+/// regardless of limits, of which newer engines consider some.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct VelocityGain {
     pub(super) total: f64,
@@ -219,7 +226,8 @@ pub(super) fn add_velocity_change(
     for_each_change(data, tree, actuator, |k, j, change| row[j] += factor * change * data.qvel()[k]);
 }
 
-/// Writes the derivatives of the force of an actuator by positions, velocities, activations and controls to a row of zeros.
+/// Writes the derivatives of the force of an actuator by positions, velocities, activations and
+/// controls to a row of zeros.
 pub(super) fn write_force(data: &Data, tree: &Tree, tendons: &Tendons, actuator: usize, row: &mut [f64]) {
     let model = data.model();
     let nv = model.nv();
@@ -235,7 +243,8 @@ pub(super) fn write_force(data: &Data, tree: &Tree, tendons: &Tendons, actuator:
     row[slopes.input_column] = slopes.by_input;
 }
 
-/// Derivatives of the activation after a step, by the activation and by the control of the same actuator.
+/// Derivatives of the activation after a step, by the activation and by the control of the same
+/// actuator.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NextActivation {
     pub(super) actuator: usize,
@@ -243,8 +252,9 @@ pub(super) struct NextActivation {
     pub(super) by_control: f64,
 }
 
-/// Subtracts the derivatives of the actuator forces, at constant moment arms of tendons, from those of the residual, by positions,
-/// velocities, activations and controls, and writes those of the next activations, `(na)`. Returns the kinks of actuators.
+/// Subtracts the derivatives of the actuator forces, at constant moment arms of tendons, from those
+/// of the residual, by positions, velocities, activations and controls, and writes those of the
+/// next activations, `(na)`. Returns the kinks of actuators.
 pub(super) fn differentiate(
     data: &Data,
     tree: &Tree,
@@ -284,7 +294,8 @@ pub(super) fn differentiate(
     kinks
 }
 
-/// Returns the control after clamping to its range, and its derivative: 1 within the range including its ends, 0 beyond it.
+/// Returns the control after clamping to its range, and its derivative: 1 within the range
+/// including its ends, 0 beyond it.
 fn clamped_control(data: &Data, actuator: usize) -> (f64, f64) {
     let (model, control) = (data.model(), data.ctrl()[actuator]);
     let clamps = model.raw().opt.disableflags as u32 & DisableFlags::CLAMPCTRL.bits() == 0;

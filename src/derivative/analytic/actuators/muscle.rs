@@ -1,11 +1,12 @@
 //! Derivatives of the engine's muscle model.
 //!
-//! For the normalised length L and velocity V, the gain is `−F FL(L) FV(V)` and the bias `−F FP(L)`, where F is the peak active
-//! force and all curves are piecewise quadratic. The activation follows the control with a time constant that depends on the
-//! activation: `ȧ = (u − a)/τ(a)`, `τ = τ₀ s` for u above a and `τ₁/s` below it, `s = 0.5 + 1.5 a`; since 2.3.6 a smooth step of any width
-//! can replace that at u = a. (M. Millard, T. Uchida, A. Seth
-//! and S. Delp, "Flexing computational muscle", Journal of Biomechanical Engineering 2013; "Muscle actuators" in the engine's
-//! documentation.)
+//! For the normalised length L and velocity V, the gain is `−F FL(L) FV(V)` and the bias
+//! `−F FP(L)`, where F is the peak active force and all curves are piecewise quadratic. The
+//! activation follows the control with a time constant that depends on the activation:
+//! `ȧ = (u − a)/τ(a)`, `τ = τ₀ s` for u above a and `τ₁/s` below it, `s = 0.5 + 1.5 a`; since 2.3.6
+//! a smooth step of any width can replace that at u = a. (M. Millard, T. Uchida, A. Seth and S.
+//! Delp, "Flexing computational muscle", Journal of Biomechanical Engineering 2013; "Muscle
+//! actuators" in the engine's documentation.)
 
 use super::{Curve, MIN_TIME_CONSTANT};
 use crate::derivative::kinks::{MuscleSides, is_inside};
@@ -116,7 +117,8 @@ pub(super) fn bias(model: &Model, actuator: usize, length: f64) -> Curve {
     Curve { value: -passive * value, by_length: -passive * slope * muscle.scale, by_velocity: 0.0 }
 }
 
-/// Returns the derivatives of the rate of an activation by the activation and by the control, each on its side of the kink.
+/// Returns the derivatives of the rate of an activation by the activation and by the control, each
+/// on its side of the kink.
 pub(super) fn activation_rate(
     model: &Model,
     actuator: usize,
@@ -131,7 +133,8 @@ pub(super) fn activation_rate(
     let excess = clamped - activation;
     let rising = (rise * scale, rise * scale_slope);
     let falling = (fall / scale, -fall * scale_slope / (scale * scale));
-    // The time constant, and its derivatives by the activation at a constant excess, and by the excess.
+    // The time constant, and its derivatives by the activation at a constant excess, and by the
+    // excess.
     let time_constant = |is_rising: bool| {
         if cfg!(not(engine_since = "2.3.6")) || width < MIN {
             let (constant, slope) = if is_rising { rising } else { falling };

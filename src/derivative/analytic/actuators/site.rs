@@ -1,14 +1,17 @@
-//! Derivatives of the moment arms of actuators that act on a site, such as the propellers of a drone.
+//! Derivatives of the moment arms of actuators that act on a site, such as the propellers of a
+//! drone.
 //!
-//! Such an actuator exerts its force times the `gear`, a force vector W that is fixed in the axes of the site: `m_k = S_k · W`. If
-//! degree of freedom j moves the site, W turns with it, `∂W = S_j ×* W`. So do the axes of the group of j and of those below it,
-//! for which the product does not change. For k above the group of j
+//! Such an actuator exerts its force times the `gear`, a force vector W that is fixed in the axes
+//! of the site: `m_k = S_k · W`. If degree of freedom j moves the site, W turns with it,
+//! `∂W = S_j ×* W`. So do the axes of the group of j and of those below it, for which the product
+//! does not change. For k above the group of j
 //!
 //! ```text
 //! ∂m_k/∂q_j = S_k · (S_j ×* W),
 //! ```
 //!
-//! and zero for all others. The length of the actuator is zero. With a reference site, the actuator has no formula here.
+//! and zero for all others. The length of the actuator is zero. With a reference site, the actuator
+//! has no formula here.
 
 use super::super::spatial::{Vec3, cross_force, dot, sub, wrench};
 use super::super::tree::Tree;

@@ -31,7 +31,8 @@ impl Chains {
         Self { dofs: Vec::with_capacity(nv), velocities: [[0.0; 6]; 2] }
     }
 
-    /// Collects the degrees of freedom that move the bodies, and computes the velocities for joint velocities `rate`.
+    /// Collects the degrees of freedom that move the bodies, and computes the velocities for joint
+    /// velocities `rate`.
     pub(in crate::derivative::analytic) fn set(
         &mut self,
         tree: &Tree,
@@ -41,7 +42,8 @@ impl Chains {
     ) {
         self.dofs.clear();
         let mut next = bodies.map(|body| tree.last[body]);
-        // Indices decrease along both chains towards the root, so the chains are merged by their largest index.
+        // Indices decrease along both chains towards the root, so the chains are merged by their
+        // largest index.
         while let Some(dof) = next[0].max(next[1]) {
             let moves = next.map(|next| next == Some(dof));
             self.dofs.push(MovingDof { dof, axis: axes[dof], moves, before: [[0.0; 6]; 2] });
@@ -78,8 +80,8 @@ impl Chains {
         }
     }
 
-    /// Returns the change of the velocity of a body, `(∂J) w`, which a degree of freedom causes because it turns the axes of its own
-    /// group and of those below it.
+    /// Returns the change of the velocity of a body, `(∂J) w`, which a degree of freedom causes
+    /// because it turns the axes of its own group and of those below it.
     pub(super) fn velocity_change(&self, moving: &MovingDof, side: usize) -> Spatial {
         if moving.moves[side] {
             cross_motion(&moving.axis, &sub(&self.velocities[side], &moving.before[side]))
@@ -88,8 +90,8 @@ impl Chains {
         }
     }
 
-    /// Subtracts `sign · ∂(Jᵀ W)/∂q_j` from column j of `residual`, where J is the Jacobian of a body, W a force vector on it, and
-    /// `change` the derivative of W.
+    /// Subtracts `sign · ∂(Jᵀ W)/∂q_j` from column j of `residual`, where J is the Jacobian of a
+    /// body, W a force vector on it, and `change` the derivative of W.
     pub(in crate::derivative::analytic) fn subtract_force(
         &self,
         tree: &Tree,

@@ -1,12 +1,14 @@
 //! Derivatives of contacts with frictionless, pyramidal and elliptic cones.
 //!
-//! The base rows of a contact are the relative velocities of the bodies at its position p, in its frame E (rows n, t₁, t₂): three of
-//! translation, three of rotation, of which the first `dim` exist. The rows of an elliptic cone are the base rows; those of a
-//! pyramid are `normal ± friction · tangent`, so their derivatives are the same combinations.
+//! The base rows of a contact are the relative velocities of the bodies at its position p, in its
+//! frame E (rows n, t₁, t₂): three of translation, three of rotation, of which the first `dim`
+//! exist. The rows of an elliptic cone are the base rows; those of a pyramid are
+//! `normal ± friction · tangent`, so their derivatives are the same combinations.
 //!
-//! Degree of freedom j changes the contact by the twist of the bodies that it moves: if it moves both, the contact turns with
-//! them; else the relative pose of the geoms changes (`contact_geometry.rs`). For the relative velocity u and angular velocity o of
-//! the rates `w = a + B v`, and the contact force `φ = Eᵀ f`, torque `θ = Eᵀ f'` in the world,
+//! Degree of freedom j changes the contact by the twist of the bodies that it moves: if it moves
+//! both, the contact turns with them; else the relative pose of the geoms changes
+//! (`contact_geometry.rs`). For the relative velocity u and angular velocity o of the rates
+//! `w = a + B v`, and the contact force `φ = Eᵀ f`, torque `θ = Eᵀ f'` in the world,
 //!
 //! ```text
 //! (∂J) w = ∂E u + E ∂u,  ∂E o + E ∂o        ∂u = Σ ± ∂V(p) + o × ∂p
@@ -39,8 +41,8 @@ pub(super) fn dimension(data: &Data, contact: usize) -> usize {
     ffi::size(contacts(data)[contact].dim)
 }
 
-/// Adds the derivatives of a contact to those of the rows, and of its Jacobian to the residual. Returns `false` if the
-/// tangents of the contact are not differentiable.
+/// Adds the derivatives of a contact to those of the rows, and of its Jacobian to the residual.
+/// Returns `false` if the tangents of the contact are not differentiable.
 pub(super) fn differentiate(
     constraints: &mut Constraints,
     data: &Data,
@@ -213,7 +215,8 @@ impl Cone<'_> {
         if self.dim == 1 || !self.is_pyramidal { self.dim } else { 2 * (self.dim - 1) }
     }
 
-    /// Writes a column of the derivatives of the rows' residuals from those of the base rows and of the reference.
+    /// Writes a column of the derivatives of the rows' residuals from those of the base rows and of
+    /// the reference.
     fn write_column(&self, rows: &mut Rows, dof: usize, &[linear, angular]: &[Vec3; 2], reference: f64) {
         let base = spatial(&linear, &angular);
         if self.dim == 1 || !self.is_pyramidal {

@@ -1,8 +1,9 @@
 //! Differences of a collision function, for pairs of geoms without a formula.
 //!
-//! Only the collision function of the pair is called, with a perturbed pose of its second geom. The functions for boxes, and those of
-//! a plane with any shape, are exact, so their central differences are good to ten digits. Functions that iterate to a tolerance
-//! are not differenced: their error would be divided by the step.
+//! Only the collision function of the pair is called, with a perturbed pose of its second geom. The
+//! functions for boxes, and those of a plane with any shape, are exact, so their central
+//! differences are good to ten digits. Functions that iterate to a tolerance are not differenced:
+//! their error would be divided by the step.
 
 use mujoco_sys::mjContact;
 
@@ -15,17 +16,20 @@ use crate::error::Result;
 use crate::ffi;
 use crate::math;
 
-/// Steps of the differences, m and rad, in the order of trial. A smaller step has larger rounding errors. It is used only near a kink, such
-/// as the border between a face and an edge of a box.
+/// Steps of the differences, m and rad, in the order of trial. A smaller step has larger rounding
+/// errors. It is used only near a kink, such as the border between a face and an edge of a box.
 const STEPS: [f64; 3] = [1e-6, 1e-7, 1e-8];
-/// Largest deviation of the quotients of a step and of its double, relative to the largest quotient. A larger one shows a kink.
+/// Largest deviation of the quotients of a step and of its double, relative to the largest
+/// quotient. A larger one shows a kink.
 const MAX_DEVIATION: f64 = 1e-5;
 /// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
 const MARGIN: f64 = 1e-3;
-/// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.
+/// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found
+/// other contacts.
 const MAX_SHIFT: f64 = 1e-4;
 
-/// Returns the derivatives of a contact by a twist of its second geom, and the kinks, or `None` if they cannot be differenced.
+/// Returns the derivatives of a contact by a twist of its second geom, and the kinks, or `None` if
+/// they cannot be differenced.
 pub(super) fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<(ContactGeometry, Kinks)>> {
     let geoms = [contact.geom1, contact.geom2].map(ffi::size);
     let types = geoms.map(|geom| GeomType::of_field(data.model().geom_type()[geom]));
@@ -71,8 +75,8 @@ fn difference(
             let mut quotient =
                 |step| quotient(data, contact, geoms, |by| perturbed(pose, &contact.pos, column, by), step);
             let (Some(near), Some(far)) = (quotient(step)?, quotient(2.0 * step)?) else { return Ok(None) };
-            // Richardson extrapolation. The normal of a contact nearly as deep as the radius of a sphere or a capsule turns so fast
-            // that one step alone is not accurate.
+            // Richardson extrapolation. The normal of a contact nearly as deep as the radius of a
+            // sphere or a capsule turns so fast that one step alone is not accurate.
             derivative = std::array::from_fn(|i| (4.0 * near[i] - far[i]) / 3.0);
             let largest = |values: [f64; 7]| values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
             let deviation = largest(std::array::from_fn(|i| near[i] - far[i]));
@@ -93,8 +97,8 @@ fn difference(
     Ok(Some((geometry, kinks)))
 }
 
-/// Returns the central difference quotients of the position, the normal and the distance of a contact, or `None` if they are
-/// not near those of the base point. Leaves the second geom moved.
+/// Returns the central difference quotients of the position, the normal and the distance of a
+/// contact, or `None` if they are not near those of the base point. Leaves the second geom moved.
 fn quotient(
     data: &mut Data,
     contact: &mjContact,
@@ -126,7 +130,8 @@ fn perturbed((position, rotation): &Pose, about: &Vec3, column: usize, by: f64) 
     (add(about, &arm), turned)
 }
 
-/// Returns the contact nearest to the one at the base point, with a unit normal, or `None` if it is too far away.
+/// Returns the contact nearest to the one at the base point, with a unit normal, or `None` if it is
+/// too far away.
 fn nearest(data: &mut Data, contact: &mjContact, geoms: [usize; 2]) -> Result<Option<FoundContact>> {
     let mut nearest: Option<(f64, FoundContact)> = None;
     data.collide(geoms, CollisionFunction::Table, contact.includemargin + MARGIN, |found| {

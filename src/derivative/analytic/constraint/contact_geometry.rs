@@ -1,8 +1,9 @@
 //! Dependence of a contact on the relative pose of its two geoms.
 //!
-//! Position p, normal n and distance of a contact are functions of the relative pose of the geoms, six numbers. So is y, the vector
-//! from which the engine makes the first tangent by projection: the axis of a capsule on a plane, else an axis of the world. The
-//! derivatives by a twist `[ω; v]` of the second geom alone, with v the velocity of the point at p, determine those by all degrees
+//! Position p, normal n and distance of a contact are functions of the relative pose of the geoms,
+//! six numbers. So is y, the vector from which the engine makes the first tangent by projection:
+//! the axis of a capsule on a plane, else an axis of the world. The derivatives by a twist `[ω; v]`
+//! of the second geom alone, with v the velocity of the point at p, determine those by all degrees
 //! of freedom.
 
 use mujoco_sys::mjContact;
@@ -15,12 +16,14 @@ use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
 
-/// Smallest determinant of the equations for the nearest points of two capsules. With a smaller one their axes are parallel.
+/// Smallest determinant of the equations for the nearest points of two capsules. With a smaller one
+/// their axes are parallel.
 const MIN_DETERMINANT: f64 = 1e-8;
 /// Relative distance from the end of a capsule within which its nearest point counts as the end.
 const END: f64 = 1e-9;
 
-/// Derivatives of a contact by a twist of its second geom. Each row is the derivative of one number.
+/// Derivatives of a contact by a twist of its second geom. Each row is the derivative of one
+/// number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactGeometry {
     pub(super) position: [Spatial; 3],
@@ -33,9 +36,9 @@ pub(super) struct ContactGeometry {
 }
 
 impl ContactGeometry {
-    /// Returns the derivatives, in closed form or else by differences of the collision function, the terms that were differenced, and
-    /// the kinks that the differences have found.
-    /// Returns `None` for pairs of geoms whose collision function iterates.
+    /// Returns the derivatives, in closed form or else by differences of the collision function,
+    /// the terms that were differenced, and the kinks that the differences have found. Returns
+    /// `None` for pairs of geoms whose collision function iterates.
     pub(super) fn new(data: &mut Data, contact: &mjContact) -> Result<Option<(Self, DifferencedTerms, Kinks)>> {
         if let Some(geometry) = Self::in_closed_form(data, contact) {
             return Ok(Some((geometry, DifferencedTerms::empty(), Kinks::empty())));
@@ -81,10 +84,11 @@ fn on_plane(contact: &mjContact, radius: f64, axis: Option<Vec3>) -> ContactGeom
     }
 }
 
-/// Returns the derivatives for two spheres or capsules: the nearest points of two segments, or `None` for parallel capsules.
+/// Returns the derivatives for two spheres or capsules: the nearest points of two segments, or
+/// `None` for parallel capsules.
 ///
-/// With the axes α₁ and α₂, the nearest points c₁ and c₂ and δ = c₂ − c₁, the conditions `α₁·δ = 0` and `α₂·δ = 0` of points that
-/// are not ends determine their shifts ds and dt along the axes.
+/// With the axes α₁ and α₂, the nearest points c₁ and c₂ and δ = c₂ − c₁, the conditions `α₁·δ = 0`
+/// and `α₂·δ = 0` of points that are not ends determine their shifts ds and dt along the axes.
 fn round(data: &Data, contact: &mjContact, geoms: [usize; 2], types: [GeomType; 2]) -> Option<ContactGeometry> {
     let normal = normal(contact);
     let sizes = geoms.map(|geom| data.model().geom_size()[geom]);

@@ -1,12 +1,15 @@
 //! Derivatives of equality constraints.
 //!
-//! - **Joint, tendon:** the position of the first is a polynomial p of the displacement d of the second, so row `J = row₁ − p'(d)
-//!   row₂` and `∂J = −p''(d) row₂ row₂ᵀ`. `∂pos = J`.
-//! - **Connect:** the difference of an anchor p₁ on the first body and p₂ on the second, in the world's axes. `∂pos = J`.
-//! - **Weld:** the same, and a rotation: for the orientations q₁ and q₂, the relative pose ρ and the scale τ of torques, the rows
-//!   are `τ Q (ω₁ − ω₂)`, `Q y = Im(q̄₂ y q₁ ρ)/2`. 2.2.2 scales J by τ, but not the positions of these rows.
+//! - **Joint, tendon:** the position of the first is a polynomial p of the displacement d of the
+//!   second, so row `J = row₁ − p'(d) row₂` and `∂J = −p''(d) row₂ row₂ᵀ`. `∂pos = J`.
+//! - **Connect:** the difference of an anchor p₁ on the first body and p₂ on the second, in the
+//!   world's axes. `∂pos = J`.
+//! - **Weld:** the same, and a rotation: for the orientations q₁ and q₂, the relative pose ρ and
+//!   the scale τ of torques, the rows are `τ Q (ω₁ − ω₂)`, `Q y = Im(q̄₂ y q₁ ρ)/2`. 2.2.2 scales J
+//!   by τ, but not the positions of these rows.
 //!
-//! The impedance of all rows of a constraint is a function of the norm of their positions, for a weld with τ applied.
+//! The impedance of all rows of a constraint is a function of the norm of their positions, for a
+//! weld with τ applied.
 
 use std::array;
 
@@ -35,8 +38,8 @@ pub(super) fn row_count(model: &Model, equality: usize) -> usize {
     }
 }
 
-/// Adds the derivatives of an equality constraint to those of the rows, and of its Jacobian to the residual. Returns `false` for a
-/// type without a formula.
+/// Adds the derivatives of an equality constraint to those of the rows, and of its Jacobian to the
+/// residual. Returns `false` for a type without a formula.
 pub(super) fn differentiate(
     constraints: &mut Constraints,
     data: &Data,
@@ -46,7 +49,8 @@ pub(super) fn differentiate(
 ) -> bool {
     let equality = ffi::size(data.efc_id()[row]);
     match EqualityType::from_raw(data.model().eq_type()[equality]) {
-        // Their reference contains the derivative of the Jacobian by time since 3.7, for which there is no formula here.
+        // Their reference contains the derivative of the Jacobian by time since 3.7, for which
+        // there is no formula here.
         Some(EqualityType::Connect | EqualityType::Weld) if cfg!(engine_since = "3.7.0") => return false,
         Some(EqualityType::Connect) => differentiate_bodies(constraints, data, tree, row, false, residual),
         Some(EqualityType::Weld) => differentiate_bodies(constraints, data, tree, row, true, residual),
@@ -99,15 +103,16 @@ fn differentiate_polynomial(
     }
 }
 
-/// Adds the derivatives of the reference and of the impedance, from those of the positions. `torque_scale` is the scale of the Jacobian of
-/// rotations relative to their positions.
+/// Adds the derivatives of the reference and of the impedance, from those of the positions.
+/// `torque_scale` is the scale of the Jacobian of rotations relative to their positions.
 fn finish(rows: &mut Rows, data: &Data, torque_scale: f64) {
     let [stiffness, _, impedance, slope] = data.efc_KBIP()[rows.first];
     let positions = &data.efc_pos()[rows.first..rows.first + rows.count];
     let position_scale = |row: usize| if row < 3 { 1.0 } else { torque_scale };
     let norm = positions.iter().enumerate().map(|(row, pos)| (position_scale(row) * pos).powi(2)).sum::<f64>().sqrt();
     let span = rows.span.clone();
-    // The derivative of the norm. The engine's P of a single position has the sign of the position already.
+    // The derivative of the norm. The engine's P of a single position has the sign of the position
+    // already.
     if rows.count == 1 {
         add_to(&mut rows.log_inertia[span.clone()], &rows.jacobian.row(0)[span.clone()], 1.0);
     } else if norm > 0.0 {
@@ -167,7 +172,8 @@ fn differentiate_bodies(
         for component in 0..rows.count {
             let mut unit = [0.0; 3];
             unit[component % 3] = 1.0;
-            // The engine's sensors take the forces of the rotational rows as torques in the axes of the world.
+            // The engine's sensors take the forces of the rotational rows as torques in the axes of
+            // the world.
             let direction =
                 |arm| if component < 3 { wrench(&[0.0; 3], &unit, &arm) } else { spatial(&unit, &[0.0; 3]) };
             interactions.set_direction(component, arms.map(direction));
@@ -232,7 +238,8 @@ impl Rotation {
         })
     }
 
-    /// Returns the derivative of the rows if the bodies turn: `∂Q y = Im(q̄₂ y ω₁ q₁ ρ − q̄₂ ω₂ y q₁ ρ)/4`.
+    /// Returns the derivative of the rows if the bodies turn:
+    /// `∂Q y = Im(q̄₂ y ω₁ q₁ ρ − q̄₂ ω₂ y q₁ ρ)/4`.
     fn derivative(&self, turns: &[Vec3; 2]) -> [Vec3; 3] {
         let [first, second] = turns.map(|[x, y, z]| [0.0, x, y, z]);
         self.matrix(|unit| {
@@ -242,7 +249,8 @@ impl Rotation {
         })
     }
 
-    /// Returns the scaled rows of the matrix whose columns are the imaginary parts of a function of unit quaternions.
+    /// Returns the scaled rows of the matrix whose columns are the imaginary parts of a function of
+    /// unit quaternions.
     fn matrix(&self, column: impl Fn(&[f64; 4]) -> [f64; 4]) -> [Vec3; 3] {
         let mut rows = [[0.0; 3]; 3];
         for axis in 0..3 {

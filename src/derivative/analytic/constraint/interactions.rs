@@ -1,8 +1,10 @@
-//! Derivatives of the constraint forces on subtrees, for sensors of the force between a body and its parent.
+//! Derivatives of the constraint forces on subtrees, for sensors of the force between a body and
+//! its parent.
 //!
-//! Contacts, `connect` and `weld` constraints between a subtree and the rest of the model exert a force vector `X = ±Σ f_r D_r` on it,
-//! where D_r is that of a unit force of row r on the body inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r
-//! ∂f_r)`, with ∂f from `rows.rs`. Forces between two bodies of the subtree cancel.
+//! Contacts, `connect` and `weld` constraints between a subtree and the rest of the model exert a
+//! force vector `X = ±Σ f_r D_r` on it, where D_r is that of a unit force of row r on the body
+//! inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r ∂f_r)`, with ∂f from
+//! `rows.rs`. Forces between two bodies of the subtree cancel.
 
 use super::rows::{MAX_ROWS, Rows};
 use crate::data::Data;
@@ -76,7 +78,8 @@ impl Interactions {
         }
     }
 
-    /// Starts a constraint between two bodies, with the signs of the forces on them. Returns `false` if no sensor measures it.
+    /// Starts a constraint between two bodies, with the signs of the forces on them. Returns
+    /// `false` if no sensor measures it.
     pub(super) fn begin(&mut self, bodies: [usize; 2], signs: [f64; 2]) -> bool {
         if !self.is_wanted {
             return false;
@@ -109,7 +112,8 @@ impl Interactions {
         }
     }
 
-    /// Adds the forces of a constraint, whose rows are loaded, and `Σ D_r ∂f_r`. Does nothing unless it was started.
+    /// Adds the forces of a constraint, whose rows are loaded, and `Σ D_r ∂f_r`. Does nothing
+    /// unless it was started.
     pub(super) fn finish(&mut self, data: &Data, rows: &mut Rows) {
         if !self.is_wanted || self.sides.iter().all(Option::is_none) {
             return;

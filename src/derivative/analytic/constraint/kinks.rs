@@ -15,8 +15,8 @@ use crate::ffi;
 use crate::math;
 use crate::model::{DisableFlags, Model};
 
-/// Returns the kinks of constraints at the present state: distances that equal the margin, and, if the
-/// residuals `jar` of the rows are known, thresholds of these and kinks of the impedance.
+/// Returns the kinks of constraints at the present state: distances that equal the margin, and, if
+/// the residuals `jar` of the rows are known, thresholds of these and kinks of the impedance.
 pub(in crate::derivative::analytic) fn of_state(data: &Data, jar: &[f64]) -> Kinks {
     let model = data.model();
     let disabled = DisableFlags::from_bits_retain(model.raw().opt.disableflags as u32);
@@ -49,8 +49,8 @@ fn is_at_threshold(data: &Data, row: usize, jar: f64, aref: f64) -> bool {
     }
 }
 
-/// Returns `true` if the impedance of a constraint has a kink. It is a piecewise linear function of the
-/// violation if the power of `solimp` is 1.
+/// Returns `true` if the impedance of a constraint has a kink. It is a piecewise linear function of
+/// the violation if the power of `solimp` is 1.
 fn has_impedance_kink(data: &Data) -> bool {
     let mut row = 0;
     while row < data.nefc() {
@@ -78,8 +78,8 @@ fn is_at_impedance_kink(data: &Data, row: usize, count: usize) -> bool {
     if power > 1.0 || start == end || width <= mjMINVAL {
         return false;
     }
-    // The rows of an equality constraint share the impedance of the norm. Those of a contact have the
-    // violation of the first.
+    // The rows of an equality constraint share the impedance of the norm. Those of a contact have
+    // the violation of the first.
     let rows = row..row + if kind == mjCNSTR_EQUALITY { count } else { 1 };
     let squares = rows.map(|row| (data.efc_pos()[row] - data.efc_margin()[row]).powi(2));
     let violation = squares.sum::<f64>().sqrt();

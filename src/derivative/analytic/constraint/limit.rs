@@ -1,7 +1,7 @@
 //! Derivatives of the limits of joints and fixed tendons.
 //!
-//! The Jacobian is constant, and `∂pos = J`, except for balls. The position of a ball's limit is its range minus the angle
-//! θ = |φ| of its rotation vector φ, so the row of J is −α, α = φ/θ, with
+//! The Jacobian is constant, and `∂pos = J`, except for balls. The position of a ball's limit is
+//! its range minus the angle θ = |φ| of its rotation vector φ, so the row of J is −α, α = φ/θ, with
 //!
 //! ```text
 //! ∂α = (1 − α αᵀ) ∂φ / θ,
@@ -33,7 +33,8 @@ pub(super) fn differentiate(rows: &mut Rows, data: &Data, row: usize, residual: 
     }
 }
 
-/// Returns the first degree of freedom and the quaternion of the ball joint that a row limits, if it limits one.
+/// Returns the first degree of freedom and the quaternion of the ball joint that a row limits, if
+/// it limits one.
 fn ball_of(data: &Data, row: usize) -> Option<(usize, [f64; 4])> {
     let (model, joint) = (data.model(), ffi::size(data.efc_id()[row]));
     let is_joint = data.efc_type()[row] as u32 == mjCNSTR_LIMIT_JOINT;

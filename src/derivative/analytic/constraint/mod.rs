@@ -1,8 +1,8 @@
 //! Derivatives of the constraint forces `Jᵀ f`, one constraint after another.
 //!
-//! Each kind of constraint contributes the derivatives of its Jacobian and its position (`contact.rs`, `limit.rs`, `equality.rs`);
-//! `rows.rs` converts them to those of the forces. At a kink, for example when two geoms begin to touch, the derivatives are those of the
-//! present side.
+//! Each kind of constraint contributes the derivatives of its Jacobian and its position
+//! (`contact.rs`, `limit.rs`, `equality.rs`); `rows.rs` converts them to those of the forces. At a
+//! kink, for example when two geoms begin to touch, the derivatives are those of the present side.
 
 mod chains;
 mod contact;
@@ -56,9 +56,10 @@ impl Constraints {
         Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv], force_sensors, interactions }
     }
 
-    /// Subtracts the derivatives of the constraint forces from those of the residual, by positions and velocities. Returns the
-    /// terms that were differenced, or `None` if an active constraint has no formula. Adds the kinks, for residuals `jar` of the rows. Also differentiates sensors of constraint
-    /// forces, if they are wanted.
+    /// Subtracts the derivatives of the constraint forces from those of the residual, by positions
+    /// and velocities. Returns the terms that were differenced, or `None` if an active constraint
+    /// has no formula. Adds the kinks, for residuals `jar` of the rows. Also differentiates sensors
+    /// of constraint forces, if they are wanted.
     pub(super) fn differentiate(
         &mut self,
         data: &mut Data,

@@ -1,8 +1,10 @@
-//! Rows of one constraint: from the derivatives of their residuals to those of the constraint forces.
+//! Rows of one constraint: from the derivatives of their residuals to those of the constraint
+//! forces.
 //!
-//! A row has the residual `jar = J a − aref`, `aref = −B J v − K I (pos − margin)`, and the force f(jar) of inertia D, which also
-//! depends on the position: `D = 1/R`, `R = (1 − I)/I · constant`, where the impedance I is a function of pos with the derivative
-//! P. The engine leaves K, B, I and P of each row in `efc_KBIP`. In every zone f is proportional to D, so
+//! A row has the residual `jar = J a − aref`, `aref = −B J v − K I (pos − margin)`, and the force
+//! f(jar) of inertia D, which also depends on the position: `D = 1/R`, `R = (1 − I)/I · constant`,
+//! where the impedance I is a function of pos with the derivative P. The engine leaves K, B, I and
+//! P of each row in `efc_KBIP`. In every zone f is proportional to D, so
 //!
 //! ```text
 //! ∂f = −𝒦 ∂jar + f ∂ln D,        ∂ln D = P ∂pos / (I (1 − I)),
@@ -10,8 +12,8 @@
 //! ∂(Jᵀ f) = (∂J)ᵀ f + Jᵀ ∂f,     ∂(Jᵀ f)/∂v = −Jᵀ 𝒦 B J,
 //! ```
 //!
-//! where `𝒦 = −∂f/∂jar` is D in the quadratic zone, zero in the linear zone and if the constraint is satisfied, and the block
-//! `contact.H` in the middle zone of an elliptic cone.
+//! where `𝒦 = −∂f/∂jar` is D in the quadratic zone, zero in the linear zone and if the constraint
+//! is satisfied, and the block `contact.H` in the middle zone of an elliptic cone.
 
 use std::ops::Range;
 
@@ -23,7 +25,8 @@ use crate::derivative::newton::{add_row, contacts};
 use crate::ffi;
 use crate::matrix::Matrix;
 
-/// Maximum number of rows of a constraint: a contact with a pyramidal cone and five friction components.
+/// Maximum number of rows of a constraint: a contact with a pyramidal cone and five friction
+/// components.
 pub(super) const MAX_ROWS: usize = 10;
 
 /// Rows of a constraint, with columns for all degrees of freedom.
@@ -60,7 +63,8 @@ impl Rows {
         }
     }
 
-    /// Loads the Jacobian of a constraint, and clears the derivatives. Without a span, it is that of the Jacobian.
+    /// Loads the Jacobian of a constraint, and clears the derivatives. Without a span, it is that
+    /// of the Jacobian.
     pub(super) fn load(&mut self, data: &Data, first: usize, count: usize, span: Option<Range<usize>>) {
         (self.first, self.count) = (first, count);
         for row in 0..count {
@@ -89,8 +93,8 @@ impl Rows {
         self.span = span;
     }
 
-    /// Subtracts `∂(Jᵀ f)` at constant J from the derivatives of the residual of the equations of motion, by positions and
-    /// velocities.
+    /// Subtracts `∂(Jᵀ f)` at constant J from the derivatives of the residual of the equations of
+    /// motion, by positions and velocities.
     pub(super) fn subtract_from(&mut self, data: &Data, residual: &mut Matrix) {
         let (nv, span) = (self.log_inertia.len(), self.span.clone());
         for row in 0..self.count {
@@ -109,7 +113,8 @@ impl Rows {
         }
     }
 
-    /// Adds the derivatives of the force of a row by positions, velocities and accelerations to `derivative`, `(3 nv)`.
+    /// Adds the derivatives of the force of a row by positions, velocities and accelerations to
+    /// `derivative`, `(3 nv)`.
     pub(super) fn add_force(&mut self, data: &Data, row: usize, derivative: &mut [f64]) {
         if !self.differentiate_force(data, row) {
             return;
@@ -125,8 +130,8 @@ impl Rows {
         });
     }
 
-    /// Computes the derivatives of the force of a row by the position, and minus those by the velocity, at constant acceleration.
-    /// Returns `false` for a constant force.
+    /// Computes the derivatives of the force of a row by the position, and minus those by the
+    /// velocity, at constant acceleration. Returns `false` for a constant force.
     fn differentiate_force(&mut self, data: &Data, row: usize) -> bool {
         let (first, count, span) = (self.first, self.count, self.span.clone());
         let Self { jacobian, residual, log_inertia, by_position, by_velocity, .. } = self;

@@ -1,7 +1,9 @@
-//! Derivatives of the moment arms of spatial tendons, in the rows of their limits and their friction loss.
+//! Derivatives of the moment arms of spatial tendons, in the rows of their limits and their
+//! friction loss.
 //!
-//! The moment arms J of a tendon change by `∂J`, so the residual of a row changes by `±(∂J) (a + B v)`. The change `(∂J)ᵀ f` of the
-//! force is a part of that of all tensions (`../tendon.rs`).
+//! The moment arms J of a tendon change by `∂J`, so the residual of a row changes by
+//! `±(∂J) (a + B v)`. The change `(∂J)ᵀ f` of the force is a part of that of all tensions
+//! (`../tendon.rs`).
 
 use mujoco_sys::{mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_TENDON};
 
@@ -11,7 +13,8 @@ use crate::derivative::analytic::tendon::{Tendons, is_fixed};
 use crate::derivative::linear_algebra::add;
 use crate::ffi;
 
-/// Adds the change of the moment arms to the derivatives of a row, if it is that of a spatial tendon.
+/// Adds the change of the moment arms to the derivatives of a row, if it is that of a spatial
+/// tendon.
 pub(super) fn differentiate(rows: &mut Rows, data: &Data, tendons: &mut Tendons, row: usize) {
     if ![mjCNSTR_LIMIT_TENDON, mjCNSTR_FRICTION_TENDON].contains(&(data.efc_type()[row] as u32)) {
         return;

@@ -1,15 +1,16 @@
 //! Derivatives of accelerations of frames.
 //!
-//! The acceleration of the origin of a frame with the velocity V = `[ω; v]` and the spatial acceleration A = `[α; a]`, both about
-//! the origin, is `a + ω × v` (R. Featherstone, "Rigid Body Dynamics Algorithms", section 2.11). It includes minus gravity. In
-//! axes that move with degree of freedom j (`rigid_body.rs`)
+//! The acceleration of the origin of a frame with the velocity V = `[ω; v]` and the spatial
+//! acceleration A = `[α; a]`, both about the origin, is `a + ω × v` (R. Featherstone, "Rigid Body
+//! Dynamics Algorithms", section 2.11). It includes minus gravity. In axes that move with degree of
+//! freedom j (`rigid_body.rs`)
 //!
 //! ```text
 //! ∂V/∂q_j = ψ_j,    ∂A/∂q_j = χ_j − V × ψ_j,    ∂V/∂v_j = S_j,    ∂A/∂v_j = σ_j − V × S_j,    ∂A/∂a_j = S_j
 //! ```
 //!
-//! An accelerometer measures in these axes. The axes of the world do not move, so there the derivatives by the position have an
-//! additional term: the turn of the measured vector with j.
+//! An accelerometer measures in these axes. The axes of the world do not move, so there the
+//! derivatives by the position have an additional term: the turn of the measured vector with j.
 
 use super::pose::Pose;
 use super::{Point, Rows};

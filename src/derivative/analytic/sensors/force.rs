@@ -1,4 +1,5 @@
-//! Derivatives of sensors of constraint forces, from those at constant acceleration (`../constraint/force_sensors.rs`).
+//! Derivatives of sensors of constraint forces, from those at constant acceleration
+//! (`../constraint/force_sensors.rs`).
 
 use super::{Point, Rows};
 use crate::derivative::linear_algebra::{add, add_product};

@@ -1,15 +1,18 @@
-//! Derivatives of the poses and velocities of frames, absolute or relative to a moving reference frame.
+//! Derivatives of the poses and velocities of frames, absolute or relative to a moving reference
+//! frame.
 //!
-//! Degree of freedom j displaces a frame that it moves by its twist S_j = `[ω; s]`, s at the origin of the frame. In axes that move
-//! with j, the frame's velocity changes by ψ_j and by S_j (`rigid_body.rs`); in the world's axes, by the position, by `ψ_j + ω ×`
-//! the velocity. For the frame with the position p, orientation q, velocity v and angular velocity w, the reference frame with the
-//! index r and the rotation R, and d = p − p_r, the sensors are
+//! Degree of freedom j displaces a frame that it moves by its twist S_j = `[ω; s]`, s at the origin
+//! of the frame. In axes that move with j, the frame's velocity changes by ψ_j and by S_j
+//! (`rigid_body.rs`); in the world's axes, by the position, by `ψ_j + ω ×` the velocity. For the
+//! frame with the position p, orientation q, velocity v and angular velocity w, the reference frame
+//! with the index r and the rotation R, and d = p − p_r, the sensors are
 //!
 //! ```text
 //! Rᵀ d,      Rᵀ axis,      q̄_r q,      Rᵀ (w − w_r),      Rᵀ (v − v_r + d × w_r)
 //! ```
 //!
-//! A gyro and a velocimeter measure in the frame itself, so their derivatives are ψ_j and S_j in its axes.
+//! A gyro and a velocimeter measure in the frame itself, so their derivatives are ψ_j and S_j in
+//! its axes.
 
 use super::pose::Pose;
 use super::{Point, Rows};
@@ -17,7 +20,8 @@ use crate::derivative::analytic::spatial::{Spatial, Vec3, add, angular, cross, l
 use crate::enums::SensorType;
 use crate::math;
 
-/// Derivatives of the pose and the velocity of a frame by a degree of freedom that moves it, in the world's axes.
+/// Derivatives of the pose and the velocity of a frame by a degree of freedom that moves it, in the
+/// world's axes.
 struct Change {
     turn: Vec3,
     shift: Vec3,

@@ -1,16 +1,17 @@
 //! Derivatives of force and torque sensors.
 //!
-//! They measure the force vector `W = F − X − A` that the parent exerts on a body, in the axes and about the origin of a site. F is
-//! that of inverse dynamics for the bodies of its subtree (`../rigid_body.rs`), X that of the constraints between them and the others
-//! (`../constraint/interactions.rs`), and A that of the forces of `xfrc_applied` on them. With I, B and F of the bodies that degree
-//! of freedom j moves within the subtree,
+//! They measure the force vector `W = F − X − A` that the parent exerts on a body, in the axes and
+//! about the origin of a site. F is that of inverse dynamics for the bodies of its subtree
+//! (`../rigid_body.rs`), X that of the constraints between them and the others
+//! (`../constraint/interactions.rs`), and A that of the forces of `xfrc_applied` on them. With I, B
+//! and F of the bodies that degree of freedom j moves within the subtree,
 //!
 //! ```text
 //! ∂F/∂q_j = I χ_j + B ψ_j + S_j ×* F,      ∂F/∂v_j = I σ_j + B S_j,      ∂F/∂a_j = I S_j
 //! ```
 //!
-//! in the world's axes. If j moves the site, its axes see `∂W − S_j ×* W`. The point of application of an applied force moves by
-//! `∂x`, which changes the torque by `∂x × f`.
+//! in the world's axes. If j moves the site, its axes see `∂W − S_j ×* W`. The point of application
+//! of an applied force moves by `∂x`, which changes the torque by `∂x × f`.
 
 use super::pose::Pose;
 use super::{Point, Rows};

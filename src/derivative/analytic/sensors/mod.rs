@@ -1,6 +1,7 @@
 //! Derivatives of sensors in closed form: C and D.
 //!
-//! A sensor is a function y(q, v, a, u), and the accelerations a depend on the state and on the controls:
+//! A sensor is a function y(q, v, a, u), and the accelerations a depend on the state and on the
+//! controls:
 //!
 //! ```text
 //! dy/dx = ∂y/∂x + ∂y/∂a ∂a/∂x,      ∂a = −H⁻¹ ∂g
@@ -16,7 +17,8 @@
 //! | distance along a ray | `ray.rs` |
 //! | centre of mass and momentum of subtrees | `subtree.rs` |
 //!
-//! Distances to meshes, height fields and signed distance fields, and sensors with a cutoff have no formula here.
+//! Distances to meshes, height fields and signed distance fields, and sensors with a cutoff have no
+//! formula here.
 
 mod acceleration;
 mod force;
@@ -48,7 +50,8 @@ use crate::model::{DisableFlags, Model};
 /// Derivatives of the sensors, with their buffers.
 #[derive(Debug)]
 pub(super) struct Sensors {
-    /// `(nsensordata, columns)`: derivatives by the inputs, of which positions and velocities are the first.
+    /// `(nsensordata, columns)`: derivatives by the inputs, of which positions and velocities are
+    /// the first.
     rows: Matrix,
     /// `(nsensordata)`: true for rows in closed form.
     in_closed_form: Vec<bool>,
@@ -56,7 +59,8 @@ pub(super) struct Sensors {
     momenta: Vec<Spatial>,
 }
 
-/// State at which sensors are differentiated, after the derivatives of the rigid bodies were computed.
+/// State at which sensors are differentiated, after the derivatives of the rigid bodies were
+/// computed.
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
     pub(super) data: &'a Data,
@@ -65,9 +69,11 @@ pub(super) struct Point<'a> {
     pub(super) tendons: &'a Tendons,
     pub(super) forces: &'a ForceSensors,
     pub(super) interactions: &'a Interactions,
-    /// `(nv, columns)`: negated derivatives of the accelerations by the inputs, `H⁻¹ ∂g` in forward dynamics.
+    /// `(nv, columns)`: negated derivatives of the accelerations by the inputs, `H⁻¹ ∂g` in forward
+    /// dynamics.
     pub(super) deceleration: &'a Matrix,
-    /// True if the forces of actuators follow the inputs, false for inverse dynamics, which does not compute them.
+    /// True if the forces of actuators follow the inputs, false for inverse dynamics, which does
+    /// not compute them.
     pub(super) has_actuators: bool,
 }
 
@@ -88,8 +94,8 @@ pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
     formula(model, sensor).is_some()
 }
 
-/// Returns `true` if the readings of force and torque sensors contain the forces of spatial tendons at
-/// their sites, as in newer engines.
+/// Returns `true` if the readings of force and torque sensors contain the forces of spatial tendons
+/// at their sites, as in newer engines.
 pub(in crate::derivative) fn reads_tendons(model: &Model) -> bool {
     let is_site = |&wrap: &i32| WrapType::from_raw(wrap) == Some(WrapType::Site);
     cfg!(engine_since = "2.3.0") && model.wrap_type().iter().any(is_site)

@@ -81,12 +81,14 @@ impl Pose {
         std::array::from_fn(|i| self.rotation[3 * i + axis])
     }
 
-    /// Returns a motion vector about the reference point of the tree as one about the origin of the frame.
+    /// Returns a motion vector about the reference point of the tree as one about the origin of the
+    /// frame.
     pub(super) fn at_origin(&self, motion: &Spatial) -> Spatial {
         spatial(&angular(motion), &velocity_at(motion, &self.arm))
     }
 
-    /// Returns the torque, about the origin of the frame, of a force vector about the reference point of the tree.
+    /// Returns the torque, about the origin of the frame, of a force vector about the reference
+    /// point of the tree.
     pub(super) fn torque(&self, force: &Spatial) -> Vec3 {
         sub(&angular(force), &cross(&self.arm, &linear(force)))
     }

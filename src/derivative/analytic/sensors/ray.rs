@@ -1,14 +1,16 @@
 //! Derivatives of rangefinders.
 //!
-//! A rangefinder measures the distance t from the origin of its site along the z axis d to a geom, which it meets in the point x with the
-//! surface normal n. When degree of freedom j moves the ray and the geom by their twists, the points of both at x move by s and g, and the
-//! ray meets the moved surface at
+//! A rangefinder measures the distance t from the origin of its site along the z axis d to a geom,
+//! which it meets in the point x with the surface normal n. When degree of freedom j moves the ray
+//! and the geom by their twists, the points of both at x move by s and g, and the ray meets the
+//! moved surface at
 //!
 //! ```text
 //! ∂t = n · (g − s)/(n · d)
 //! ```
 //!
-//! Planes, spheres, capsules, ellipsoids, cylinders and boxes have a normal in closed form; the others do not have a formula here.
+//! Planes, spheres, capsules, ellipsoids, cylinders and boxes have a normal in closed form; the
+//! others do not have a formula here.
 
 use super::pose::Pose;
 use super::{Point, Rows};

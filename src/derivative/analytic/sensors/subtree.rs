@@ -1,16 +1,17 @@
 //! Derivatives of the centre of mass, its velocity, and the angular momentum of a subtree.
 //!
-//! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the inertia of this part, and h its
-//! momentum, about the fixed reference point of the tree. With the change ψ_j of velocities (`rigid_body.rs`), and the mass m,
-//! the centre of mass c and the linear momentum p of the whole subtree,
+//! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the
+//! inertia of this part, and h its momentum, about the fixed reference point of the tree. With the
+//! change ψ_j of velocities (`rigid_body.rs`), and the mass m, the centre of mass c and the linear
+//! momentum p of the whole subtree,
 //!
 //! ```text
 //! ∂h/∂q_j = S_j ×* h + I ψ_j,      ∂h/∂v_j = I S_j,      ∂c/∂q_j = (I S_j)_linear/m
 //! ```
 //!
-//! The velocity is h_linear/m. The angular momentum about c is `h_angular − r × h_linear`, with r from the reference point to c, and
-//! changes also by `−∂c × p`. (D. Orin, A. Goswami and S.-H. Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots
-//! 2013.)
+//! The velocity is h_linear/m. The angular momentum about c is `h_angular − r × h_linear`, with r
+//! from the reference point to c, and changes also by `−∂c × p`. (D. Orin, A. Goswami and S.-H.
+//! Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 2013.)
 
 use super::{Point, Rows};
 use crate::data::Data;
@@ -21,8 +22,8 @@ use crate::enums::SensorType;
 use crate::ffi;
 use crate::model::Model;
 
-/// Sums the momenta of subtrees, `(nbody)`. For the world only the linear part has a meaning, because trees have different reference
-/// points.
+/// Sums the momenta of subtrees, `(nbody)`. For the world only the linear part has a meaning,
+/// because trees have different reference points.
 pub(super) fn sum_momenta(data: &Data, momenta: &mut [Spatial]) {
     for ((sum, inertia), velocity) in momenta.iter_mut().zip(data.cinert()).zip(data.cvel()) {
         *sum = momentum(inertia, velocity);

@@ -1,7 +1,9 @@
-//! Hierarchies of bounding volumes: one for the geoms of each body, then one for the faces of each mesh.
+//! Hierarchies of bounding volumes: one for the geoms of each body, then one for the faces of each
+//! mesh.
 //!
-//! The engine descends from the root to the children without bounds checks. A hierarchy lists a node, the nodes below its first child and
-//! the nodes below its second child. A leaf has no children, and refers to a geom or to a face.
+//! The engine descends from the root to the children without bounds checks. A hierarchy lists a
+//! node, the nodes below its first child and the nodes below its second child. A leaf has no
+//! children, and refers to a geom or to a face.
 
 use super::super::layout::{Field, field, size};
 use super::super::rule::{Invalid, is, is_in, size_is};
@@ -21,11 +23,13 @@ pub(in super::super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         let faces = [0, i64::from(view.get(field::mesh_facenum, mesh))];
         next = hierarchy(view, [field::mesh_bvhadr, field::mesh_bvhnum], mesh, next, faces)?;
     }
-    // With fusestatic the compiler counts more nodes than there are. Nothing refers to the others, which are at the end.
+    // With fusestatic the compiler counts more nodes than there are. Nothing refers to the others,
+    // which are at the end.
     size_is(view, size::nbvh, view.size(size::nbvhstatic) as u64, "the number of nodes without flexes")
 }
 
-/// Checks the hierarchy of an owner, whose leaves have ids from `first` to `end - 1`, and returns its end.
+/// Checks the hierarchy of an owner, whose leaves have ids from `first` to `end - 1`, and returns
+/// its end.
 fn hierarchy(
     view: &View<'_>,
     [address, number]: [Field<i32>; 2],
@@ -61,7 +65,8 @@ fn hierarchy(
             pending.push((depth + 1, Some(at)));
             pending.push((depth + 1, None));
         }
-        // With fusestatic the compiler assigns some of the ids to other nodes. The engine raises an error for a leaf without an id.
+        // With fusestatic the compiler assigns some of the ids to other nodes. The engine raises an
+        // error for a leaf without an id.
         if view.get(field::bvh_nodeid, at) != -1 {
             is_in(view, field::bvh_nodeid, at, first..=end - 1)?;
         }

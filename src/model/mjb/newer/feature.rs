@@ -1,4 +1,5 @@
-//! Features of compiled models that binary models must not have, because the rules of a safe file are not known for them.
+//! Features of compiled models that binary models must not have, because the rules of a safe file
+//! are not known for them.
 
 use std::mem::offset_of;
 

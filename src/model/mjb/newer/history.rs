@@ -1,5 +1,5 @@
-//! Buffers of the past values of controls and sensors, for delays. A buffer has a reserved number, the index of the newest sample, the times of
-//! the samples and their values.
+//! Buffers of the past values of controls and sensors, for delays. A buffer has a reserved number,
+//! the index of the newest sample, the times of the samples and their values.
 
 use super::super::layout::{Field, field, size};
 use super::super::rule::{Invalid, is, is_in, size_is};
@@ -11,7 +11,8 @@ const MOST_SAMPLES: i64 = 1 << 24;
 /// Largest order of interpolation: cubic.
 const LAST_INTERPOLATION: i64 = 2;
 
-/// Checks the numbers of samples and the addresses of buffers, after the dimensions of sensors. The buffers of actuators are first.
+/// Checks the numbers of samples and the addresses of buffers, after the dimensions of sensors. The
+/// buffers of actuators are first.
 pub(in super::super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     let mut next = 0;
     for i in 0..view.size(size::nu) {
@@ -24,7 +25,8 @@ pub(in super::super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::nhistory, next as u64, "the sum over actuators and sensors")
 }
 
-/// Checks the buffer of an element and returns its end, which is below 2^62: an address is an int, and a buffer has less than 2^56 numbers.
+/// Checks the buffer of an element and returns its end, which is below 2^62: an address is an int,
+/// and a buffer has less than 2^56 numbers.
 fn buffer(
     view: &View<'_>,
     [history, address]: [Field<i32>; 2],

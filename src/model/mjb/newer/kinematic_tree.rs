@@ -1,4 +1,5 @@
-//! Kinematic trees: the bodies and degrees of freedom below each body that moves relative to the world, and the trees that a tendon connects.
+//! Kinematic trees: the bodies and degrees of freedom below each body that moves relative to the
+//! world, and the trees that a tendon connects.
 
 use mujoco_sys::{
     mjJNT_SLIDE, mjSLEEP_ALLOWED, mjSLEEP_AUTO_ALLOWED, mjSLEEP_AUTO_NEVER, mjSLEEP_INIT, mjWRAP_JOINT, mjWRAP_PULLEY,
@@ -10,7 +11,8 @@ use super::super::rule::{Invalid, all_in, is, piece, size_is};
 use super::super::view::View;
 use super::sparsity;
 
-/// Checks the trees and the matrices whose sparsity depends on them, after bodies, joints and degrees of freedom.
+/// Checks the trees and the matrices whose sparsity depends on them, after bodies, joints and
+/// degrees of freedom.
 pub(in super::super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     trees(view)?;
     // The number of bodies with gravity compensation, which the engine compares with zero.
@@ -64,8 +66,8 @@ fn trees(view: &View<'_>) -> Result<(), Invalid> {
     all_in(view, field::tree_sleep_policy, mjSLEEP_AUTO_NEVER.into()..=mjSLEEP_INIT.into())
 }
 
-/// Checks the trees that each tendon connects, after the paths of tendons. The sleep of a body assumes that a tendon between more than two
-/// trees keeps them awake.
+/// Checks the trees that each tendon connects, after the paths of tendons. The sleep of a body
+/// assumes that a tendon between more than two trees keeps them awake.
 pub(in super::super) fn check_tendons(view: &View<'_>) -> Result<(), Invalid> {
     for tendon in 0..view.size(size::ntendon) {
         let mut trees: Vec<i32> = Vec::new();

@@ -30,7 +30,8 @@ pub(in super::super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     polygons(view)
 }
 
-/// Checks the polygons that merge the faces of a convex hull in one plane, and the map from vertices to polygons, which follows.
+/// Checks the polygons that merge the faces of a convex hull in one plane, and the map from
+/// vertices to polygons, which follows.
 fn polygons(view: &View<'_>) -> Result<(), Invalid> {
     partition(view, field::mesh_polyadr, field::mesh_polynum, 0, size::nmeshpoly)?;
     partition(view, field::mesh_polyvertadr, field::mesh_polyvertnum, 3, size::nmeshpolyvert)?;

@@ -1,4 +1,5 @@
-//! Rules for values that newer engines add to binary models. The other modules of the validator call them in their order.
+//! Rules for values that newer engines add to binary models. The other modules of the validator
+//! call them in their order.
 
 mod bounding_volume;
 mod feature;

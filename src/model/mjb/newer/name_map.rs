@@ -9,7 +9,8 @@ use super::super::view::View;
 /// Number of slots for each element.
 const SLOTS: usize = 2;
 
-/// Checks the hash tables and paths, after the names. The kinds are in the order of the addresses of names.
+/// Checks the hash tables and paths, after the names. The kinds are in the order of the addresses
+/// of names.
 pub(in super::super) fn check(view: &View<'_>, addresses: &[Field<i32>]) -> Result<(), Invalid> {
     let names = view.slice(field::names);
     let elements: usize = addresses.iter().map(|&address| view.len(address)).sum();
@@ -26,10 +27,12 @@ pub(in super::super) fn check(view: &View<'_>, addresses: &[Field<i32>]) -> Resu
     paths(view)
 }
 
-/// Returns the hash table of a list of names, with -1 in empty slots. A name takes the first empty slot from its hash on.
+/// Returns the hash table of a list of names, with -1 in empty slots. A name takes the first empty
+/// slot from its hash on.
 pub(super) fn table<'a>(names: impl Iterator<Item = &'a [u8]>, slots: usize) -> Vec<i64> {
     let mut table = vec![-1; slots];
-    // A slot that is empty or leads to an empty one. Without these links, many names of one hash would take quadratic time.
+    // A slot that is empty or leads to an empty one. Without these links, many names of one hash
+    // would take quadratic time.
     let mut next: Vec<usize> = (0..slots).collect();
     for (id, name) in names.enumerate() {
         if name.is_empty() {

@@ -1,4 +1,5 @@
-//! Sensors of types that 2.2.2 does not have, and rangefinders, which can measure at each pixel of a camera.
+//! Sensors of types that 2.2.2 does not have, and rangefinders, which can measure at each pixel of
+//! a camera.
 
 use mujoco_sys::{
     mjDATATYPE_AXIS, mjDATATYPE_POSITIVE, mjDATATYPE_REAL, mjGEOM_HFIELD, mjJNT_HINGE, mjJNT_SLIDE, mjOBJ_BODY,
@@ -30,7 +31,8 @@ const LAST_REDUCTION: i64 = 3;
 /// Number of integer parameters of a sensor.
 const PARAMETERS: usize = 3;
 
-/// Checks a sensor of such a type. Returns `false` for the other types, whose integer parameters are zero.
+/// Checks a sensor of such a type. Returns `false` for the other types, whose integer parameters
+/// are zero.
 pub(in super::super) fn check(view: &View<'_>, i: usize) -> Result<bool, Invalid> {
     let kind = view.get(field::sensor_type, i) as u32;
     let (objects, references): (&[u32], &[u32]) = match kind {
@@ -140,7 +142,8 @@ fn scalar_joint(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     }
 }
 
-/// Checks that a geom of a distance sensor is not a height field, for which the engine computes no distance.
+/// Checks that a geom of a distance sensor is not a height field, for which the engine computes no
+/// distance.
 fn convex(view: &View<'_>, kind: Field<i32>, id: Field<i32>, i: usize) -> Result<(), Invalid> {
     let object = view.get(id, i) as usize;
     let is_field = view.get(kind, i) as u32 == mjOBJ_GEOM && view.get(field::geom_type, object) as u32 == mjGEOM_HFIELD;

@@ -1,10 +1,13 @@
-//! Constant index arrays of sparse matrices. The engine scatters and gathers by them without bounds checks. All of them follow from the
-//! kinematic tree and the runs of simple degrees of freedom, so they are recomputed and compared.
+//! Constant index arrays of sparse matrices. The engine scatters and gathers by them without bounds
+//! checks. All of them follow from the kinematic tree and the runs of simple degrees of freedom, so
+//! they are recomputed and compared.
 //!
-//! - *B* has a row for each body, with the degrees of freedom of its ancestors, of itself and of its descendants.
+//! - *B* has a row for each body, with the degrees of freedom of its ancestors, of itself and of
+//!   its descendants.
 //! - *D* has a row for each degree of freedom, with those above it, itself and those below it.
 //! - *M* is the lower triangle of *D*, in which the rows of simple bodies have only their diagonal.
-//! - The maps contain positions in one matrix for each element of another: of the inertia matrix in its older form (`qM`), *M* and *D*.
+//! - The maps contain positions in one matrix for each element of another: of the inertia matrix in
+//!   its older form (`qM`), *M* and *D*.
 
 use super::super::layout::{Field, field, size};
 use super::super::rule::{Invalid, is, size_is};
@@ -17,7 +20,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     let parents: Vec<Option<usize>> =
         view.values(field::dof_parentid).map(|parent| usize::try_from(parent).ok()).collect();
     let elements = |rows: &[Vec<usize>]| rows.iter().map(|row| row.len() as u64).sum::<u64>();
-    // The size of D, 2 nM - nv, is checked, so it does not exceed an int and neither does the memory for the rows.
+    // The size of D, 2 nM - nv, is checked, so it does not exceed an int and neither does the
+    // memory for the rows.
     let full = full_rows(&parents);
     let lower = lower_rows(view, &full);
     size_is(view, size::nC, elements(&lower), FOLLOWS)?;
@@ -31,11 +35,13 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     bodies(view, &full)
 }
 
-/// Returns the rows of *D*: for each degree of freedom those above it, itself and those below it, in ascending order.
+/// Returns the rows of *D*: for each degree of freedom those above it, itself and those below it,
+/// in ascending order.
 fn full_rows(parents: &[Option<usize>]) -> Vec<Vec<usize>> {
     let mut rows: Vec<Vec<usize>> = Vec::with_capacity(parents.len());
     for (i, parent) in parents.iter().enumerate() {
-        // The row of the parent has its ancestors, itself, and descendants that were visited before.
+        // The row of the parent has its ancestors, itself, and descendants that were visited
+        // before.
         let mut row = parent.map_or_else(Vec::new, |parent| {
             let above = rows[parent].partition_point(|&column| column <= parent);
             rows[parent][..above].to_vec()
@@ -115,7 +121,8 @@ fn starts(rows: &[Vec<usize>]) -> Vec<usize> {
 /// Checks *B*. The row of a body with degrees of freedom is that of the same elements in *D*.
 fn bodies(view: &View<'_>, full: &[Vec<usize>]) -> Result<(), Invalid> {
     let nbody = view.size(size::nbody);
-    // Degrees of freedom are in the depth-first order of the bodies, so those of a subtree are a range.
+    // Degrees of freedom are in the depth-first order of the bodies, so those of a subtree are a
+    // range.
     let mut first = vec![view.size(size::nv); nbody];
     let mut end = vec![0; nbody];
     for body in (0..nbody).rev() {

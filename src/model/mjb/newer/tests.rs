@@ -1,4 +1,5 @@
-//! Tests of the rules for newer engines, on the model with every kind of element and those that 2.2.2 does not have.
+//! Tests of the rules for newer engines, on the model with every kind of element and those that
+//! 2.2.2 does not have.
 
 use super::super::check;
 use super::super::layout::{Field, Size, field, size};
@@ -63,8 +64,8 @@ const INSERTIONS: [(&str, &str); 6] = [
     ),
 ];
 
-/// Integer arrays in which a neighbouring value can be valid: ids, types, masks, groups, numbers of samples and the polygons of hulls. All other
-/// integers follow from the rest of the file.
+/// Integer arrays in which a neighbouring value can be valid: ids, types, masks, groups, numbers of
+/// samples and the polygons of hulls. All other integers follow from the rest of the file.
 #[rustfmt::skip]
 const INDEPENDENT: [&str; 68] = [
     "actuator_biastype", "actuator_dyntype", "actuator_gaintype", "actuator_group", "actuator_history", "actuator_trnid",
@@ -98,7 +99,8 @@ fn integers_that_follow_from_others_are_compared() {
     });
 }
 
-/// Returns the error for a model with one value replaced, and whether it is about a missing feature.
+/// Returns the error for a model with one value replaced, and whether it is about a missing
+/// feature.
 fn rejection(file: &[u8], at: usize, value: &[u8]) -> (String, bool) {
     let mut changed = file.to_vec();
     changed[at..at + value.len()].copy_from_slice(value);

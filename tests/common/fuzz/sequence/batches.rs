@@ -1,4 +1,5 @@
-//! Batches against a new simulation for each call: neither other rows nor earlier calls in the same thread change a result.
+//! Batches against a new simulation for each call: neither other rows nor earlier calls in the same
+//! thread change a result.
 
 use std::sync::Arc;
 

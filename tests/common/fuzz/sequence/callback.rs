@@ -98,7 +98,8 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
     };
     if let Some(mut closure) = closure(0) {
         callbacks = callbacks.control(move |context| {
-            // A context dereferences to its data, which must not be borrowed while it is written to.
+            // A context dereferences to its data, which must not be borrowed while it is written
+            // to.
             let mut value = None;
             let number = closure.act(context, |bytes| value = Some(bytes.below(4)));
             match value {

@@ -1,4 +1,5 @@
-//! Batches with parameters of the model for each simulation, and environments of reinforcement learning.
+//! Batches with parameters of the model for each simulation, and environments of reinforcement
+//! learning.
 
 use std::hint::black_box;
 use std::sync::{Arc, OnceLock};

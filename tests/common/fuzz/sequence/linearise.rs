@@ -17,12 +17,14 @@ use super::{Bytes, Call, Scene};
 const METHODS: [TransitionMethod; 4] =
     [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
 
-/// Returns `true` if a linearisation takes less than a millisecond, and in one of four calls for slightly larger models.
+/// Returns `true` if a linearisation takes less than a millisecond, and in one of four calls for
+/// slightly larger models.
 pub(super) fn is_small(model: &Model, bytes: &mut Bytes<'_>) -> bool {
     model.nv() < 9 || (model.nv() < 30 && bytes.once_in(4))
 }
 
-/// Makes a call with a workspace, often the workspace of an earlier call, with the same model or another.
+/// Makes a call with a workspace, often the workspace of an earlier call, with the same model or
+/// another.
 fn with_transition(
     scene: &mut Scene<'_>,
     bytes: &mut Bytes<'_>,

@@ -1,7 +1,8 @@
 //! Random sequences of calls.
 //!
-//! Each call is an entry of a table: a name, and a function of the scene and of the bytes that decide its arguments. A new
-//! function of the crate is a new entry in the table of a suitable file, or in a new file that [`TABLES`] lists.
+//! Each call is an entry of a table: a name, and a function of the scene and of the bytes that
+//! decide its arguments. A new function of the crate is a new entry in the table of a suitable
+//! file, or in a new file that [`TABLES`] lists.
 
 mod batches;
 mod callback;

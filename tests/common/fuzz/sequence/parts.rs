@@ -1,4 +1,5 @@
-//! The stages of the pipeline in the valid order, in any other order, and interleaved with other calls.
+//! The stages of the pipeline in the valid order, in any other order, and interleaved with other
+//! calls.
 
 use mujoco_safe::data::{ConeHessian, NewContact, SensorUpdate};
 use mujoco_safe::{Data, Result, Stage};

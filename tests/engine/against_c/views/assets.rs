@@ -47,8 +47,8 @@ fn fields_of_meshes_and_skins_equal_c() {
     }
 }
 
-/// Returns the convex hull: two numbers, two for each vertex, one for each edge (the number of vertices plus three times the
-/// number of faces), and three for each face.
+/// Returns the convex hull: two numbers, two for each vertex, one for each edge (the number of
+/// vertices plus three times the number of faces), and three for each face.
 fn graph(m: &sys::mjModel, mesh: usize) -> Option<Vec<i32>> {
     let start = usize::try_from(raw(m.mesh_graphadr, mesh)).ok()?;
     let (vertices, faces) = (int(m.mesh_graph, start), int(m.mesh_graph, start + 1));

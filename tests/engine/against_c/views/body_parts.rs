@@ -6,7 +6,8 @@ use mujoco_safe::sys;
 use super::{check_fields, int, joint_sizes, models, on_model, optional, raw, span};
 use crate::twins::differing;
 
-/// Returns the engine's number of a type. Our enum omits some of the engine's types, so its discriminants differ.
+/// Returns the engine's number of a type. Our enum omits some of the engine's types, so its
+/// discriminants differ.
 fn geom_type(shape: GeomType) -> i32 {
     (match shape {
         GeomType::Plane => sys::mjGEOM_PLANE,

@@ -20,7 +20,8 @@ fn raw_wrap(wrap: &Wrap) -> (u32, i32, f64) {
 
 fn engine_wrap(m: &mjModel, at: usize) -> (u32, i32, f64) {
     let kind = int(m.wrap_type, at) as u32;
-    // SAFETY: the engine's arrays have an entry for each path element. The parameter of a site is meaningless.
+    // SAFETY: the engine's arrays have an entry for each path element. The parameter of a site is
+    // meaningless.
     let parameter = if kind == sys::mjWRAP_SITE { 0.0 } else { unsafe { *m.wrap_prm.add(at) } };
     (kind, raw(m.wrap_objid, at), parameter)
 }

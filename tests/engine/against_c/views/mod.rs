@@ -93,8 +93,8 @@ fn assert_equal<T: PartialEq + Debug>(name: &str, view: &dyn Debug, field: &str,
     assert!(ours == theirs, "{name}, {view:?}: {field} is {ours:?}, not {theirs:?}");
 }
 
-/// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and asserts that every
-/// listed field of the view is compared.
+/// Compares each field of each view with `array[start; length]` of the engine, or with an
+/// expression, and asserts that every listed field of the view is compared.
 macro_rules! check_fields {
     ($name:expr, $views:expr, |$view:ident, $i:ident| {
         $($field:ident: $array:expr, [$start:expr; $length:expr];)*

@@ -43,7 +43,8 @@ fn names_of_every_kind_equal_c() {
         for (kind, object) in OBJECTS {
             let m = subject.model.as_ptr();
             let name = |index: usize| {
-                // SAFETY: a valid model, and a type and an index that the engine checks; a name is a C string or NULL.
+                // SAFETY: a valid model, and a type and an index that the engine checks; a name is
+                // a C string or NULL.
                 let name = unsafe { sys::mj_id2name(m, object as i32, index as i32) };
                 // SAFETY: as above.
                 (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().unwrap())

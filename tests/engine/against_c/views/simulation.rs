@@ -16,7 +16,8 @@ fn mocap(m: &mjModel, body: usize) -> Option<usize> {
     usize::try_from(raw(m.body_mocapid, body)).ok()
 }
 
-/// Returns the index of an actuator's activation: actuators with dynamics have activations, in the order of the actuators.
+/// Returns the index of an actuator's activation: actuators with dynamics have activations, in the
+/// order of the actuators.
 fn activation(m: &mjModel, actuator: usize) -> Option<usize> {
     let has_one = |at: usize| raw(m.actuator_dyntype, at) as u32 != sys::mjDYN_NONE;
     has_one(actuator).then(|| (0..actuator).filter(|at| has_one(*at)).count())

@@ -1,4 +1,5 @@
-//! Limits, friction loss, equalities, and all constraints together, for both cones and both formats of the Jacobian.
+//! Limits, friction loss, equalities, and all constraints together, for both cones and both formats
+//! of the Jacobian.
 
 use mujoco_safe::derivative::Fallback;
 use mujoco_safe::{Data, sample};
@@ -51,7 +52,8 @@ pub(super) const MIXED: &str = r#"<mujoco>
   </actuator>
 </mujoco>"#;
 
-/// Returns a model with all constraints that have a formula: those between bodies have none since 3.7.
+/// Returns a model with all constraints that have a formula: those between bodies have none since
+/// 3.7.
 pub(crate) fn constrained(option: &str) -> String {
     let bodies = if cfg!(engine_since = "3.7.0") { "" } else { BODIES };
     MIXED.replace("CONE", option).replace("ROWS", &format!("{bodies}{ROWS}"))

@@ -1,4 +1,5 @@
-//! Contacts of each pair of shapes, for both cones, each dimension and both formats of the Jacobian.
+//! Contacts of each pair of shapes, for both cones, each dimension and both formats of the
+//! Jacobian.
 
 use mujoco_safe::derivative::{DifferencedTerms, Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model};

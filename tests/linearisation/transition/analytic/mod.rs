@@ -1,4 +1,5 @@
-//! The analytic method, one term at a time: A and B against extrapolated differences of the engine's `mj_step`.
+//! The analytic method, one term at a time: A and B against extrapolated differences of the
+//! engine's `mj_step`.
 
 pub(crate) mod constraints;
 pub(crate) mod contacts;
@@ -15,20 +16,22 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::oracle::Oracle;
 
-/// Steps of the differences. The larger ones suit stiff constraints, whose forces are the noisier ones. The smaller ones avoid the
-/// kinks of a step, such as a contact about to be made.
+/// Steps of the differences. The larger ones suit stiff constraints, whose forces are the noisier
+/// ones. The smaller ones avoid the kinks of a step, such as a contact about to be made.
 const WIDTHS: [f64; 6] = [2e-5, 2e-6, 2e-4, 2e-7, 2e-3, 2e-8];
 
 /// Ratios of steps that measure the noise of the differences.
 const NEAR: [f64; 2] = [0.6, 1.7];
 
-/// Ratio of the steps of controls, which a step depends on linearly between its kinks, to those of the state.
+/// Ratio of the steps of controls, which a step depends on linearly between its kinks, to those of
+/// the state.
 const CONTROL_FACTOR: f64 = 1e3;
 
 /// Largest deviation of a column, relative to the largest entry of A or B.
 const TOLERANCE: f64 = 1e-7;
 
-/// Largest deviation where differences of steps are noisy, from these or from differences of inverse dynamics, which need no solver.
+/// Largest deviation where differences of steps are noisy, from these or from differences of
+/// inverse dynamics, which need no solver.
 const NOISY_TOLERANCE: f64 = 1e-5;
 
 /// Steps of differences of inverse dynamics.
@@ -58,7 +61,8 @@ fn implicitly(data: &mut Data, eps: f64) -> StateSpace {
     Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap().0
 }
 
-/// Compares A and B with the differences, and checks that the method did not fall back to another. Returns the differenced terms.
+/// Compares A and B with the differences, and checks that the method did not fall back to another.
+/// Returns the differenced terms.
 #[track_caller]
 fn check(what: &str, data: &mut Data) -> DifferencedTerms {
     compare(data).unwrap_or_else(|failure| panic!("{what}: {failure}")).differenced
@@ -67,8 +71,8 @@ fn check(what: &str, data: &mut Data) -> DifferencedTerms {
 /// Agreement of a linear system with the differences.
 struct Agreement {
     differenced: DifferencedTerms,
-    /// Description of the columns, if there are any, whose differences of a step are noisy, and which agree with those of inverse
-    /// dynamics.
+    /// Description of the columns, if there are any, whose differences of a step are noisy, and
+    /// which agree with those of inverse dynamics.
     noisy: Vec<String>,
 }
 
@@ -113,9 +117,10 @@ fn compare(data: &mut Data) -> Result<Agreement, String> {
     Ok(Agreement { differenced: report.differenced, noisy })
 }
 
-/// Compares a column with the differences by one step after another, until they agree. If none does, the step with the least deviation
-/// and two others near it show the noise of the differences: their largest disagreement. Differences that disagree with each
-/// other by half as much as with the column are described.
+/// Compares a column with the differences by one step after another, until they agree. If none
+/// does, the step with the least deviation and two others near it show the noise of the
+/// differences: their largest disagreement. Differences that disagree with each other by half as
+/// much as with the column are described.
 fn compare_column(
     ours: &[f64],
     first: &[f64],
@@ -150,7 +155,8 @@ fn deviation(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-/// Largest number of a matrix below which the rounding of the differences is not small any more: of a B whose controls are clamped.
+/// Largest number of a matrix below which the rounding of the differences is not small any more: of
+/// a B whose controls are clamped.
 const SMALL: f64 = 1e-6;
 
 pub(crate) fn model(xml: &str) -> Data {

@@ -1,4 +1,5 @@
-//! Random models: trees of all joints, with contacts, limits, friction loss, equalities, tendons and actuators.
+//! Random models: trees of all joints, with contacts, limits, friction loss, equalities, tendons
+//! and actuators.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,5 @@
-//! C and D: the sensors with a formula against extrapolated differences of the engine's `mj_step`, the others as differences.
+//! C and D: the sensors with a formula against extrapolated differences of the engine's `mj_step`,
+//! the others as differences.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -12,7 +13,8 @@ use super::{CONTROL_FACTOR, TOLERANCE, WIDTHS, analytic, model, randomise};
 use crate::transition::features::{ball, chain, moving};
 use crate::transition::{deviation, oracle};
 
-/// All joints in two trees, limits, tendons and actuators, with a floor that the first tree touches.
+/// All joints in two trees, limits, tendons and actuators, with a floor that the first tree
+/// touches.
 pub(crate) fn machine(sensors: &str) -> String {
     format!(
         r#"<mujoco><option timestep="0.002" magnetic="0.2 -0.1 0.5" OPTION/>
@@ -51,8 +53,8 @@ pub(crate) fn machine(sensors: &str) -> String {
     )
 }
 
-/// Compares the rows of each sensor with the differences, in states with and without contacts, and checks that none is differenced.
-/// Returns the last state.
+/// Compares the rows of each sensor with the differences, in states with and without contacts, and
+/// checks that none is differenced. Returns the last state.
 fn check(xml: &str, seed: u64) -> Data {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut last = None;
@@ -99,7 +101,8 @@ pub(super) fn compare(what: &str, data: &Data, ours: &StateSpace) {
     }
 }
 
-/// Largest number of the rows of a sensor below which the rounding of the differences is not small any more: of a constant sensor.
+/// Largest number of the rows of a sensor below which the rounding of the differences is not small
+/// any more: of a constant sensor.
 const SMALL: f64 = 1e-3;
 
 /// Returns the largest deviation of some rows, relative to the largest number of them.
@@ -110,7 +113,8 @@ fn error(ours: &Matrix, theirs: &Matrix, rows: Range<usize>) -> f64 {
     worst.unwrap_or(0.0) / largest
 }
 
-/// Objects of sensors, and reference frames: none, of another tree, of the same tree above and below, the object itself, and fixed.
+/// Objects of sensors, and reference frames: none, of another tree, of the same tree above and
+/// below, the object itself, and fixed.
 const OBJECTS: [(&str, &str); 5] =
     [("body", "hand"), ("xbody", "arm"), ("geom", "palm"), ("site", "grip"), ("camera", "eye")];
 const REFERENCES: [&str; 6] = [
@@ -219,7 +223,8 @@ fn forces_of_contacts_and_limits_agree_with_differences() {
     assert!(data.sensordata()[3..].iter().any(|&force| force > 0.0));
 }
 
-/// Sensors of the forces between bodies of the [`machine`] and their parents. That on the free body is always zero.
+/// Sensors of the forces between bodies of the [`machine`] and their parents. That on the free body
+/// is always zero.
 const FORCES: &str = r#"<force site="tip"/><torque site="tip"/><force site="grip"/><torque site="grip"/><force site="swinging"/>
     <torque site="swinging"/>"#;
 

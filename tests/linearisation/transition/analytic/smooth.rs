@@ -149,7 +149,8 @@ fn actuators_on_sites_agree_with_differences() {
         r#"<motor site="t" gear="0 2 0" forcelimited="true" forcerange="-0.1 0.1"/>"#,
         r#"<general site="t" gear="0 2 0 0.1" dyntype="filter" dynprm="0.1" gainprm="3"/>"#,
     ] {
-        // A site at the end of a chain with all kinds of joints, and another on a body with a ball joint.
+        // A site at the end of a chain with all kinds of joints, and another on a body with a ball
+        // joint.
         let xml = joints(&format!("<actuator>{actuator}</actuator>"))
             .replace(r#"<geom size="0.05"/>"#, r#"<geom size="0.05"/><site name="s" pos="0.1 0 0" euler="10 50 20"/>"#)
             .replace(r#"<geom size="0.1""#, r#"<site name="t" pos="0 0.1 0" euler="30 0 20"/><geom size="0.1""#);
@@ -165,7 +166,8 @@ fn actuators_on_sites_agree_with_differences() {
 fn muscles_agree_with_differences_on_each_piece_of_their_curves() {
     let tendon =
         r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
-    // The range of lengths moves the present length to other pieces of the curves, and `vmax` the velocity.
+    // The range of lengths moves the present length to other pieces of the curves, and `vmax` the
+    // velocity.
     for range in ["-0.2 0.3", "-0.9 0.1", "-0.1 0.9", "-0.5 0.12", "-2 -0.5", "0.5 2"] {
         for more in [r#"vmax="1.5""#, r#"vmax="0.2""#, r#"vmax="0.05" fvmax="3""#, r#"force="50" vmax="4""#] {
             let muscle = format!(r#"<muscle tendon="t" lengthrange="{range}" {more}/>"#);

@@ -7,7 +7,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{analytic, check, model, randomise, sensors, without_passive_forces};
 
-/// Tendons between a free body, its arm, a pendulum and the world, one of them with a pulley and one along a geom that it may touch.
+/// Tendons between a free body, its arm, a pendulum and the world, one of them with a pulley and
+/// one along a geom that it may touch.
 pub(crate) fn strings(tendon: &str, rest: &str) -> String {
     format!(
         r#"<mujoco><option timestep="0.002" OPTION/>
@@ -44,7 +45,8 @@ pub(crate) fn strings(tendon: &str, rest: &str) -> String {
     )
 }
 
-/// Compares A and B in random states of each format of the Jacobian and each cone. Returns the last state.
+/// Compares A and B in random states of each format of the Jacobian and each cone. Returns the last
+/// state.
 fn check_states(xml: &str, seed: u64) -> Data {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut last = None;

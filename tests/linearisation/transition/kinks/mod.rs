@@ -1,4 +1,5 @@
-//! States where a step has a kink: each method takes the documented side, or the report names the kink.
+//! States where a step has a kink: each method takes the documented side, or the report names the
+//! kink.
 
 mod constraints;
 mod convergence;
@@ -28,7 +29,8 @@ fn linearise_with(data: &mut Data, options: TransitionOptions) -> (StateSpace, L
     Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()
 }
 
-/// Returns a slide with an actuator, without gravity, and with additions to the options and to the joint.
+/// Returns a slide with an actuator, without gravity, and with additions to the options and to the
+/// joint.
 fn slide(options: &str, joint: &str, actuator: &str) -> Data {
     model(&format!(
         r#"<mujoco><option timestep="0.01" gravity="0 0 0">{options}</option>
