@@ -8,6 +8,8 @@ use mujoco_safe::{Controller, Data, Model, RandomController, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::installed::sample_models;
+
 #[path = "differing.rs"]
 pub(crate) mod differing;
 
@@ -43,11 +45,7 @@ pub(crate) fn subjects() -> &'static [Subject] {
             let model = Model::from_xml_str(include_str!("../models/composites.xml")).unwrap();
             subjects.push(Subject { name: "composites".to_owned(), model: Arc::new(model) });
         }
-        let installed = sample::system_models();
-        if installed.is_empty() {
-            println!("skipped the engine's models: none under {} (package libmujoco-samples)", sample::SYSTEM_MODELS);
-        }
-        for path in installed {
+        for path in sample_models() {
             let name = path.strip_prefix(sample::SYSTEM_MODELS).unwrap_or(&path).display().to_string();
             match Model::from_xml_path(&path) {
                 Ok(model) => subjects.push(Subject { name, model: Arc::new(model) }),

@@ -6,6 +6,8 @@
 mod attempt;
 #[path = "../../examples/humanoid_predictive/cost.rs"]
 mod cost;
+#[path = "../common/installed.rs"]
+mod installed;
 #[path = "../../examples/humanoid_predictive/planner.rs"]
 mod planner;
 #[allow(dead_code, reason = "the example uses the rest")]

@@ -7,6 +7,7 @@ use mujoco_safe::model::DisableFlags;
 use mujoco_safe::{Data, Model, Result, sample};
 
 use crate::child;
+use crate::installed::sample_models;
 
 /// The geoms and the distance of each contact.
 type Contacts = Vec<([usize; 2], f64)>;
@@ -15,9 +16,9 @@ fn contacts(data: &Data) -> Contacts {
     data.contacts().map(|contact| (contact.geoms().unwrap().map(|geom| geom.index()), contact.dist())).collect()
 }
 
-/// Returns the engine's sample models, if installed, and our own.
+/// Returns the engine's sample models and our own.
 fn models() -> Vec<Model> {
-    let installed = sample::system_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
+    let installed = sample_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
     installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
 }

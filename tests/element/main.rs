@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "numbers are read as they were written")]
 
+#[path = "../common/installed.rs"]
+mod installed;
 mod iterating;
 mod kinds;
 mod looking_up;

@@ -6,6 +6,7 @@ use mujoco_safe::{Data, Error, Model, ModelMut, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::installed::sample_models;
 use crate::{every_element, zoo};
 
 /// Sets each value at each element of a kind, and compares the engine's array and the view.
@@ -178,10 +179,7 @@ fn enable_everything(model: &mut Model) {
 fn subjects() -> Vec<Model> {
     let mut subjects = vec![(*zoo()).clone(), every_element(), sample::humanoid(), sample::cartpole()];
     subjects.extend(
-        sample::system_models()
-            .iter()
-            .filter_map(|path| Model::from_xml_path(path).ok())
-            .filter(|model| model.nv() <= 100),
+        sample_models().iter().filter_map(|path| Model::from_xml_path(path).ok()).filter(|model| model.nv() <= 100),
     );
     for (njmax, nconmax) in [(0, 0), (1, 1), (7, 60), (100, 60), (300, 2)] {
         let text = include_str!("../models/every_element.xml")

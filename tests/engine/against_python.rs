@@ -1,14 +1,12 @@
 //! Numbers for the bundled models against the official Python bindings, recorded by
 //! `tests/oracle/record.py`.
 //!
-//! The bindings include the official build of the engine, 2.2.2 like the library linked here. For
-//! models of this size (dense, without long sums that a compiler may reorder), its results are
-//! bitwise equal to those of Debian's build on x86-64 Linux, even after a fall with many impacts.
-//! The tests assert this. On other platforms another libm may differ in the last bit of sine and
-//! cosine: quantities of a single state are then compared to 1e-9 relative, finite differences to
+//! The bindings include the official build of the engine, of the same version as the library linked
+//! here. For models of this size (dense, without long sums that a compiler may reorder), the results
+//! of 2.2.2 are bitwise equal to those of Debian's build on x86-64 Linux, even after a fall with many
+//! impacts. The tests assert this. On other platforms another libm may differ in the last bit of sine
+//! and cosine: quantities of a single state are then compared to 1e-9 relative, finite differences to
 //! 1e-6, and a trajectory for 300 steps, before impacts amplify the differences.
-//!
-//! The recording is for 2.2.2 only. With another engine the tests pass without checking anything.
 
 use std::sync::Arc;
 
@@ -18,15 +16,13 @@ use serde_json::Value;
 /// True on the platform of the recording, whose libm gives the same bits.
 const SAME_BITS: bool = cfg!(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"));
 
-/// Returns the recording for a model, unless it is of another engine.
-fn recorded(model: &str) -> Option<Value> {
-    let recording: Value = serde_json::from_str(include_str!("../oracle/recorded.json")).unwrap();
-    let (engine, running) = (recording["engine"].as_str().unwrap(), engine_version().to_string());
-    if engine != running {
-        println!("skipped: recorded with MuJoCo {engine}, running with {running}");
-        return None;
-    }
-    Some(recording[model].clone())
+/// Returns the recording for a model with the linked engine.
+fn recorded(model: &str) -> Value {
+    let file = format!("{}/tests/oracle/recorded/{}.json", env!("CARGO_MANIFEST_DIR"), engine_version());
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}; see record.py"));
+    let recording: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(recording["engine"], engine_version().to_string());
+    recording[model].clone()
 }
 
 fn models() -> [(&'static str, Arc<Model>); 2] {
@@ -67,7 +63,7 @@ fn reset(data: &mut Data, keyframe: &str) {
 #[test]
 fn sizes_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         for (size, ours) in [
             ("nq", model.nq()),
             ("nv", model.nv()),
@@ -85,7 +81,7 @@ fn sizes_equal_python() {
 #[test]
 fn trajectories_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         let mut data = Data::new(model).unwrap();
         let mut samples = items(&recorded["trajectory"]).iter();
         for step in 0..1000 {
@@ -113,7 +109,7 @@ fn trajectories_equal_python() {
 #[test]
 fn inverse_dynamics_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         let mut data = Data::new(model).unwrap();
         for pose in items(&recorded["poses"]) {
             let keyframe = pose["keyframe"].as_str().unwrap();
@@ -130,7 +126,7 @@ fn inverse_dynamics_equal_python() {
 #[test]
 fn contacts_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         let mut data = Data::new(model.clone()).unwrap();
         for pose in items(&recorded["poses"]) {
             let keyframe = pose["keyframe"].as_str().unwrap();
@@ -154,7 +150,7 @@ fn contacts_equal_python() {
 #[test]
 fn jacobians_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         let mut data = Data::new(model.clone()).unwrap();
         data.reset_to_key(model.nkey() - 1).unwrap();
         data.forward().unwrap();
@@ -183,7 +179,7 @@ fn jacobians_equal_python() {
 #[test]
 fn linearisations_equal_python() {
     for (name, model) in models() {
-        let Some(recorded) = recorded(name) else { return };
+        let recorded = recorded(name);
         let mut data = Data::new(model).unwrap();
         if name == "humanoid" {
             reset(&mut data, "stand_on_left_leg");

@@ -3,6 +3,8 @@
 
 #[path = "../common/flags.rs"]
 mod flags;
+#[path = "../common/installed.rs"]
+mod installed;
 #[path = "../common/trouble.rs"]
 mod trouble;
 #[path = "../common/twins.rs"]

@@ -12,6 +12,8 @@ use std::sync::Arc;
 use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, StateSpace, sample};
 use nalgebra::{Complex, DMatrix, dvector};
 
+use crate::installed::has;
+
 #[track_caller]
 fn assert_near(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{what} is {found}, not {expected}");
@@ -169,11 +171,7 @@ mod sample_humanoid {
 
     fn humanoid() -> Option<Arc<Model>> {
         let path = Path::new(sample::SYSTEM_MODELS).join("humanoid/humanoid.xml");
-        if !path.exists() {
-            println!("skipped: missing {} (package libmujoco-samples)", path.display());
-            return None;
-        }
-        Some(Arc::new(Model::from_xml_path(&path).unwrap()))
+        has("libmujoco-samples", path.exists()).then(|| Arc::new(Model::from_xml_path(&path).unwrap()))
     }
 
     fn stepped(model: &Arc<Model>, steps: usize) -> Data {

@@ -4,6 +4,8 @@
 
 #[path = "../common/assets.rs"]
 mod assets;
+#[path = "../common/installed.rs"]
+mod installed;
 #[cfg(validates_binaries)]
 #[path = "../common/mutate.rs"]
 mod mutate;

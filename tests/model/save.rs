@@ -5,6 +5,7 @@ use std::sync::PoisonError;
 use mujoco_safe::kind::Kind;
 use mujoco_safe::{Error, Model, sample};
 
+use crate::installed::sample_models;
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
 /// Loads a model and saves it as XML before another test loads a model: the engine keeps the XML of
@@ -45,7 +46,7 @@ fn every_model_from_xml_round_trips_through_its_binary_form() {
     let body = "<body name='b'><joint name='j'/><geom size='.1'/><site name='s'/><site name='r' pos='1 0 0'/></body>
                 <body><freejoint/><geom size='.1'/></body><site name='w'/>";
     let with = |rest: &str| Model::from_xml_str(&format!("<mujoco><worldbody>{body}</worldbody>{rest}</mujoco>"));
-    let mut models: Vec<Model> = sample::system_models()
+    let mut models: Vec<Model> = sample_models()
         .iter()
         .filter_map(|path| Model::from_xml_path(path).ok())
         .chain([Model::from_xml_str(include_str!("../models/every_element.xml")).unwrap()])

@@ -1,13 +1,15 @@
 """Records numbers of the official Python bindings for the bundled models, for tests/engine/against_python.rs.
 
-The bindings include their own build of the engine, so the numbers are independent of this library and of the engine that it is
-linked with. The version is 2.2.2, whose wheels need Python 3.7 to 3.10 and numpy before 2:
+The bindings include their own build of the engine, so the numbers are independent of this library
+and of the engine that it is linked with. The wheels of 2.2.2 need Python 3.7 to 3.10 and numpy before
+2:
 
     python3.10 -m venv venv
     venv/bin/pip install mujoco==2.2.2 'numpy<2'
     venv/bin/python tests/oracle/record.py
 
-writes tests/oracle/recorded.json. Running it again gives the same file.
+writes tests/oracle/recorded/2.2.2.json, and so with each other version. Running it again gives the
+same file.
 """
 
 import json
@@ -145,7 +147,7 @@ def main():
         "humanoid": record("humanoid", on_one_leg, ["torso", "foot_left", "hand_right"], ["sole_left"]),
         "cartpole": record("cartpole", None, ["cart", "pole"], ["tip"]),
     }
-    path = HERE / "recorded.json"
+    path = HERE / "recorded" / f"{mujoco.__version__}.json"
     path.write_text(json.dumps(recorded, separators=(",", ":")).replace('},{', '},\n{') + "\n")
     print(f"{path.name}: {path.stat().st_size // 1024} kB")
 

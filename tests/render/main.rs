@@ -8,6 +8,8 @@ mod difference;
 mod batch;
 mod content;
 mod extreme_scenes;
+#[path = "../common/installed.rs"]
+mod installed;
 mod linked;
 mod optics;
 // The pictures are those of the models and lights of 2.2.2.

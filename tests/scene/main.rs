@@ -1,5 +1,7 @@
 //! Abstract scenes: each call is compared bit for bit with the same call in C.
 
+#[path = "../common/installed.rs"]
+mod installed;
 #[path = "../common/scene_options.rs"]
 mod scene_options;
 #[path = "../common/twins.rs"]

@@ -7,6 +7,8 @@ use std::mem::{size_of, size_of_val};
 use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
 use mujoco_safe::{Data, MatrixView, Model, sample};
 
+use crate::installed::sample_models;
+
 /// Memory of an array.
 #[derive(Clone, Copy, Debug)]
 struct Region {
@@ -118,7 +120,7 @@ fn check_data(data: &Data) {
 fn models() -> Vec<(String, Model)> {
     let ours = ["assembly", "colliders", "every_element", "zoo"]
         .map(|name| format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR")).into());
-    let files = ours.into_iter().chain(sample::system_models());
+    let files = ours.into_iter().chain(sample_models());
     let mut models: Vec<(String, Model)> =
         files.filter_map(|path| Some((path.display().to_string(), Model::from_xml_path(&path).ok()?))).collect();
     models.push(("cartpole".to_owned(), sample::cartpole()));

@@ -4,6 +4,9 @@
 mod arbitrary;
 
 #[cfg(feature = "npz")]
+#[path = "../common/installed.rs"]
+mod installed;
+#[cfg(feature = "npz")]
 mod npz;
 #[cfg(feature = "npz")]
 mod numpy;

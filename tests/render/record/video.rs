@@ -1,5 +1,5 @@
 //! Video through a stand-in for `ffmpeg`, which stores its arguments and input, and through
-//! `ffmpeg` itself if installed (written for ffmpeg 5.1 with libx264 and ffprobe).
+//! `ffmpeg` itself (written for ffmpeg 5.1 with libx264 and ffprobe).
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,6 +9,7 @@ use mujoco_safe::record::{Format, Recorder, RecorderOptions};
 
 use super::{HEIGHT, WIDTH, names, options, picture, record};
 use crate::child;
+use crate::installed::has;
 
 #[cfg(unix)]
 mod stand_in {
@@ -152,15 +153,15 @@ fn without_ffmpeg_the_error_says_what_to_install() {
     assert!(names(out.path()).is_empty());
 }
 
-/// Returns whether a program is installed.
-fn installed(program: &str) -> bool {
-    Command::new(program).arg("-version").output().is_ok_and(|output| output.status.success())
+fn has_ffmpeg() -> bool {
+    let runs =
+        |program: &str| Command::new(program).arg("-version").output().is_ok_and(|output| output.status.success());
+    has("ffmpeg", runs("ffmpeg") && runs("ffprobe"))
 }
 
 #[test]
 fn ffmpeg_makes_a_video_of_the_right_length() {
-    if !installed("ffmpeg") || !installed("ffprobe") {
-        eprintln!("skipped: ffmpeg is not installed");
+    if !has_ffmpeg() {
         return;
     }
     let out = tempfile::tempdir().unwrap();
@@ -192,8 +193,7 @@ fn ffmpeg_makes_a_video_of_the_right_length() {
 
 #[test]
 fn the_colours_of_a_video_are_those_of_the_images() {
-    if !installed("ffmpeg") {
-        eprintln!("skipped: ffmpeg is not installed");
+    if !has_ffmpeg() {
         return;
     }
     let out = tempfile::tempdir().unwrap();
