@@ -119,6 +119,8 @@ mod memory;
 mod messages;
 #[cfg(feature = "npz")]
 pub mod npz;
+mod numerics;
+mod parallel;
 pub mod prelude;
 #[cfg(feature = "renderer")]
 pub mod record;

@@ -5,13 +5,13 @@ use std::ffi::c_int;
 use mujoco_sys::{mjDYN_FILTEREXACT, mjMINVAL, mjSENS_ACTUATORFRC};
 
 use super::kinks::{self, Scale, sides};
-use super::linear_algebra::add;
 use super::method::{Kinks, Step};
 use super::perturbation::{Input, PerturbedData, Settings};
 use super::{Differences, sizes};
 use crate::data::Data;
 use crate::error::Result;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::add;
 
 /// Derivatives with respect to the controls and activations at the base point.
 #[derive(Clone, Debug)]

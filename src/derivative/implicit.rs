@@ -36,7 +36,6 @@ use mujoco_sys::mjSTAGE_ACC;
 
 use super::actuation::Actuation;
 use super::kinks::{Scale, Trials, disagreement, has_contact_that_jumps, sides};
-use super::linear_algebra::{add, add_product, invert, quotient};
 use super::method::Kinks;
 use super::newton::Newton;
 use super::perturbation::{Input, PerturbedData, Settings};
@@ -49,6 +48,7 @@ use crate::error::Result;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::{add, add_product, invert, quotient};
 
 /// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;

@@ -1,13 +1,10 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
-use std::sync::Arc;
-
 use super::analytic;
 use super::kinks;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::support::Obstacles;
-use super::work_queue::for_each_item;
 use super::worker::{Worker, linearise};
 use super::{StateSpace, TransitionOutputs, check_eps};
 use crate::data::{Data, StateSpec};
@@ -15,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::id::SensorId;
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
+use crate::parallel::{adopt_model, for_each_item};
 
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
@@ -280,11 +278,9 @@ impl Lineariser {
     pub(super) fn adopt_model(&mut self, data: &Data) -> Result<()> {
         data.check_usable()?;
         data.check_inputs()?;
-        if !self.workers[0].point.data.model().is_same_structure(data.model()) {
-            return Err(Error::OtherModel { what: "the data to linearise" });
-        }
-        if !Arc::ptr_eq(self.workers[0].point.data.model(), data.model()) {
-            self.obstacles = Obstacles::of(data.model());
+        let mut model = self.workers[0].point.data.model().clone();
+        if adopt_model(&mut model, data, "the data to linearise")? {
+            self.obstacles = Obstacles::of(&model);
         }
         self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
         Ok(())

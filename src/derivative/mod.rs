@@ -26,18 +26,14 @@ mod implicit;
 mod input_columns;
 mod inverse;
 mod kinks;
-pub(crate) mod linear_algebra;
 mod lineariser;
 mod method;
 mod newton;
 mod perturbation;
 mod residual;
 mod rotation;
-#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "the closed form of 2.2.2 uses the rest"))]
-pub(crate) mod spatial;
 mod support;
 mod transition;
-mod work_queue;
 mod worker;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
@@ -45,7 +41,6 @@ pub use self::lineariser::Lineariser;
 pub use self::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
-pub(crate) use self::work_queue::for_each_item;
 use crate::error::{Error, Result};
 use crate::macros::with_aliases;
 

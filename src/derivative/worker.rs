@@ -9,11 +9,11 @@ use super::kinks;
 use super::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
 use super::support::Obstacles;
-use super::work_queue::{WorkQueue, for_each_worker};
 use super::{TransitionOutputs, sizes};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::parallel::{WorkQueue, for_each_worker};
 
 /// A simulation for one thread, with the buffers of all methods.
 #[derive(Debug)]

@@ -36,7 +36,6 @@ mod batch;
 mod forward;
 #[cfg(feature = "npz")]
 mod npz;
-mod parallel;
 mod parameter;
 mod result;
 mod run;

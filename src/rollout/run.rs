@@ -3,11 +3,11 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::forward::forward_between_steps;
-use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::result::Sizes;
 use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
+use crate::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 
 /// Runs all rollouts. The lengths of the buffers must be correct.
 pub(super) fn all(rollout: &Rollout<'_>, buffers: RolloutBuffers<'_>, outcomes: &mut [Result<(), RolloutError>]) {

@@ -1,13 +1,14 @@
 //! The pool of simulations that rollouts run in, and their fast reset.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use super::Edit;
 use crate::callback::Callbacks;
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::model::{IntoModel, Model, ModelMut};
+use crate::parallel::Idle;
 
 /// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept
 /// for the next run.
@@ -38,7 +39,7 @@ use crate::model::{IntoModel, Model, ModelMut};
 #[derive(Clone)]
 pub struct Workers {
     model: Arc<Model>,
-    idle: Arc<Mutex<Vec<Data>>>,
+    idle: Arc<Idle<Data>>,
 }
 
 impl Workers {
@@ -55,16 +56,12 @@ impl Workers {
 
     /// Takes an idle simulation, or creates one.
     pub(super) fn take(&self) -> Result<Data> {
-        let idle = self.idle().pop();
-        match idle {
-            Some(data) => Ok(data),
-            None => Data::new(self.model.clone()),
-        }
+        self.idle.take(|| Data::new(self.model.clone()))
     }
 
     /// Returns a simulation to the pool.
     pub(super) fn give_back(&self, data: Data) {
-        self.idle().push(data);
+        self.idle.give_back(data);
     }
 
     /// Resets a simulation to the state of a new one of the edited model, independently of its
@@ -87,15 +84,11 @@ impl Workers {
         }
         restart(data)
     }
-
-    fn idle(&self) -> MutexGuard<'_, Vec<Data>> {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl fmt::Debug for Workers {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Workers: {} idle, of {:?}", self.idle().len(), self.model)
+        write!(f, "Workers: {} idle, of {:?}", self.idle.len(), self.model)
     }
 }
 

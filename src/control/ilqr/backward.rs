@@ -6,13 +6,14 @@ use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
 use crate::control::feedback::control_range;
 use crate::control::riccati::{BellmanBackup, StepCost};
-use crate::derivative::linear_algebra::add;
-use crate::derivative::{self, LinearisationReport, StateSpace, for_each_item};
+use crate::derivative::{self, LinearisationReport, StateSpace};
 use crate::error::Result;
-use crate::macros::vectorised;
 use crate::math::{BoxQp, BoxQpStatus};
 use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::vectorised;
+use crate::parallel::for_each_item;
 
 /// Affine policy about a trajectory: `ctrl = controls + α feedforward − K dx` with the step size α.
 #[derive(Clone, Debug)]

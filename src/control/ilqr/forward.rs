@@ -9,10 +9,11 @@ use super::backward::{AffinePolicy, PredictedDecrease};
 use super::cost::TrajectoryCost;
 use crate::control::feedback::{Feedback, clamp};
 use crate::data::{Data, StateSpec};
-use crate::derivative::{self, for_each_item};
+use crate::derivative;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::parallel::{adopt_model, for_each_item};
 use crate::rollout::restart;
 
 /// Number of step sizes that a line search with a sufficient decrease simulates at the same time.
@@ -54,12 +55,7 @@ impl Forward {
 
     /// Sets the start of all trajectories to the present state and the inputs of a simulation.
     pub(in crate::control) fn start(&mut self, data: &Data, cost: &dyn TrajectoryCost) -> Result<()> {
-        if !data.model().is_same_structure(&self.model) {
-            return Err(Error::OtherModel { what: "the initial data of a trajectory" });
-        }
-        if !Arc::ptr_eq(data.model(), &self.model) {
-            // The model may have been edited since.
-            self.model = data.model().clone();
+        if adopt_model(&mut self.model, data, "the initial data of a trajectory")? {
             self.simulations.clear();
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.start)?;

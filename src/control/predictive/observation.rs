@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use crate::data::{Data, StateSpec};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::model::Model;
+use crate::parallel::adopt_model;
 
 /// Components of the state that a plan starts from, by default: all except applied forces, which
 /// are unknown on a robot.
@@ -38,12 +39,10 @@ impl Observation {
     /// Takes the state of a simulation, and its model if it was edited. Returns `true` if the model
     /// is new. `what` names the simulation in an error.
     pub(super) fn observe(&mut self, data: &Data, what: &'static str) -> Result<bool> {
-        if !data.model().is_same_structure(self.data.model()) {
-            return Err(Error::OtherModel { what });
-        }
-        let is_new = !Arc::ptr_eq(data.model(), self.data.model());
+        let mut model = self.data.model().clone();
+        let is_new = adopt_model(&mut model, data, what)?;
         if is_new || self.data.check_usable().is_err() {
-            self.data = Data::new(data.model().clone())?;
+            self.data = Data::new(model)?;
         }
         data.state_into(self.foreseen, &mut self.state)?;
         self.data.set_state(self.foreseen, &self.state)?;

@@ -12,6 +12,7 @@ use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result, catch_panic};
 use crate::model::Model;
+use crate::parallel::adopt_model;
 
 /// Controller that plans in a second thread, and follows the newest plan with its gains.
 ///
@@ -113,9 +114,7 @@ struct Job {
 
 impl Job {
     fn observe(&mut self, data: &Data, reset: bool) -> Result<()> {
-        if !Arc::ptr_eq(data.model(), &self.model) {
-            self.model = data.model().clone();
-        }
+        adopt_model(&mut self.model, data, "the simulation of a predictive controller")?;
         self.reset |= reset;
         data.state_into(StateSpec::INTEGRATION, &mut self.state)
     }

@@ -1,4 +1,4 @@
-//! Evaluation of terms in a simulation, and the pool of these simulations.
+//! Evaluation of terms in simulations.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,10 +7,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::{Needs, ResidualJacobian, Term};
 use crate::control::ilqr::CostExpansion;
 use crate::data::{Data, StateSpec};
-use crate::derivative::linear_algebra::add;
 use crate::error::{Error, Result};
-use crate::macros::vectorised;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::vectorised;
+use crate::parallel::{Idle, adopt_model};
 
 /// Simulation in which terms are evaluated, with buffers.
 struct Evaluator {
@@ -136,40 +137,39 @@ fn needs(terms: &[Term], is_terminal: bool) -> Needs {
     active(terms, is_terminal).map(|(_, term, _)| term.residual.needs()).max().unwrap_or(Needs::State)
 }
 
-/// Pool of evaluators: one for each active thread, created on demand.
-pub(super) struct Evaluators(Mutex<Pool>);
+/// Evaluators, one for each active thread, and the start of the trajectory.
+pub(super) struct Evaluators {
+    start: Mutex<Start>,
+    idle: Idle<Evaluator>,
+}
 
-struct Pool {
+struct Start {
     model: Arc<Model>,
-    /// Values of [`StateSpec::INTEGRATION`] at the start of the trajectory, and the time there.
+    /// Values of [`StateSpec::INTEGRATION`].
     inputs: Vec<f64>,
-    start: f64,
+    time: f64,
     /// Number of changes of the inputs.
     version: u64,
-    idle: Vec<Evaluator>,
 }
 
 impl Evaluators {
     pub(super) fn new(data: Data, size: usize) -> Self {
         let (model, inputs) = (data.model().clone(), data.state(StateSpec::INTEGRATION));
-        let idle = vec![Evaluator::new(data, size)];
-        Self(Mutex::new(Pool { model, inputs, start: 0.0, version: 0, idle }))
+        let start = Mutex::new(Start { model, inputs, time: 0.0, version: 0 });
+        let idle = Idle::default();
+        idle.give_back(Evaluator::new(data, size));
+        Self { start, idle }
     }
 
     /// Takes the model, the time and all inputs of a simulation.
     pub(super) fn begin(&self, data: &Data) -> Result<()> {
-        let mut pool = self.lock();
-        if !data.model().is_same_structure(&pool.model) {
-            return Err(Error::OtherModel { what: "the simulation of a ResidualCost" });
+        let mut start = self.start();
+        if adopt_model(&mut start.model, data, "the simulation of a ResidualCost")? {
+            self.idle.clear();
         }
-        if !Arc::ptr_eq(data.model(), &pool.model) {
-            // The model may have been edited since.
-            pool.model = data.model().clone();
-            pool.idle.clear();
-        }
-        data.state_into(StateSpec::INTEGRATION, &mut pool.inputs)?;
-        pool.start = data.time();
-        pool.version += 1;
+        data.state_into(StateSpec::INTEGRATION, &mut start.inputs)?;
+        start.time = data.time();
+        start.version += 1;
         Ok(())
     }
 
@@ -198,40 +198,35 @@ impl Evaluators {
 
     /// Calls `work` with an evaluator at a point.
     fn at<T>(&self, terms: &[Term], point: Point<'_>, work: impl FnOnce(&mut Evaluator) -> Result<T>) -> Result<T> {
-        let idle = self.lock().idle.pop();
-        let mut evaluator = if let Some(evaluator) = idle {
-            evaluator
-        } else {
-            let model = self.lock().model.clone();
-            let size = terms.iter().map(Term::size).max().unwrap_or(0);
-            Evaluator::new(Data::new(model)?, size)
-        };
-        let start = {
-            let pool = self.lock();
-            if evaluator.version != pool.version {
-                evaluator.data.set_state(StateSpec::INTEGRATION, &pool.inputs)?;
+        let mut evaluator = self.idle.take(|| {
+            let model = self.start().model.clone();
+            Ok(Evaluator::new(Data::new(model)?, terms.iter().map(Term::size).max().unwrap_or(0)))
+        })?;
+        let time = {
+            let start = self.start();
+            if evaluator.version != start.version {
+                evaluator.data.set_state(StateSpec::INTEGRATION, &start.inputs)?;
                 evaluator.data.state_into(StateSpec::WARMSTART, &mut evaluator.warmstart)?;
-                evaluator.version = pool.version;
+                evaluator.version = start.version;
             }
-            pool.start
+            start.time
         };
-        evaluator.move_to(point, start, needs(terms, point.controls.is_none()))?;
+        evaluator.move_to(point, time, needs(terms, point.controls.is_none()))?;
         let result = work(&mut evaluator)?;
         // After an error, the simulation may be unusable and is dropped.
-        let mut pool = self.lock();
-        if Arc::ptr_eq(evaluator.data.model(), &pool.model) {
-            pool.idle.push(evaluator);
+        if Arc::ptr_eq(evaluator.data.model(), &self.start().model) {
+            self.idle.give_back(evaluator);
         }
         Ok(result)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Pool> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    fn start(&self) -> MutexGuard<'_, Start> {
+        self.start.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl fmt::Debug for Evaluators {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} idle simulations", self.lock().idle.len())
+        write!(f, "{} idle simulations", self.idle.len())
     }
 }

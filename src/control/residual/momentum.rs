@@ -1,10 +1,10 @@
 //! Momenta and inertias of subtrees, and the changes of velocities with the position.
 
 use crate::data::Data;
-use crate::derivative::spatial::{Inertia, Spatial, add_scaled, cross_motion, momentum};
 use crate::enums::JointType;
 use crate::ffi;
 use crate::model::Model;
+use crate::numerics::spatial::{Inertia, Spatial, add_scaled, cross_motion, momentum};
 
 /// Buffers for the derivatives of momenta.
 #[derive(Debug)]

@@ -15,12 +15,12 @@
 
 use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;
-use crate::derivative::spatial::{Vec3, add, angular, cross, cross_force, linear, momentum, scale, sub};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, Key};
 use crate::kind;
 use crate::model::Model;
+use crate::numerics::spatial::{Vec3, add, angular, cross, cross_force, linear, momentum, scale, sub};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {

@@ -11,7 +11,7 @@
 //! Benner, *Symplectic balancing of Hamiltonian matrices*, SIAM Journal on Scientific Computing 22
 //! (2001) 1885–1904.)
 
-use super::dense::PackedMatrix;
+use crate::numerics::dense::PackedMatrix;
 
 /// Maximum number of sweeps over all states. Sweeps after the first change little.
 const SWEEPS: usize = 3;

@@ -3,8 +3,9 @@
 
 use nalgebra::DMatrix;
 
-use super::dense::{InstructionSet, PackedMatrix};
 use crate::matrix::MatrixView;
+use crate::numerics::InstructionSet;
+use crate::numerics::dense::PackedMatrix;
 
 /// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is
 /// the same for both. Only the symmetric parts of `q` and `r` matter.
@@ -135,8 +136,8 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::{BellmanBackup, StepCost};
-    use crate::control::riccati::dense::PackedMatrix;
     use crate::matrix::Matrix;
+    use crate::numerics::dense::PackedMatrix;
 
     fn assert_equal(found: &PackedMatrix, expected: &DMatrix<f64>) {
         let error = (found.to_matrix(|_, _| 1.0) - expected).norm() / expected.norm();

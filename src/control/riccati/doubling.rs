@@ -15,7 +15,8 @@
 //! number of remaining slow modes, and its closed loop has exactly the remaining eigenvalues. So
 //! the slow modes, which need many doublings, are iterated in a low dimension.
 
-use super::dense::{InstructionSet, LowRank, LuFactors, PackedMatrix};
+use crate::numerics::InstructionSet;
+use crate::numerics::dense::{LowRank, LuFactors, PackedMatrix};
 
 /// Maximum number of doublings. Even a closed loop whose spectral radius is the largest `f64` below
 /// one converges in fewer.

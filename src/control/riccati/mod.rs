@@ -46,7 +46,6 @@
 
 mod balancing;
 mod bellman;
-mod dense;
 mod diagnosis;
 mod doubling;
 mod error;
@@ -59,7 +58,7 @@ pub(in crate::control) use bellman::{BellmanBackup, StepCost};
 pub use error::{RiccatiError, RiccatiMatrix};
 pub use recursion::RiccatiRecursion;
 
-use dense::PackedMatrix;
+use crate::numerics::dense::PackedMatrix;
 use problem::Problem;
 
 /// Default of [`Riccati::with_residual_tolerance`].

@@ -3,10 +3,11 @@
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::balancing;
-use super::dense::{InstructionSet, LuFactors, PackedMatrix};
 use super::diagnosis::{diagnose, diagnose_failure};
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
+use crate::numerics::InstructionSet;
+use crate::numerics::dense::{LuFactors, PackedMatrix};
 
 /// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling was
 /// inaccurate.

@@ -1,11 +1,11 @@
 //! Derivatives of the generalised forces of `xfrc_applied`, whose forces and torques are constant
 //! in the world.
 
-use super::spatial::{Vec3, cross, cross_motion, dot, sub, velocity_at, wrench};
 use super::tree::Tree;
 use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
+use crate::numerics::spatial::{Vec3, cross, cross_motion, dot, sub, velocity_at, wrench};
 
 /// Subtracts the derivatives of the applied forces by the position from those of the residual.
 pub(super) fn differentiate(data: &Data, tree: &Tree, residual: &mut Matrix) {

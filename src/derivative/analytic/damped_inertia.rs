@@ -8,10 +8,10 @@
 
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::linear_algebra::add;
 use crate::ffi;
-use crate::macros::vectorised;
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::vectorised;
 
 /// Sparse factor of `M + h D`.
 #[derive(Debug, Default)]

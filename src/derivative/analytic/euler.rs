@@ -17,10 +17,10 @@ use super::rigid_body::RigidBodies;
 use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::implicit::has_implicit_damping;
-use crate::derivative::linear_algebra::add;
 use crate::derivative::rotation::{self, Rotation};
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
 
 /// Buffers of the integrator.
 #[derive(Debug)]

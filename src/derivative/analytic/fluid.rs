@@ -16,12 +16,14 @@
 use std::f64::consts::PI;
 
 use super::rigid_body::RigidBodies;
-use super::spatial::{Spatial, Vec3, add, angular, cross, cross_force, dot, linear, spatial, sub, velocity_at, wrench};
 use super::tree::Tree;
 use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::spatial::{
+    Spatial, Vec3, add, angular, cross, cross_force, dot, linear, spatial, sub, velocity_at, wrench,
+};
 
 /// Smallest mass and inertia, as in the engine.
 const MIN: f64 = mujoco_sys::mjMINVAL;

@@ -28,12 +28,12 @@ use super::rigid_body::RigidBodies;
 use super::tendon::{is_fixed, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::linear_algebra::{add, add_product, factor_lu, solve_lu};
 use crate::derivative::rotation::{self, Rotation};
 use crate::enums::{ActuatorGain, Integrator};
 use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::{add, add_product, factor_lu, solve_lu};
 
 /// Buffers of the integrator.
 #[derive(Debug)]

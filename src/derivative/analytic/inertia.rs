@@ -13,11 +13,11 @@
 //! section 6.2).
 
 use super::rigid_body::RigidBodies;
-use super::spatial::{Spatial, cross_force, cross_motion, dot, momentum, sub};
 use super::tree::Tree;
 use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
+use crate::numerics::spatial::{Spatial, cross_force, cross_motion, dot, momentum, sub};
 
 /// Writes the derivatives of the stored elements of the inertia matrix, a row for each degree of
 /// freedom, after the inertias of the subtrees were computed.

@@ -58,14 +58,14 @@ pub(super) use self::sensors::reads_tendons;
 use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
 use self::tree::Tree;
-use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback, Kinks};
 use super::newton::Newton;
-use super::{InverseForce, TransitionOutputs, sizes, spatial};
+use super::{InverseForce, TransitionOutputs, sizes};
 use crate::data::Data;
 use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::solve_cholesky;
 
 /// Terms that were differenced, or the reason why there is no closed form.
 pub(super) type Outcome = std::result::Result<DifferencedTerms, Fallback>;

@@ -1,7 +1,6 @@
 //! Derivatives of the passive forces: springs and dampers of joints and tendons.
 
 use super::super::kinks::{is_at, is_inside};
-use super::super::linear_algebra::add;
 use super::super::method::Kinks;
 use super::tendon::Tendons;
 use crate::data::Data;
@@ -10,6 +9,7 @@ use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::DisableFlags;
+use crate::numerics::linear_algebra::add;
 
 /// Returns the kinks of the springs of tendons: lengths at which they become slack.
 pub(super) fn kinks(data: &Data) -> Kinks {

@@ -24,12 +24,12 @@
 //! ∂τ_k/∂v_j = S_k · (I σ_j + B S_j)
 //! ```
 
-use super::spatial::{Inertia, Spatial, add, add_scaled, cross_force, cross_motion, dot, momentum, sub};
 use super::tree::Tree;
 use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::spatial::{Inertia, Spatial, add, add_scaled, cross_force, cross_motion, dot, momentum, sub};
 
 /// Motion before and after a group.
 #[derive(Clone, Copy, Debug, Default)]

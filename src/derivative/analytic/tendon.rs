@@ -17,9 +17,7 @@
 
 use mujoco_sys::{mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_TENDON};
 
-use super::super::linear_algebra::{add, add_product};
 use super::constraint::Chains;
-use super::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub, velocity_at, wrench};
 use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::newton::add_row;
@@ -27,6 +25,8 @@ use crate::enums::{EqualityType, TransmissionType, WrapType};
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::{add, add_product};
+use crate::numerics::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub, velocity_at, wrench};
 
 /// Smallest length of a segment whose direction is differentiable, m.
 const MIN_LENGTH: f64 = 1e-9;

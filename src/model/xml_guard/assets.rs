@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use super::files::{Files, Found, directory, message};
+use super::files::{Files, Found, directory};
 use super::flexes::{self, Dim, Mesh};
 use super::tags::Tag;
 

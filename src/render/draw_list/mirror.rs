@@ -2,9 +2,10 @@
 
 use super::instance::Instance;
 use super::is_infinite_plane;
+use crate::numerics::spatial::dot;
 use crate::render::assets::Shapes;
 use crate::render::view::ViewFrustum;
-use crate::render::view::matrix::{Matrix4, apply, dot, reflection, unit};
+use crate::render::view::matrix::{Matrix4, apply, reflection, unit};
 use crate::scene::{SceneGeom, SceneGeomType};
 
 /// Mirror that faces the camera.
@@ -31,8 +32,8 @@ impl Mirror {
             }
         }
         let point = pos.map(f64::from);
-        let offset = dot(normal, point);
-        if dot(normal, camera.map(f64::from)) < offset {
+        let offset = dot(&normal, &point);
+        if dot(&normal, &camera.map(f64::from)) < offset {
             return None;
         }
         let stencil_mark = (!is_infinite_plane(geom)).then(|| {

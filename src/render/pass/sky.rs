@@ -1,11 +1,11 @@
 //! Skybox and haze, and their visibility.
 
+use crate::numerics::spatial::dot;
 use crate::render::draw_list::{DrawList, Horizon};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::settings::VisualSettings;
 use crate::render::shape::{self, Triangles};
 use crate::render::view::ViewFrustum;
-use crate::render::view::matrix::dot;
 use crate::render::{Gpu, RenderError};
 
 /// Vertex of the skybox, relative to the camera, or of the haze, in world space. If there is haze,
@@ -107,7 +107,7 @@ fn normal(horizon: &Horizon) -> [f64; 3] {
 /// Returns the height of the camera above the plane, m.
 fn camera_height(horizon: &Horizon, frustum: &ViewFrustum) -> f64 {
     let offset = [0, 1, 2].map(|axis| frustum.position[axis] - f64::from(horizon.pos[axis]));
-    dot(normal(horizon), offset)
+    dot(&normal(horizon), &offset)
 }
 
 /// Returns `true` if the plane hides the sky and the haze: the rays through all corners of the
@@ -118,8 +118,8 @@ fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings
         && height > 0.0
         && !frustum.orthographic
         && frustum.corners.iter().all(|&corner| {
-            let descent = -dot(up, corner);
-            let length = dot(corner, corner).sqrt() * (height / descent);
+            let descent = -dot(&up, &corner);
+            let length = dot(&corner, &corner).sqrt() * (height / descent);
             // The sides of the polygonal cylinder are nearer than its edges.
             let nearest = 0.95 * (std::f64::consts::PI / f64::from(settings.slices)).cos();
             descent > 0.0 && length < nearest * (1.0 - f64::from(settings.haze)) * frustum.sky_distance()

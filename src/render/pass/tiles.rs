@@ -6,10 +6,11 @@
 
 use std::ops::Range;
 
+use crate::numerics::spatial::dot;
 use crate::render::assets::Tile;
 use crate::render::bounding_volume::signed_distance;
 use crate::render::draw_list::Instance;
-use crate::render::view::matrix::{dot, unit};
+use crate::render::view::matrix::unit;
 use crate::render::view::{ActiveLight, Lights};
 
 /// Largest error of a colour by the interpolation of one light over a block of cells: one of 255
@@ -86,7 +87,7 @@ fn tile_in_world(tile: &Tile, instance: &Instance) -> PlacedTile {
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(at);
     let centre = at([low[0].midpoint(high[0]), low[1].midpoint(high[1])]).map(f64::from);
     let axis = |axis: usize| instance.rows.map(|row| f64::from(row[axis]));
-    let squared = |vector: [f64; 3]| dot(vector, vector);
+    let squared = |vector: [f64; 3]| dot(&vector, &vector);
     let distance = |corner: [f32; 3]| squared(difference(corner.map(f64::from), centre)).sqrt();
     PlacedTile {
         corners,
@@ -113,7 +114,7 @@ impl PlacedTile {
         let (features, light) = (active.features, &active.light);
         let position = light.pos.map(f64::from);
         let offset = difference(position, self.centre);
-        let nearest = dot(offset, offset).sqrt() - self.radius;
+        let nearest = dot(&offset, &offset).sqrt() - self.radius;
         let direction = unit(light.dir.map(f64::from));
         if !features.directional && nearest <= 0.0 {
             return false;
@@ -124,7 +125,7 @@ impl PlacedTile {
         if features.spot || features.attenuated {
             return false;
         }
-        let height = dot(offset, self.normal);
+        let height = dot(&offset, &self.normal);
         let brightest = |rgb: [f32; 3]| f64::from(rgb.into_iter().fold(0.0, f32::max));
         let [red, green, blue, _] = instance.rgba;
         let diffuse = brightest(light.diffuse) * brightest([red, green, blue]);
@@ -141,12 +142,12 @@ impl PlacedTile {
         // twice as far apart.
         let widest = (TOLERANCE / specular).powf(1.0 / f64::from(instance.material[2])).clamp(0.0, 1.0).acos();
         let to_camera = difference(camera, self.centre);
-        let distance = dot(to_camera, to_camera).sqrt();
+        let distance = dot(&to_camera, &to_camera).sqrt();
         let to_camera = unit(to_camera);
-        let along = 2.0 * dot(self.normal, to_camera);
+        let along = 2.0 * dot(&self.normal, &to_camera);
         let mirrored = [0, 1, 2].map(|axis| along * self.normal[axis] - to_camera[axis]);
         let to_light = if features.directional { direction.map(|part| -part) } else { unit(offset) };
-        let angle = dot(mirrored, to_light).clamp(-1.0, 1.0).acos();
+        let angle = dot(&mirrored, &to_light).clamp(-1.0, 1.0).acos();
         // Half the angle under which a sphere of the radius of the tile appears.
         let seen_from = |distance: f64| (self.radius / distance).min(1.0).asin();
         let of_light = if features.directional { 0.0 } else { seen_from(nearest + self.radius) };
@@ -156,8 +157,8 @@ impl PlacedTile {
     /// Returns `true` if a sphere around the tile is outside of the cone of a spotlight. `offset`
     /// is the position of the light relative to the centre of the tile.
     fn is_outside_cone(&self, offset: [f64; 3], direction: [f64; 3], half_angle: f64) -> bool {
-        let along = -dot(offset, direction);
-        let across = (dot(offset, offset) - along * along).max(0.0).sqrt();
+        let along = -dot(&offset, &direction);
+        let across = (dot(&offset, &offset) - along * along).max(0.0).sqrt();
         across * half_angle.cos() - along * half_angle.sin() > self.radius
     }
 }
@@ -218,7 +219,7 @@ mod tests {
         let dir = unit(light.dir.map(f64::from));
         let to_light =
             if light.directional { dir.map(|part| -part) } else { unit(difference(light.pos.map(f64::from), point)) };
-        if active.features.spot && -dot(to_light, dir) < f64::from(light.cutoff).to_radians().cos() {
+        if active.features.spot && -dot(&to_light, &dir) < f64::from(light.cutoff).to_radians().cos() {
             return 0.0;
         }
         let to_camera = unit(difference(camera, point));

@@ -1,7 +1,8 @@
 //! Active lights and their shadow projections.
 
 use super::ViewFrustum;
-use super::matrix::{Matrix4, cross, dot, look_to, orthographic, perspective, product, unit};
+use super::matrix::{Matrix4, look_to, orthographic, perspective, product, unit};
+use crate::numerics::spatial::{cross, dot};
 use crate::render::settings::{VisualSettings, accepted, is_drawable};
 use crate::scene::{RenderFlags, Scene, SceneLight};
 
@@ -147,6 +148,6 @@ fn shadow_matrix(light: &SceneLight, frustum: &ViewFrustum, settings: &VisualSet
 
 /// Returns a unit vector perpendicular to a direction.
 fn perpendicular(direction: [f64; 3]) -> [f64; 3] {
-    let across = cross(direction, [-1.0, 0.0, 0.0]);
-    unit(if dot(across, across) > 0.01 { across } else { cross(direction, [0.0, 1.0, 0.0]) })
+    let across = cross(&direction, &[-1.0, 0.0, 0.0]);
+    unit(if dot(&across, &across) > 0.01 { across } else { cross(&direction, &[0.0, 1.0, 0.0]) })
 }

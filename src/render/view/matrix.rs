@@ -1,6 +1,8 @@
 //! 4 × 4 matrices, column-major, in double precision; uniforms are converted to single precision
 //! last.
 
+use crate::numerics::spatial::{cross, dot};
+
 /// Column-major matrix: an array of columns.
 pub(crate) type Matrix4 = [[f64; 4]; 4];
 
@@ -27,30 +29,22 @@ pub(crate) fn to_f32(a: &Matrix4) -> [[f32; 4]; 4] {
     a.map(|column| column.map(|number| number as f32))
 }
 
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 /// Normalises a vector; returns the z-axis for a vector of zero or non-finite length.
 pub(crate) fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = dot(vector, vector).sqrt();
+    let length = dot(&vector, &vector).sqrt();
     if length > 1e-10 && length.is_finite() { vector.map(|component| component / length) } else { [0.0, 0.0, 1.0] }
 }
 
 /// Returns the view matrix of a right-handed camera: x to the right, y up, viewing direction -z.
 pub(crate) fn look_to(eye: [f64; 3], forward: [f64; 3], up: [f64; 3]) -> Matrix4 {
     let forward = unit(forward);
-    let right = unit(cross(forward, up));
-    let up = unit(cross(right, forward));
+    let right = unit(cross(&forward, &up));
+    let up = unit(cross(&right, &forward));
     let mut matrix = IDENTITY;
     for axis in 0..3 {
         matrix[axis] = [right[axis], up[axis], -forward[axis], 0.0];
     }
-    matrix[3] = [-dot(right, eye), -dot(up, eye), dot(forward, eye), 1.0];
+    matrix[3] = [-dot(&right, &eye), -dot(&up, &eye), dot(&forward, &eye), 1.0];
     matrix
 }
 
@@ -85,7 +79,7 @@ pub(crate) fn reflection(point: [f64; 3], normal: [f64; 3]) -> Matrix4 {
             matrix[column][row] -= 2.0 * normal[column] * normal[row];
         }
     }
-    let distance = 2.0 * dot(normal, point);
+    let distance = 2.0 * dot(&normal, &point);
     matrix[3] = [distance * normal[0], distance * normal[1], distance * normal[2], 1.0];
     matrix
 }

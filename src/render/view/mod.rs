@@ -6,11 +6,12 @@ mod shadow_region;
 mod uniform;
 
 pub(crate) use self::light::{ActiveLight, LightFeatures, Lights, MAX_SHADOWS};
-use self::matrix::{Matrix4, apply, dot, look_to, orthographic, perspective, product, row, similarity};
+use self::matrix::{Matrix4, apply, look_to, orthographic, perspective, product, row, similarity};
 pub(crate) use self::shadow_region::{ShadowRegion, reduction};
 pub(crate) use self::uniform::{UniformData, ViewUniforms};
 use super::settings::is_drawable;
 use crate::error::{Error, Result};
+use crate::numerics::spatial::dot;
 use crate::scene::{Scene, Viewpoint};
 
 /// Distance of the skybox as a fraction of the far plane, so that its corners are nearer than the
@@ -110,7 +111,7 @@ impl ViewFrustum {
     /// Returns the depth of a point, m.
     pub(crate) fn depth_of(&self, point: [f32; 3]) -> f64 {
         let [x, y, z] = point.map(f64::from);
-        dot([self.depth[0], self.depth[1], self.depth[2]], [x, y, z]) + self.depth[3]
+        dot(&[self.depth[0], self.depth[1], self.depth[2]], &[x, y, z]) + self.depth[3]
     }
 
     /// Returns the size in pixels of a metre in room space at a depth, at the centre of the image.
@@ -120,19 +121,19 @@ impl ViewFrustum {
 
     /// Returns the change of the depth along a vector, m.
     pub(crate) fn depth_along(&self, vector: [f64; 3]) -> f64 {
-        dot([self.depth[0], self.depth[1], self.depth[2]], vector)
+        dot(&[self.depth[0], self.depth[1], self.depth[2]], &vector)
     }
 
     /// Returns the smallest depth at which a plane is visible, m: infinite if the camera is on the
     /// plane or behind it, or if no ray through the image meets the plane.
     pub(crate) fn nearest_depth_of_plane(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
-        let height = dot(normal, [0, 1, 2].map(|axis| self.position[axis] - point[axis]));
+        let height = dot(&normal, &[0, 1, 2].map(|axis| self.position[axis] - point[axis]));
         if self.orthographic {
             return self.nearest_depth_of_plane_along_axis(height, normal);
         }
         // The reciprocal of the depth is an affine function of the pixel, whose maximum is in a
         // corner of the image.
-        let reciprocals = self.corners.map(|ray| -dot(normal, ray) / (height * self.depth_along(ray)));
+        let reciprocals = self.corners.map(|ray| -dot(&normal, &ray) / (height * self.depth_along(ray)));
         let largest = reciprocals.into_iter().fold(0.0, f64::max);
         if height > 0.0 && largest > 0.0 { 1.0 / largest } else { f64::INFINITY }
     }
@@ -141,14 +142,14 @@ impl ViewFrustum {
     /// [`nearest_depth_of_plane`](Self::nearest_depth_of_plane). `height` is the height of the
     /// camera above the plane.
     fn nearest_depth_of_plane_along_axis(&self, height: f64, normal: [f64; 3]) -> f64 {
-        let descent = -dot(normal, self.forward);
+        let descent = -dot(&normal, &self.forward);
         // The rays are parallel to the optical axis, and the depth is an affine function of the
         // pixel.
         let depths = self.corners.map(|corner| {
-            let along = dot(corner, self.forward);
+            let along = dot(&corner, &self.forward);
             // The axes of the camera are scaled, and corners are in room space.
             let across = [0, 1, 2].map(|axis| (corner[axis] - along * self.forward[axis]) / (self.scale * self.scale));
-            self.scale * (height + dot(normal, across)) / descent
+            self.scale * (height + dot(&normal, &across)) / descent
         });
         let [nearest, farthest] =
             [depths.into_iter().fold(f64::INFINITY, f64::min), depths.into_iter().fold(f64::NEG_INFINITY, f64::max)];
@@ -178,7 +179,7 @@ impl ViewFrustum {
         let [x, y, z, w] = [0, 1, 2, 3].map(|index| row(&self.clip, index));
         let plane = |sign: f64, with: [f64; 4], base: [f64; 4]| {
             let plane = [0, 1, 2, 3].map(|k| base[k] + sign * with[k]);
-            let length = dot([plane[0], plane[1], plane[2]], [plane[0], plane[1], plane[2]]).sqrt();
+            let length = dot(&[plane[0], plane[1], plane[2]], &[plane[0], plane[1], plane[2]]).sqrt();
             plane.map(|number| (number / length) as f32)
         };
         [

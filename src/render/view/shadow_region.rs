@@ -1,7 +1,8 @@
 //! Allocated regions of shadow maps, and their resolution.
 
 use super::ViewFrustum;
-use super::matrix::{IDENTITY, Matrix4, dot, row};
+use super::matrix::{IDENTITY, Matrix4, row};
+use crate::numerics::spatial::dot;
 
 /// Allocated region of a shadow map: its resolution, its first texel, its size, and its depth
 /// range.
@@ -81,16 +82,16 @@ const MIN_SIZE: u32 = 64;
 /// to `w / depth`. With p = camera + depth * ray, the quotient is `w(camera) / depth + w(ray)`. The
 /// second term is an affine function of the pixel, whose maximum is in a corner of the image.
 pub(crate) fn reduction(light: &Matrix4, size: u32, frustum: &ViewFrustum, nearest: f64) -> u32 {
-    let length = |[x, y, z, _]: [f64; 4]| dot([x, y, z], [x, y, z]).sqrt();
+    let length = |[x, y, z, _]: [f64; 4]| dot(&[x, y, z], &[x, y, z]).sqrt();
     let texel = 2.0 / (length(row(light, 0)).min(length(row(light, 1))) * f64::from(size));
     let [x, y, z, offset] = row(light, 3);
-    let of_camera = dot([x, y, z], frustum.position) + offset;
+    let of_camera = dot(&[x, y, z], &frustum.position) + offset;
     // In an orthographic projection the width in the image is proportional to w, which has no bound
     // far away if the light shines forwards.
     if frustum.orthographic && [x, y, z] != [0.0; 3] {
         return 1;
     }
-    let of_rays = frustum.corners.map(|ray| dot([x, y, z], ray) / frustum.depth_along(ray));
+    let of_rays = frustum.corners.map(|ray| dot(&[x, y, z], &ray) / frustum.depth_along(ray));
     let quotient = if frustum.orthographic {
         offset
     } else {

@@ -9,7 +9,7 @@ use super::worker::Worker;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Outcome, Result};
 use crate::matrix::{MatrixView, MatrixViewMut};
-use crate::rollout::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
+use crate::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
 
 /// # Steps, resets and edits
 impl Batch<'_> {

@@ -3,7 +3,7 @@
 use super::worker::{Loaded, Own, Pool, Results, Worker, check_model, continue_from};
 use crate::data::{Data, StateSpec, WarningCounters};
 use crate::error::{Error, Result};
-use crate::rollout::parallel::{Split, split_rows};
+use crate::parallel::{Split, split_rows};
 use crate::rollout::workers::restart;
 use crate::rollout::{Parameters, Read};
 

@@ -1,10 +1,11 @@
 //! Simulations that threads load the rows of a batch into.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use crate::data::{Data, OwnCallbacks, PipelineFlags, StateSpec, WarningCounters};
 use crate::error::{Error, Result};
 use crate::model::{EditedModel, Model, ModelDifference, ModelMut};
+use crate::parallel::Idle;
 use crate::rollout::workers::restart;
 
 /// Results in the arrays of a worker, apart from the state.
@@ -81,15 +82,15 @@ impl Worker {
     }
 }
 
-/// Idle workers of a batch. There are as many as threads have been active at the same time.
+/// Model and idle workers of a batch.
 pub(super) struct Pool {
     model: Arc<Model>,
-    idle: Mutex<Vec<Worker>>,
+    idle: Idle<Worker>,
 }
 
 impl Pool {
     pub(super) fn new(model: Arc<Model>) -> Self {
-        Self { model, idle: Mutex::default() }
+        Self { model, idle: Idle::default() }
     }
 
     #[inline]
@@ -100,17 +101,15 @@ impl Pool {
     /// Returns the worker in `slot`, after filling it with an idle worker or a new one.
     pub(super) fn fill<'s>(&self, slot: &'s mut Option<Worker>) -> Result<&'s mut Worker> {
         if slot.is_none() {
-            let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-            *slot = Some(match idle {
-                Some(worker) => worker,
-                None => Worker::new(self.model.clone())?,
-            });
+            *slot = Some(self.idle.take(|| Worker::new(self.model.clone()))?);
         }
         Ok(slot.as_mut().expect("Bug: the slot has been filled"))
     }
 
     pub(super) fn give_back(&self, slot: Option<Worker>) {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner).extend(slot);
+        if let Some(worker) = slot {
+            self.idle.give_back(worker);
+        }
     }
 }
 

@@ -11,7 +11,6 @@ mod site;
 use self::site::for_each_change;
 pub(super) use self::site::site_of;
 use super::super::kinks::{self, is_at, is_inside};
-use super::super::linear_algebra::add;
 use super::super::method::{Fallback, Kinks};
 use super::tendon::{Tendons, tendon_of};
 use super::tree::Tree;
@@ -20,6 +19,7 @@ use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, Tran
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::linear_algebra::add;
 
 /// Smallest time constant of a filter, as in the engine.
 pub(super) const MIN_TIME_CONSTANT: f64 = mujoco_sys::mjMINVAL;

@@ -13,12 +13,12 @@
 //! and zero for all others. The length of the actuator is zero. With a reference site, the actuator
 //! has no formula here.
 
-use super::super::spatial::{Vec3, cross_force, dot, sub, wrench};
 use super::super::tree::Tree;
 use crate::data::Data;
 use crate::enums::TransmissionType;
 use crate::ffi;
 use crate::model::Model;
+use crate::numerics::spatial::{Vec3, cross_force, dot, sub, wrench};
 
 /// Returns the site on which an actuator acts without a reference site.
 pub(in crate::derivative::analytic) fn site_of(model: &Model, actuator: usize) -> Option<usize> {

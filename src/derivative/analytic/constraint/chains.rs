@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::derivative::analytic::spatial::{Spatial, Vec3, add_scaled, cross_force, cross_motion, dot, sub};
 use crate::derivative::analytic::tree::Tree;
 use crate::matrix::Matrix;
+use crate::numerics::spatial::{Spatial, Vec3, add_scaled, cross_force, cross_motion, dot, sub};
 
 /// Degree of freedom that moves at least one of the bodies.
 #[derive(Clone, Copy, Debug)]

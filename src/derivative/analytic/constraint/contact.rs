@@ -22,13 +22,13 @@ use super::chains::{multiply, multiply_transposed};
 use super::contact_geometry::ContactGeometry;
 use super::rows::{MAX_ROWS, Rows, Slopes};
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{
-    Spatial, Vec3, add, add_scaled, angular, cross, dot, scale, spatial, sub, velocity_at, wrench,
-};
 use crate::derivative::analytic::tree::Tree;
 use crate::derivative::newton::contacts;
 use crate::ffi;
 use crate::matrix::Matrix;
+use crate::numerics::spatial::{
+    Spatial, Vec3, add, add_scaled, angular, cross, dot, scale, spatial, sub, velocity_at, wrench,
+};
 
 /// Smallest length of the projection of y from which the engine makes the first tangent.
 const MIN_PROJECTION: f64 = 1e-6;

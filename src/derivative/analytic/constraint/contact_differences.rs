@@ -9,12 +9,12 @@ use mujoco_sys::mjContact;
 
 use super::contact_geometry::{ContactGeometry, world_axis};
 use crate::data::{CollisionFunction, Data, FoundContact};
-use crate::derivative::analytic::spatial::{Vec3, add, dot, scale, sub};
 use crate::derivative::method::Kinks;
 use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
 use crate::math;
+use crate::numerics::spatial::{Vec3, add, dot, scale, sub};
 
 /// Steps of the differences, m and rad, in the order of trial. A smaller step has larger rounding
 /// errors. It is used only near a kink, such as the border between a face and an edge of a box.

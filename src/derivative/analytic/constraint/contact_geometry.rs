@@ -10,11 +10,11 @@ use mujoco_sys::mjContact;
 
 use super::contact_differences;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub};
 use crate::derivative::method::{DifferencedTerms, Kinks};
 use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
+use crate::numerics::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub};
 
 /// Smallest determinant of the equations for the nearest points of two capsules. With a smaller one
 /// their axes are parallel.

@@ -17,14 +17,14 @@ use super::Constraints;
 use super::chains::{multiply, multiply_transposed};
 use super::rows::Rows;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Vec3, add, add_scaled, angular, cross, spatial, sub, velocity_at, wrench};
 use crate::derivative::analytic::tree::Tree;
-use crate::derivative::linear_algebra::add as add_to;
 use crate::enums::EqualityType;
 use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add as add_to;
+use crate::numerics::spatial::{Vec3, add, add_scaled, angular, cross, spatial, sub, velocity_at, wrench};
 
 /// Signs of the two bodies in the rows, and of the forces on them.
 const SIGNS: [f64; 2] = [1.0, -1.0];

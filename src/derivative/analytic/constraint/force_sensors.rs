@@ -10,13 +10,13 @@ use mujoco_sys::{mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON};
 
 use super::rows::Rows;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Vec3, scale};
 use crate::derivative::newton::contacts;
 use crate::enums::{GeomType, SensorType};
 use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::spatial::{Vec3, scale};
 
 /// Sensors of constraint forces, with their derivatives.
 #[derive(Debug)]

@@ -8,12 +8,12 @@
 
 use super::rows::{MAX_ROWS, Rows};
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Spatial, add_scaled};
-use crate::derivative::linear_algebra::add;
 use crate::enums::SensorType;
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::spatial::{Spatial, add_scaled};
 
 /// Constraint forces on subtrees, with their derivatives.
 #[derive(Debug)]

@@ -13,12 +13,12 @@ use mujoco_sys::mjCNSTR_LIMIT_JOINT;
 
 use super::rows::{Rows, Slopes};
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Vec3, add_scaled, dot, scale};
-use crate::derivative::linear_algebra::add;
 use crate::enums::JointType;
 use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::spatial::{Vec3, add_scaled, dot, scale};
 
 pub(super) fn differentiate(rows: &mut Rows, data: &Data, row: usize, residual: &mut Matrix) {
     let ball = ball_of(data, row);

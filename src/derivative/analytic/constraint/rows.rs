@@ -20,10 +20,10 @@ use std::ops::Range;
 use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC};
 
 use crate::data::Data;
-use crate::derivative::linear_algebra::add;
 use crate::derivative::newton::{add_row, contacts};
 use crate::ffi;
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::add;
 
 /// Maximum number of rows of a constraint: a contact with a pyramidal cone and five friction
 /// components.

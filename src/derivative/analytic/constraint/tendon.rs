@@ -10,8 +10,8 @@ use mujoco_sys::{mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_TENDON};
 use super::rows::Rows;
 use crate::data::Data;
 use crate::derivative::analytic::tendon::{Tendons, is_fixed};
-use crate::derivative::linear_algebra::add;
 use crate::ffi;
+use crate::numerics::linear_algebra::add;
 
 /// Adds the change of the moment arms to the derivatives of a row, if it is that of a spatial
 /// tendon.

@@ -14,9 +14,9 @@
 
 use super::pose::Pose;
 use super::{Point, Rows};
-use crate::derivative::analytic::spatial::{Spatial, Vec3, add, angular, cross, cross_motion, linear, sub};
-use crate::derivative::linear_algebra;
 use crate::enums::SensorType;
+use crate::numerics::linear_algebra;
+use crate::numerics::spatial::{Spatial, Vec3, add, angular, cross, cross_motion, linear, sub};
 
 pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {
     let Point { data, tree, bodies, deceleration, .. } = point;

@@ -2,7 +2,7 @@
 //! (`../constraint/force_sensors.rs`).
 
 use super::{Point, Rows};
-use crate::derivative::linear_algebra::{add, add_product};
+use crate::numerics::linear_algebra::{add, add_product};
 
 pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {
     let nv = point.data.model().nv();

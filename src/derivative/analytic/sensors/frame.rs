@@ -16,9 +16,9 @@
 
 use super::pose::Pose;
 use super::{Point, Rows};
-use crate::derivative::analytic::spatial::{Spatial, Vec3, add, angular, cross, linear, scale, sub};
 use crate::enums::SensorType;
 use crate::math;
+use crate::numerics::spatial::{Spatial, Vec3, add, angular, cross, linear, scale, sub};
 
 /// Derivatives of the pose and the velocity of a frame by a degree of freedom that moves it, in the
 /// world's axes.

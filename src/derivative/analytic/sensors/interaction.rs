@@ -15,12 +15,12 @@
 
 use super::pose::Pose;
 use super::{Point, Rows};
-use crate::derivative::analytic::spatial::{
-    Spatial, Vec3, add_scaled, cross, cross_force, linear, scale, spatial, sub, velocity_at, wrench,
-};
-use crate::derivative::linear_algebra::add;
 use crate::enums::SensorType;
 use crate::ffi;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::spatial::{
+    Spatial, Vec3, add_scaled, cross, cross_force, linear, scale, spatial, sub, velocity_at, wrench,
+};
 
 pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {
     let Point { data, tree, bodies, interactions, deceleration, .. } = point;

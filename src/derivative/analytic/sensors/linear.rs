@@ -9,12 +9,12 @@ use mujoco_sys::{mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON};
 use super::{Point, Rows};
 use crate::data::Data;
 use crate::derivative::analytic::actuators;
-use crate::derivative::linear_algebra::add;
 use crate::derivative::newton::add_row;
 use crate::enums::{JointType, SensorType};
 use crate::ffi;
 use crate::math;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
 
 pub(super) fn is_ball(model: &Model, joint: usize) -> bool {
     JointType::of_field(model.jnt_type()[joint]) == JointType::Ball

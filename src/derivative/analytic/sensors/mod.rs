@@ -37,7 +37,6 @@ use self::pose::Pose;
 use super::actuators;
 use super::constraint::{ForceSensors, Interactions};
 use super::rigid_body::RigidBodies;
-use super::spatial::{Spatial, Vec3};
 use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
@@ -46,6 +45,7 @@ use crate::enums::{SensorType, WrapType};
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
+use crate::numerics::spatial::{Spatial, Vec3};
 
 /// Derivatives of the sensors, with their buffers.
 #[derive(Debug)]

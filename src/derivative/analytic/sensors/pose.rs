@@ -4,10 +4,10 @@ use mujoco_sys::{mjCAMLIGHT_FIXED, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_S
 
 use super::Point;
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{Spatial, Vec3, angular, cross, linear, spatial, sub, velocity_at};
 use crate::ffi;
 use crate::math;
 use crate::model::Model;
+use crate::numerics::spatial::{Spatial, Vec3, angular, cross, linear, spatial, sub, velocity_at};
 
 /// Frame of an object, in the world.
 #[derive(Clone, Copy, Debug)]

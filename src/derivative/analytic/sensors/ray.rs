@@ -15,10 +15,10 @@
 use super::pose::Pose;
 use super::{Point, Rows};
 use crate::data::{Data, RayOptions};
-use crate::derivative::analytic::spatial::{Vec3, add, dot, scale, sub, velocity_at};
 use crate::enums::GeomType;
 use crate::ffi;
 use crate::id::Id;
+use crate::numerics::spatial::{Vec3, add, dot, scale, sub, velocity_at};
 
 /// Adds the derivatives of a rangefinder, which are NaN if it meets a geom without a formula.
 pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {

@@ -15,12 +15,12 @@
 
 use super::{Point, Rows};
 use crate::data::Data;
-use crate::derivative::analytic::spatial::{
-    Spatial, Vec3, add, add_scaled, angular, cross, cross_force, linear, momentum, scale, sub,
-};
 use crate::enums::SensorType;
 use crate::ffi;
 use crate::model::Model;
+use crate::numerics::spatial::{
+    Spatial, Vec3, add, add_scaled, angular, cross, cross_force, linear, momentum, scale, sub,
+};
 
 /// Sums the momenta of subtrees, `(nbody)`. For the world only the linear part has a meaning,
 /// because trees have different reference points.

@@ -1,6 +1,6 @@
 //! Row operations on small dense matrices, written so that the compiler vectorises them.
 
-use crate::macros::vectorised;
+use super::vectorised;
 use crate::matrix::Matrix;
 
 /// Computes `result += factor · vector`.
@@ -11,19 +11,19 @@ pub(crate) fn add(result: &mut [f64], vector: &[f64], factor: f64) {
 }
 
 /// Computes `result += factor · matrixᵀ · vector`.
-pub(super) fn add_product(result: &mut [f64], matrix: &Matrix, vector: &[f64], factor: f64) {
+pub(crate) fn add_product(result: &mut [f64], matrix: &Matrix, vector: &[f64], factor: f64) {
     vector.iter().enumerate().for_each(|(row, value)| add(result, matrix.row(row), factor * value));
 }
 
 /// Computes the difference quotient `result = (to − from) / width`.
-pub(super) fn quotient(result: &mut [f64], from: &[f64], to: &[f64], width: f64) {
+pub(crate) fn quotient(result: &mut [f64], from: &[f64], to: &[f64], width: f64) {
     result.iter_mut().zip(from.iter().zip(to)).for_each(|(result, (from, to))| *result = (to - from) / width);
 }
 
 /// Computes the inverse `L⁻ᵀ L⁻¹` of a matrix from its Cholesky factor L. `lower` receives `L⁻¹`.
 ///
 /// Uses row operations only; solving for one column after another takes several times as long.
-pub(super) fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) {
+pub(crate) fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) {
     let n = factor.nrows();
     for row in 0..n {
         let (above, rest) = lower.as_mut_slice().split_at_mut(row * n);
@@ -56,7 +56,7 @@ vectorised! {
 /// Computes `(L Lᵀ)⁻¹ X` in place, with a Cholesky factor L in the lower triangle of `factor`.
 ///
 /// Uses operations on the rows of X, four at a time, so that its columns are processed together.
-pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
+pub(crate) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
     let (n, width) = matrix.shape();
     let values = matrix.as_mut_slice();
     for row in 0..n {
@@ -82,7 +82,7 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
 
 /// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without
 /// pivoting.
-pub(super) fn factor_lu(matrix: &mut Matrix) {
+pub(crate) fn factor_lu(matrix: &mut Matrix) {
     let n = matrix.nrows();
     for row in 1..n {
         let (above, rest) = matrix.as_mut_slice().split_at_mut(row * n);
@@ -99,7 +99,7 @@ pub(super) fn factor_lu(matrix: &mut Matrix) {
 }
 
 /// Computes `(L U)⁻¹ X` in place, with the factors of [`factor_lu`].
-pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
+pub(crate) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
     let (n, width) = matrix.shape();
     let values = matrix.as_mut_slice();
     for row in 0..n {

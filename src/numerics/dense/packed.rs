@@ -5,11 +5,12 @@
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
-use super::simd::{self, BLOCK, Blocks, F64x8, InstructionSet, Update};
+use super::simd::{self, BLOCK, Blocks, F64x8, Update};
+use crate::numerics::InstructionSet;
 
 /// Matrix in padded panels of eight columns.
 #[derive(Clone, Debug, Default)]
-pub(in crate::control) struct PackedMatrix {
+pub(crate) struct PackedMatrix {
     rows: usize,
     columns: usize,
     /// Panels one after another, each of [`padded_rows`](Self::padded_rows) rows.
@@ -17,16 +18,16 @@ pub(in crate::control) struct PackedMatrix {
 }
 
 impl PackedMatrix {
-    pub(in super::super) fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.rows
     }
 
-    pub(in super::super) fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.columns
     }
 
     /// Returns the number of rows, padded to whole blocks.
-    pub(in super::super) fn padded_rows(&self) -> usize {
+    pub(crate) fn padded_rows(&self) -> usize {
         self.rows.next_multiple_of(BLOCK)
     }
 
@@ -40,7 +41,7 @@ impl PackedMatrix {
 
     /// Resizes the matrix and sets it to zero. Allocates only if the matrix was never as large
     /// before.
-    pub(in super::super) fn clear(&mut self, rows: usize, columns: usize) {
+    pub(crate) fn clear(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
         self.vectors.clear();
         self.vectors.resize(self.padded_rows() * columns.div_ceil(BLOCK), F64x8::ZERO);
@@ -52,12 +53,12 @@ impl PackedMatrix {
         self.vectors.resize(self.padded_rows() * columns.div_ceil(BLOCK), F64x8::ZERO);
     }
 
-    pub(in super::super) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         (self.rows, self.columns) = (other.rows, other.columns);
         self.vectors.clone_from(&other.vectors);
     }
 
-    pub(in super::super) fn get(&self, row: usize, column: usize) -> f64 {
+    pub(crate) fn get(&self, row: usize, column: usize) -> f64 {
         self.vectors[column / BLOCK * self.padded_rows() + row].0[column % BLOCK]
     }
 
@@ -67,7 +68,7 @@ impl PackedMatrix {
     }
 
     /// Copies a matrix whose rows are one after another in memory.
-    pub(in crate::control) fn copy_rows(&mut self, rows: usize, columns: usize, values: &[f64]) {
+    pub(crate) fn copy_rows(&mut self, rows: usize, columns: usize, values: &[f64]) {
         debug_assert_eq!(values.len(), rows * columns);
         self.resize(rows, columns);
         let size = self.padded_rows();
@@ -91,7 +92,7 @@ impl PackedMatrix {
     }
 
     /// Copies the symmetric part `(M + Mᵀ) / 2` of a square matrix.
-    pub(in crate::control) fn copy_symmetric_part(&mut self, matrix: &DMatrix<f64>) {
+    pub(crate) fn copy_symmetric_part(&mut self, matrix: &DMatrix<f64>) {
         // The matrix is column-major, so this copies the transpose, whose symmetric part is the
         // same.
         self.copy_rows(matrix.ncols(), matrix.nrows(), matrix.as_slice());
@@ -99,18 +100,18 @@ impl PackedMatrix {
     }
 
     /// Writes a row to a slice with an entry for each column.
-    pub(in crate::control) fn row_into(&self, row: usize, output: &mut [f64]) {
+    pub(crate) fn row_into(&self, row: usize, output: &mut [f64]) {
         let size = self.padded_rows();
         for (output, panel) in output.chunks_mut(BLOCK).zip(self.vectors.chunks_exact(size)) {
             output.copy_from_slice(&panel[row].0[..output.len()]);
         }
     }
 
-    pub(in super::super) fn copy_view(&mut self, view: &DMatrixView<'_, f64, Dyn, Dyn>) {
+    pub(crate) fn copy_view(&mut self, view: &DMatrixView<'_, f64, Dyn, Dyn>) {
         self.fill(view.nrows(), view.ncols(), |row, column| view[(row, column)]);
     }
 
-    pub(in super::super) fn fill(&mut self, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn fill(&mut self, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) {
         self.clear(rows, columns);
         let size = self.padded_rows();
         if size == 0 {
@@ -127,7 +128,7 @@ impl PackedMatrix {
     }
 
     /// Writes the entries, each multiplied by a factor.
-    pub(in super::super) fn write_to(&self, matrix: &mut DMatrix<f64>, factor: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn write_to(&self, matrix: &mut DMatrix<f64>, factor: impl Fn(usize, usize) -> f64) {
         if matrix.shape() != (self.rows, self.columns) {
             *matrix = DMatrix::zeros(self.rows, self.columns);
         }
@@ -138,11 +139,11 @@ impl PackedMatrix {
         }
     }
 
-    pub(in super::super) fn to_matrix(&self, factor: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+    pub(crate) fn to_matrix(&self, factor: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
         DMatrix::from_fn(self.rows, self.columns, |row, column| self.get(row, column) * factor(row, column))
     }
 
-    pub(in super::super) fn transpose_from(&mut self, other: &Self) {
+    pub(crate) fn transpose_from(&mut self, other: &Self) {
         self.resize(other.columns, other.rows);
         let (size, other_size) = (self.padded_rows(), other.padded_rows());
         if size == 0 || other_size == 0 {
@@ -177,7 +178,7 @@ impl PackedMatrix {
     }
 
     /// Replaces a square matrix by its symmetric part.
-    pub(in super::super) fn symmetrise(&mut self) {
+    pub(crate) fn symmetrise(&mut self) {
         let size = self.padded_rows();
         for panel in 0..size / BLOCK {
             for block in 0..=panel {
@@ -195,31 +196,31 @@ impl PackedMatrix {
     }
 
     /// Computes `self = left · right`.
-    pub(in super::super) fn product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         self.resize(left.rows, right.columns);
         simd::multiply(simd, self.blocks(Update::Set, false), &left.vectors, &right.vectors);
     }
 
     /// Computes `self -= left · right`.
-    pub(in super::super) fn subtract_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn subtract_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.columns), (left.rows, right.columns, right.rows));
         simd::multiply(simd, self.blocks(Update::Subtract, false), &left.vectors, &right.vectors);
     }
 
     /// Computes `self = leftᵀ · right`.
-    pub(in super::super) fn transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         self.resize(left.columns, right.columns);
         simd::multiply_transposed(simd, self.blocks(Update::Set, false), &left.vectors, &right.vectors);
     }
 
     /// Computes `self += leftᵀ · right`.
-    pub(in super::super) fn add_transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn add_transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.rows), (left.columns, right.columns, right.rows));
         simd::multiply_transposed(simd, self.blocks(Update::Add, false), &left.vectors, &right.vectors);
     }
 
     /// Computes `sums += selfᵀ · vector`.
-    pub(in crate::control) fn add_transposed_times(&self, simd: InstructionSet, vector: &[f64], sums: &mut [f64]) {
+    pub(crate) fn add_transposed_times(&self, simd: InstructionSet, vector: &[f64], sums: &mut [f64]) {
         debug_assert_eq!((self.rows, self.columns), (vector.len(), sums.len()));
         if vector.is_empty() {
             return;
@@ -234,7 +235,7 @@ impl PackedMatrix {
 
     /// Computes `self += left · right` for a symmetric product and a symmetric `self`. Computes
     /// only the lower triangle.
-    pub(in super::super) fn add_symmetric_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn add_symmetric_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.columns), (left.rows, right.columns, right.rows));
         simd::multiply(simd, self.blocks(Update::Add, true), &left.vectors, &right.vectors);
         self.mirror();
@@ -242,7 +243,7 @@ impl PackedMatrix {
 
     /// Computes `self += leftᵀ · right` for a symmetric product and a symmetric `self`. Computes
     /// only the lower triangle.
-    pub(in super::super) fn add_symmetric_transposed(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+    pub(crate) fn add_symmetric_transposed(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         debug_assert_eq!((self.rows, self.columns, left.rows), (left.columns, right.columns, right.rows));
         simd::multiply_transposed(simd, self.blocks(Update::Add, true), &left.vectors, &right.vectors);
         self.mirror();
@@ -254,40 +255,40 @@ impl PackedMatrix {
     }
 
     /// Computes `self += other`.
-    pub(in super::super) fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         for (to, from) in self.vectors.iter_mut().zip(&other.vectors) {
             to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to += from);
         }
     }
 
     /// Computes `self += factor · other`.
-    pub(in super::super) fn add_scaled(&mut self, other: &Self, factor: f64) {
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
         for (to, from) in self.vectors.iter_mut().zip(&other.vectors) {
             to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to += factor * from);
         }
     }
 
     /// Computes `self -= other`.
-    pub(in super::super) fn subtract(&mut self, other: &Self) {
+    pub(crate) fn subtract(&mut self, other: &Self) {
         for (to, from) in self.vectors.iter_mut().zip(&other.vectors) {
             to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to -= from);
         }
     }
 
     /// Computes `self += sum · I`.
-    pub(in super::super) fn add_to_diagonal(&mut self, sum: f64) {
+    pub(crate) fn add_to_diagonal(&mut self, sum: f64) {
         for index in 0..self.rows {
             let value = self.get(index, index);
             self.set(index, index, value + sum);
         }
     }
 
-    pub(in super::super) fn scale(&mut self, factor: f64) {
+    pub(crate) fn scale(&mut self, factor: f64) {
         self.vectors.iter_mut().flat_map(|vector| &mut vector.0).for_each(|entry| *entry *= factor);
     }
 
     /// Multiplies each row and each column by a factor.
-    pub(in super::super) fn scale_both(&mut self, rows: impl Fn(usize) -> f64, columns: impl Fn(usize) -> f64) {
+    pub(crate) fn scale_both(&mut self, rows: impl Fn(usize) -> f64, columns: impl Fn(usize) -> f64) {
         let (size, count, width) = (self.padded_rows(), self.rows, self.columns);
         if size == 0 {
             return;
@@ -308,7 +309,7 @@ impl PackedMatrix {
     }
 
     /// Returns the Frobenius norm.
-    pub(in super::super) fn norm(&self) -> f64 {
+    pub(crate) fn norm(&self) -> f64 {
         let mut sums = [F64x8::ZERO; 2];
         for pair in self.vectors.as_chunks::<2>().0 {
             for (sums, vector) in sums.iter_mut().zip(pair) {
@@ -321,7 +322,7 @@ impl PackedMatrix {
     /// Returns the Frobenius norm after multiplying each row and each column by its unit. With an
     /// empty slice, all units are 1. The slice must be padded to
     /// [`padded_rows`](Self::padded_rows).
-    pub(in super::super) fn norm_in(&self, units: &[f64]) -> f64 {
+    pub(crate) fn norm_in(&self, units: &[f64]) -> f64 {
         if units.is_empty() {
             return self.norm();
         }
@@ -341,7 +342,7 @@ impl PackedMatrix {
 
     /// Returns the sum of the weighted squares of a row of a square matrix. The weights must be
     /// padded to [`padded_rows`](Self::padded_rows).
-    pub(in super::super) fn weighted_row_square_sum(&self, row: usize, weights: &[f64]) -> f64 {
+    pub(crate) fn weighted_row_square_sum(&self, row: usize, weights: &[f64]) -> f64 {
         let panels = self.vectors.chunks_exact(self.padded_rows()).zip(weights.as_chunks::<BLOCK>().0);
         let mut sums = [0.0; BLOCK];
         for (panel, weights) in panels {
@@ -352,11 +353,11 @@ impl PackedMatrix {
         sums.iter().sum()
     }
 
-    pub(in super::super) fn is_zero(&self) -> bool {
+    pub(crate) fn is_zero(&self) -> bool {
         self.vectors.iter().flat_map(|vector| &vector.0).all(|&entry| entry == 0.0)
     }
 
-    pub(in super::super) fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         self.vectors.iter().flat_map(|vector| &vector.0).fold(true, |finite, entry| finite & entry.is_finite())
     }
 }

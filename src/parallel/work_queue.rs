@@ -19,20 +19,20 @@ const MIN_ITEMS_TO_JOIN: usize = 4;
 const SPINS: usize = 20_000;
 
 /// Items of work, taken in order.
-pub(super) struct WorkQueue<I>(Mutex<I>);
+pub(crate) struct WorkQueue<I>(Mutex<I>);
 
 impl<I: ExactSizeIterator> WorkQueue<I> {
-    pub(super) fn new(items: impl IntoIterator<IntoIter = I>) -> Self {
+    pub(crate) fn new(items: impl IntoIterator<IntoIter = I>) -> Self {
         Self(Mutex::new(items.into_iter()))
     }
 
     /// Takes the next item.
-    pub(super) fn take(&self) -> Option<I::Item> {
+    pub(crate) fn take(&self) -> Option<I::Item> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).next()
     }
 
     /// Returns `true` if enough items remain for another worker to join.
-    pub(super) fn is_worth_joining(&self) -> bool {
+    pub(crate) fn is_worth_joining(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len() >= MIN_ITEMS_TO_JOIN
     }
 }
@@ -40,7 +40,7 @@ impl<I: ExactSizeIterator> WorkQueue<I> {
 /// Calls `work` for each worker: for the first in this thread, and for the others in the current
 /// rayon pool as threads become available. The second argument of `work` is true for the first
 /// worker. A single worker involves neither rayon nor another thread.
-pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, bool) + Sync) {
+pub(crate) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, bool) + Sync) {
     let Some((first, others)) = workers.split_first_mut() else { return };
     if others.is_empty() {
         return work(first, true);

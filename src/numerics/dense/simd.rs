@@ -1,11 +1,12 @@
 //! Kernels on 8 × 8 blocks: products, triangular solves, and elimination.
 //!
 //! Products and solves are built from one micro-kernel, `accumulate`, whose sums stay in vector
-//! registers. The kernels are compiled for several x86 instruction sets; the best one is selected
-//! at run time.
+//! registers. The kernels are compiled for several instruction sets.
 #![allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #![allow(clippy::needless_range_loop, reason = "index loops over arrays, which the compiler unrolls")]
 #![allow(clippy::needless_pass_by_value, reason = "a view that is created for the call")]
+
+use crate::numerics::for_processor;
 
 /// Rows and columns of a block.
 pub(super) const BLOCK: usize = 8;
@@ -25,100 +26,38 @@ impl F64x8 {
     }
 }
 
-/// Instruction set of the processor.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::control) struct InstructionSet(Instructions);
-
-#[derive(Clone, Copy, Debug)]
-#[allow(dead_code, reason = "the last two are constructed on x86 only")]
-enum Instructions {
-    Any,
-    Avx2,
-    Avx512,
-}
-
-impl InstructionSet {
-    pub(in super::super) fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f") {
-                return Self(Instructions::Avx512);
-            }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                return Self(Instructions::Avx2);
-            }
-        }
-        Self(Instructions::Any)
-    }
-}
-
-/// Availability of a fused multiply-add without run-time detection.
-const ALWAYS_FUSED: bool = cfg!(any(target_arch = "aarch64", target_feature = "fma"));
-
-/// Defines a function that calls the variant of another function that is compiled for the
-/// processor. The const parameters of the other function select fused multiply-add, and the number
-/// of rows of a block that the registers hold.
-macro_rules! for_processor {
-    ($(#[$doc:meta])* fn $name:ident = $inner:ident($($argument:ident: $kind:ty),* $(,)?)) => {
-        $(#[$doc])*
-        pub(super) fn $name(simd: InstructionSet, $($argument: $kind),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx512f")]
-                fn avx512($($argument: $kind),*) {
-                    $inner::<true, 8>($($argument),*);
-                }
-                #[target_feature(enable = "avx2,fma")]
-                fn avx2($($argument: $kind),*) {
-                    $inner::<true, 4>($($argument),*);
-                }
-                match simd.0 {
-                    // SAFETY: only `InstructionSet::detect` constructs this value, after it
-                    // detected these instructions.
-                    Instructions::Avx512 => return unsafe { avx512($($argument),*) },
-                    // SAFETY: as above.
-                    Instructions::Avx2 => return unsafe { avx2($($argument),*) },
-                    Instructions::Any => (),
-                }
-            }
-            let _ = simd;
-            $inner::<ALWAYS_FUSED, 2>($($argument),*);
-        }
-    };
-}
-
 for_processor! {
     /// Computes `out = left · right`, or adds or subtracts the product, for matrices in panels.
-    fn multiply = product(out: Blocks<'_>, left: &[F64x8], right: &[F64x8])
+    pub(super) fn multiply = product(out: Blocks<'_>, left: &[F64x8], right: &[F64x8])
 }
 for_processor! {
     /// Computes `out = leftᵀ · right`, or adds or subtracts the product.
-    fn multiply_transposed = transposed_product(out: Blocks<'_>, left: &[F64x8], right: &[F64x8])
+    pub(super) fn multiply_transposed = transposed_product(out: Blocks<'_>, left: &[F64x8], right: &[F64x8])
 }
 for_processor! {
     /// Solves a system with a lower triangular matrix (forward substitution), given the inverses of
     /// its diagonal blocks. With fewer inverses than diagonal blocks, uses only the corresponding
     /// block columns of the matrix.
-    fn substitute_forward = forward(lower: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
+    pub(super) fn substitute_forward = forward(lower: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
 }
 for_processor! {
     /// Solves a system with an upper triangular matrix (back substitution), given the inverses of
     /// its diagonal blocks.
-    fn substitute_backward = backward(upper: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
+    pub(super) fn substitute_backward = backward(upper: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
 }
 for_processor! {
     /// Eliminates a column below the pivot: `row -= factor · pivot`, and stores each factor in the
     /// eliminated entry.
-    fn eliminate = eliminate_column(column: usize, inverse: f64, pivot: &F64x8, below: &mut [F64x8])
+    pub(super) fn eliminate = eliminate_column(column: usize, inverse: f64, pivot: &F64x8, below: &mut [F64x8])
 }
 for_processor! {
     /// Computes `sums += Σ factor · row` over the first rows of a panel, with one factor per row.
-    fn add_rows = sum_scaled_rows(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
+    pub(super) fn add_rows = sum_scaled_rows(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
 }
 for_processor! {
     /// Computes `row -= factor · by` for the rows of a panel, and adds the squares of the results
     /// to `squares`.
-    fn subtract_rows = subtract_scaled_row(factors: &[f64], by: &F64x8, rows: &mut [F64x8], squares: &mut F64x8)
+    pub(super) fn subtract_rows = subtract_scaled_row(factors: &[f64], by: &F64x8, rows: &mut [F64x8], squares: &mut F64x8)
 }
 
 /// Combination of a product with the previous value of the output.
@@ -383,7 +322,8 @@ fn subtract_scaled_row<const FUSED: bool, const ROWS: usize>(
 mod tests {
     use super::super::lu::LuFactors;
     use super::super::packed::PackedMatrix;
-    use super::{InstructionSet, Instructions};
+    use crate::numerics::InstructionSet;
+    use crate::numerics::processor::Instructions;
 
     /// Returns the instruction sets that this machine supports.
     fn instruction_sets() -> Vec<InstructionSet> {

@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Outputs of several simulations, divided into one part per simulation.
-pub(super) trait Split: Sized + Send {
+pub(crate) trait Split: Sized + Send {
     /// Returns the number of simulations.
     fn count(&self) -> usize;
 
@@ -17,14 +17,14 @@ pub(super) trait Split: Sized + Send {
 
 /// Returns the default number of simulations that a thread takes at a time. It yields several
 /// chunks for each thread, which balances the load.
-pub(super) fn default_chunk(count: usize) -> usize {
+pub(crate) fn default_chunk(count: usize) -> usize {
     const PARTS_PER_THREAD: usize = 8;
     count.div_ceil(PARTS_PER_THREAD * rayon::current_num_threads()).max(1)
 }
 
 /// Calls `work` with parts of up to `chunk` simulations and the index of the first simulation of
 /// each.
-pub(super) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(impl Fn(usize, T) + Sync)) {
+pub(crate) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(impl Fn(usize, T) + Sync)) {
     let count = all.count();
     if count <= chunk {
         return work(first, all);
@@ -35,20 +35,20 @@ pub(super) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(im
 }
 
 /// Splits a buffer with `width` values per simulation.
-pub(super) fn split_rows(values: &mut [f64], first: usize, width: usize) -> (&mut [f64], &mut [f64]) {
+pub(crate) fn split_rows(values: &mut [f64], first: usize, width: usize) -> (&mut [f64], &mut [f64]) {
     values.split_at_mut(first * width)
 }
 
 /// Guard that sets a stop flag when a panic drops it. Without a panic, the owner must
 /// [`disarm`](Self::disarm) it.
-pub(super) struct StopOnPanic<'s>(&'s AtomicBool);
+pub(crate) struct StopOnPanic<'s>(&'s AtomicBool);
 
 impl<'s> StopOnPanic<'s> {
-    pub(super) fn new(stop: &'s AtomicBool) -> Self {
+    pub(crate) fn new(stop: &'s AtomicBool) -> Self {
         Self(stop)
     }
 
-    pub(super) fn disarm(self) {
+    pub(crate) fn disarm(self) {
         std::mem::forget(self);
     }
 }

@@ -2,14 +2,15 @@
 //! matrices.
 
 use super::packed::PackedMatrix;
-use super::simd::{self, BLOCK, F64x8, InstructionSet};
+use super::simd::{self, BLOCK, F64x8};
+use crate::numerics::InstructionSet;
 
 /// Smallest pivot of a positive definite matrix, relative to the diagonal entry before elimination.
 const MIN_RELATIVE_PIVOT: f64 = 1e-14;
 
 /// Factors of a square matrix, `P M = L U`.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct LuFactors {
+pub(crate) struct LuFactors {
     packed: PackedMatrix,
     /// Row that each row was exchanged with, in the order of elimination.
     exchanges: Vec<usize>,
@@ -23,13 +24,13 @@ pub(in super::super) struct LuFactors {
 impl LuFactors {
     /// Returns the matrix to be filled in before [`factorise`](Self::factorise) or
     /// [`factorise_positive`](Self::factorise_positive), which overwrite it with the factors.
-    pub(in super::super) fn matrix(&mut self) -> &mut PackedMatrix {
+    pub(crate) fn matrix(&mut self) -> &mut PackedMatrix {
         &mut self.packed
     }
 
     /// Factorises with partial pivoting. Returns `false` if the matrix is singular to working
     /// precision, or not finite.
-    pub(in super::super) fn factorise(&mut self, simd: InstructionSet) -> bool {
+    pub(crate) fn factorise(&mut self, simd: InstructionSet) -> bool {
         self.eliminate(simd, |panel, from, column| {
             let largest = |best: (usize, f64), (row, vector): (usize, &F64x8)| {
                 let size = vector.0[column].abs();
@@ -42,7 +43,7 @@ impl LuFactors {
 
     /// Factorises a symmetric matrix without pivoting, so that `U` is `D Lᵀ`. Returns `false`
     /// unless it is positive definite.
-    pub(in super::super) fn factorise_positive(&mut self, simd: InstructionSet) -> bool {
+    pub(crate) fn factorise_positive(&mut self, simd: InstructionSet) -> bool {
         let mut diagonal = std::mem::take(&mut self.diagonal);
         diagonal.clear();
         diagonal.extend((0..self.packed.rows()).map(|index| self.packed.get(index, index)));
@@ -99,7 +100,7 @@ impl LuFactors {
     }
 
     /// Replaces `right` by the solution `X` of `M X = right`.
-    pub(in super::super) fn solve(&self, simd: InstructionSet, right: &mut PackedMatrix) {
+    pub(crate) fn solve(&self, simd: InstructionSet, right: &mut PackedMatrix) {
         let size = self.packed.padded_rows();
         debug_assert_eq!(right.padded_rows(), size);
         if size == 0 {

@@ -1,7 +1,8 @@
 //! Factorisation of a matrix of low rank into two thin matrices.
 
 use super::packed::PackedMatrix;
-use super::simd::{self, BLOCK, F64x8, InstructionSet};
+use super::simd::{self, BLOCK, F64x8};
+use crate::numerics::InstructionSet;
 
 /// Relative remainder above which the factorisation stops after an eighth of the columns. Stopping
 /// early only saves time.
@@ -9,7 +10,7 @@ const MAX_EARLY_REMAINDER: f64 = 1e-2;
 
 /// Factors `U` and `W` of a matrix `U Wᵀ`, where `U` has orthonormal columns.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct LowRank {
+pub(crate) struct LowRank {
     /// Columns of `U` and of `W`, one after another.
     u: Vec<F64x8>,
     w: Vec<F64x8>,
@@ -26,7 +27,7 @@ pub(in super::super) struct LowRank {
 impl LowRank {
     /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column
     /// pivoting. Returns `false` if its rank is zero or more than half its size.
-    pub(in super::super) fn factorise(&mut self, simd: InstructionSet, matrix: &PackedMatrix) -> bool {
+    pub(crate) fn factorise(&mut self, simd: InstructionSet, matrix: &PackedMatrix) -> bool {
         let (size, max_rank) = (matrix.padded_rows(), matrix.columns() / 2);
         let width = size / BLOCK;
         let norm = matrix.norm();
@@ -87,7 +88,7 @@ impl LowRank {
     }
 
     /// Writes the factors, with `rows` rows.
-    pub(in super::super) fn write_to(&self, rows: usize, u: &mut PackedMatrix, w: &mut PackedMatrix) {
+    pub(crate) fn write_to(&self, rows: usize, u: &mut PackedMatrix, w: &mut PackedMatrix) {
         let width = rows.div_ceil(BLOCK);
         for (columns, panels) in [(&self.u, u), (&self.w, w)] {
             panels.fill(rows, self.rank, |row, column| columns[column * width + row / BLOCK].0[row % BLOCK]);

@@ -13,14 +13,13 @@
 //!
 //! The rest of the solver uses only the items re-exported here, so another implementation replaces
 //! this module alone: [`PackedMatrix`] would wrap the other library's matrix, and
-//! [`InstructionSet`] its handle for parallelism, if any.
+//! [`InstructionSet`](super::InstructionSet) its handle for parallelism, if any.
 
 mod low_rank;
 mod lu;
 mod packed;
 mod simd;
 
-pub(super) use low_rank::LowRank;
-pub(super) use lu::LuFactors;
-pub(in crate::control) use packed::PackedMatrix;
-pub(in crate::control) use simd::InstructionSet;
+pub(crate) use self::low_rank::LowRank;
+pub(crate) use self::lu::LuFactors;
+pub(crate) use self::packed::PackedMatrix;

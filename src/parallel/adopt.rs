@@ -1,0 +1,24 @@
+//! Edits of a model between two uses of a computation that keeps simulations of it.
+
+use std::sync::Arc;
+
+use crate::data::Data;
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+/// Takes the model of a simulation, which may have been edited since it was last taken. Returns
+/// `true` if it is another one. `what` names the simulation in an error.
+///
+/// # Errors
+///
+/// [`Error::OtherModel`] if its structure is another one.
+pub(crate) fn adopt_model(model: &mut Arc<Model>, data: &Data, what: &'static str) -> Result<bool> {
+    if Arc::ptr_eq(model, data.model()) {
+        return Ok(false);
+    }
+    if !model.is_same_structure(data.model()) {
+        return Err(Error::OtherModel { what });
+    }
+    *model = data.model().clone();
+    Ok(true)
+}
