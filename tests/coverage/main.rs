@@ -4,16 +4,12 @@
 #![forbid(unsafe_code)]
 
 mod element_views;
-mod engine_calls;
-mod engine_cfg;
 mod engines;
 mod field_docs;
 mod fields;
-mod file_length;
 mod functions;
 mod guide;
 mod kinds;
-mod promises;
 mod rendered;
 mod search_index;
 

@@ -1,9 +1,11 @@
-//! Generates the committed source files that follow from the engine's headers.
+//! Generates the committed source files that follow from the engine's headers, and checks rules of
+//! the repository.
 //!
 //! ```text
 //! cargo xtask generate              bindings and field table from the installed headers, then the accessors
 //! cargo xtask generate --accessors  only the accessors, from the committed field table; needs no libclang
 //! cargo xtask generate --check      writes nothing, and fails if a committed file is out of date
+//! cargo xtask lint                  checks lines, calls of the engine and the chapter of promises
 //! ```
 //!
 //! The headers are those in `MUJOCO_DIR`, else those of the system, as for the build script of
@@ -20,10 +22,14 @@ mod arena;
 mod computed_by;
 #[path = "../../build/derived.rs"]
 mod derived;
+#[allow(dead_code, reason = "the build script uses all of it")]
+#[path = "../../mujoco-sys/build/engines.rs"]
+mod engines;
 #[path = "../../build/facts.rs"]
 mod facts;
 #[cfg(feature = "bindgen")]
 mod headers;
+mod lint;
 #[path = "../../build/notes.rs"]
 mod notes;
 #[path = "../../build/writable.rs"]
@@ -50,7 +56,8 @@ fn main() -> ExitCode {
         ["generate", "--accessors"] => generate(true, false),
         ["generate", "--check"] => generate(false, true),
         ["generate", "--accessors", "--check"] | ["generate", "--check", "--accessors"] => generate(true, true),
-        _ => Err("usage: cargo xtask generate [--accessors] [--check]".to_owned()),
+        ["lint"] => lint::run(root()),
+        _ => Err("usage: cargo xtask generate [--accessors] [--check] | lint".to_owned()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

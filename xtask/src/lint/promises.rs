@@ -4,51 +4,62 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::engine_cfg::{left_out, version};
-use crate::engines::list::{ENGINES, Tests};
-use crate::root;
+use super::engine_cfg::{left_out, version};
+use super::{read, sources};
+use crate::engines::{ENGINES, Tests};
 
-fn chapter() -> String {
-    std::fs::read_to_string(root().join("docs/promises.md")).unwrap()
+/// Number of tests and files that the chapter names at least.
+const LEAST_NAMED: usize = 30;
+
+pub fn check(root: &Path, tests: &[String]) -> Vec<String> {
+    let chapter = read(&root.join("docs/promises.md"));
+    [names(root, &chapter, tests), engines(root, &chapter)].concat()
 }
 
 /// Returns the source file of a module or a test of a test program: `program::module::test`.
-fn source_of(path: &str) -> Option<PathBuf> {
+fn source_of(root: &Path, path: &str) -> Option<PathBuf> {
     let mut names = path.split("::");
-    let mut folder = root().join("tests").join(names.next().unwrap_or_default());
+    let mut folder = root.join("tests").join(names.next().unwrap_or_default());
     let mut source = folder.join("main.rs");
     for name in names {
         let found: Option<PathBuf> = [folder.join(name).join("mod.rs"), folder.join(format!("{name}.rs"))]
             .into_iter()
             .find(|file| file.exists());
+        // Otherwise an inline module, or a test.
         if let Some(found) = found {
             (folder, source) = (folder.join(name), found);
-            continue;
-        }
-        // An inline module, or a test.
-        let text = std::fs::read_to_string(&source).unwrap_or_default();
-        if !text.contains(&format!("fn {name}(")) && !text.contains(&format!("mod {name} {{")) {
-            return None;
         }
     }
     source.exists().then_some(source)
 }
 
-fn is_test(path: &str) -> bool {
-    source_of(path).is_some()
+/// Returns what is wrong with the name of a test or of a module of tests.
+fn wrong_test(root: &Path, name: &str, tests: &[String]) -> Option<String> {
+    let is_in = |test: &String| test.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with("::"));
+    if !tests.iter().any(is_in) {
+        return Some(format!("docs/promises.md: no test program lists {name}"));
+    }
+    let text = source_of(root, name).map(|source| read(&source)).unwrap_or_default();
+    let function = name.rsplit("::").next().unwrap_or_default();
+    let body = text.split(&format!("fn {function}() {{")).nth(1)?;
+    body.trim_start().starts_with('}').then(|| format!("docs/promises.md: the test {name} is empty"))
 }
 
-#[test]
-fn every_test_that_is_named_exists() {
-    let chapter = chapter();
-    let mut named = 0;
+/// Checks that every test and file that is named exists.
+fn names(root: &Path, chapter: &str, tests: &[String]) -> Vec<String> {
+    let (mut found, mut named) = (Vec::new(), 0);
+    let file = |name: &str, found: &mut Vec<String>| {
+        if !root.join(name).exists() {
+            found.push(format!("docs/promises.md: there is no file {name}"));
+        }
+    };
     for name in chapter.split('`').skip(1).step_by(2) {
         let is_path = name.contains('/') && !name.contains([' ', '<']) && !name.starts_with("scripts/fuzz ");
         if is_path {
-            assert!(root().join(name).exists(), "{name}");
+            file(name, &mut found);
             named += 1;
         } else if name.contains("::") && !name.starts_with("mujoco_safe::") && !name.starts_with(char::is_uppercase) {
-            assert!(is_test(name), "{name}");
+            found.extend(wrong_test(root, name, tests));
             named += 1;
         }
     }
@@ -56,20 +67,16 @@ fn every_test_that_is_named_exists() {
     for line in chapter.lines().filter(|line| line.starts_with("| ") && line.matches('|').count() == 4) {
         let cell = line.split('|').nth(3).unwrap_or_default().trim();
         for name in cell.split('`').skip(1).step_by(2).filter(|_| cell.starts_with('`')) {
-            assert!(is_test(name) || root().join(name).exists(), "{name}");
+            if name.contains('/') {
+                file(name, &mut found);
+            } else {
+                found.extend(wrong_test(root, name, tests));
+            }
             named += 1;
         }
     }
-    assert!(named > 30, "{named}");
-}
-
-/// Returns the source files below a path.
-fn sources(path: &Path) -> Vec<PathBuf> {
-    if path.is_dir() {
-        let entries = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
-        return entries.flat_map(|path| sources(&path)).collect();
-    }
-    path.extension().is_some_and(|extension| extension == "rs").then(|| path.to_owned()).into_iter().collect()
+    assert!(named > LEAST_NAMED, "the names in docs/promises.md are not read: {named}");
+    found
 }
 
 /// Returns the paragraphs of each promise: its number, and the text until the next.
@@ -84,9 +91,8 @@ fn promises(chapter: &str) -> Vec<(usize, &str)> {
     starts.iter().zip(ends).filter_map(promise).collect()
 }
 
-#[test]
-fn the_table_of_engines_links_to_a_difference_wherever_a_test_is_left_out() {
-    let chapter = chapter();
+/// Checks that the table of engines links to a difference wherever a test is left out.
+fn engines(root: &Path, chapter: &str) -> Vec<String> {
     let engines: Vec<&str> =
         ENGINES.iter().filter(|engine| engine.tests != Tests::Smoke).map(|engine| engine.version).collect();
     // The differences are the chapter's only sections of this level.
@@ -102,7 +108,7 @@ fn the_table_of_engines_links_to_a_difference_wherever_a_test_is_left_out() {
         .take_while(|line| line.starts_with('|'))
         .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
         .collect();
-    let promises = promises(&chapter);
+    let promises = promises(chapter);
     assert_eq!(table.len(), promises.len(), "rows of the table");
     let mut wrong = Vec::new();
     for ((number, text), row) in promises.iter().zip(&table) {
@@ -112,7 +118,7 @@ fn the_table_of_engines_links_to_a_difference_wherever_a_test_is_left_out() {
             .split('`')
             .skip(1)
             .step_by(2)
-            .filter_map(|name| source_of(name).or_else(|| Some(root().join(name)).filter(|path| path.exists())))
+            .filter_map(|name| Some(root.join(name)).filter(|path| path.exists()).or_else(|| source_of(root, name)))
             .flat_map(|path| sources(&path))
             .collect();
         for (engine, cell) in engines.iter().zip(&row[1..]) {
@@ -125,11 +131,15 @@ fn the_table_of_engines_links_to_a_difference_wherever_a_test_is_left_out() {
             let tests: Vec<String> =
                 files.iter().flat_map(|file| left_out(file, version(engines[0]), version(engine))).collect();
             if links.is_empty() && !tests.is_empty() {
-                wrong.push(format!("promise {number} with {engine}: {tests:?}"));
+                wrong.push(format!(
+                    "docs/promises.md: promise {number} has no difference with {engine}, which leaves out {tests:?}"
+                ));
             }
         }
     }
-    assert!(wrong.is_empty(), "cells without a link to a difference: {wrong:#?}");
-    let unlinked: Vec<&String> = headings.iter().filter(|(_, is_linked)| !**is_linked).map(|(name, _)| name).collect();
-    assert!(unlinked.is_empty(), "no cell links to these sections: {unlinked:?}");
+    let unlinked = headings.into_iter().filter(|(_, is_linked)| !is_linked);
+    wrong.extend(
+        unlinked.map(|(name, _)| format!("docs/promises.md: no cell of the table links to the section {name}")),
+    );
+    wrong
 }

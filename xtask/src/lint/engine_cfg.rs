@@ -108,7 +108,7 @@ fn returns_at_once<'t>(body: impl Iterator<Item = &'t str>, engine: Version) -> 
 
 /// Returns the tests and modules of a file that one engine runs and the other does not.
 pub fn left_out(file: &Path, with: Version, without: Version) -> Vec<String> {
-    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let text = super::read(file);
     let other = items(&text, without);
     items(&text, with).into_iter().filter(|(name, is_kept)| *is_kept && !other[name]).map(|(name, _)| name).collect()
 }

@@ -1,0 +1,31 @@
+//! The tests of the integration tests' programs, as the programs list them.
+
+use std::path::Path;
+use std::process::Command;
+
+/// Returns the path of each test, with the name of its program: `data::boundary::a_test`.
+pub fn all(root: &Path) -> Result<Vec<String>, String> {
+    // The build of `scripts/test`. Cargo prints a JSON object per line for each program.
+    let arguments = ["test", "--features", "viewer,npz,serde", "--tests", "--no-run", "--message-format=json"];
+    let output = output(Command::new(env!("CARGO")).args(arguments).current_dir(root))?;
+    let programs = output.lines().filter(|line| line.contains(r#""kind":["test"]"#));
+    let mut tests = Vec::new();
+    for line in programs {
+        let field = |name: &str| line.split(name).nth(1).and_then(|rest| rest.split('"').next());
+        let Some(program) = field(r#""executable":""#) else { continue };
+        let name = field(r#""src_path":""#).and_then(|path| Path::new(path).parent()?.file_name()?.to_str());
+        let name = name.ok_or_else(|| format!("the test program {program} has no folder"))?;
+        let list = self::output(Command::new(program).args(["--list", "--format", "terse"]).current_dir(root))?;
+        let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
+        tests.extend(names.map(|test| format!("{name}::{test}")));
+    }
+    Ok(tests)
+}
+
+fn output(command: &mut Command) -> Result<String, String> {
+    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    if !output.status.success() {
+        return Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
