@@ -1,14 +1,16 @@
 //! Accessors of the 450 arrays and sizes of `mjModel` and `mjData`, with the engine's names.
 //!
-//! The accessors are generated: `mujoco-sys` expands the engine's `mjxmacro.h` into a table (type, rows, columns, comment), and
-//! `cargo xtask generate` converts each line of the table into a documented method. An array with one column becomes a slice, with a fixed
-//! number of columns a slice of arrays, and with a number of columns determined by the model a [`MatrixView`](crate::MatrixView).
-//! The files here are those of 2.2.2; for other versions the build script generates them.
-//! Floating-point arrays are writable, because the engine stays within its memory for any value, except for three arrays that
-//! `build/accessors.rs` lists. Integers are sizes, addresses and ids that the engine trusts, so they are read-only.
+//! The accessors are generated: `mujoco-sys` expands the engine's `mjxmacro.h` into a table (type,
+//! rows, columns, comment), and `cargo xtask generate` converts each line of the table into a
+//! documented method. An array with one column becomes a slice, with a fixed number of columns a
+//! slice of arrays, and with a number of columns determined by the model a
+//! [`MatrixView`](crate::MatrixView). The files here are those of 2.2.2; for other versions the
+//! build script generates them. Floating-point arrays are writable, because the engine stays within
+//! its memory for any value, except for three arrays that `build/accessors.rs` lists. Integers are
+//! sizes, addresses and ids that the engine trusts, so they are read-only.
 //!
-//! Structured members have typed accessors elsewhere: [`Model::options`], [`Model::visual`], [`Model::statistics`],
-//! [`Data::warning`], [`Data::timer`], [`Data::solver`].
+//! Structured members have typed accessors elsewhere: [`Model::options`], [`Model::visual`],
+//! [`Model::statistics`], [`Data::warning`], [`Data::timer`], [`Data::solver`].
 //!
 //! [`Model::options`]: crate::Model::options
 //! [`Model::visual`]: crate::Model::visual
@@ -17,14 +19,15 @@
 //! [`Data::timer`]: crate::Data::timer
 //! [`Data::solver`]: crate::Data::solver
 //!
-//! `restore.rs` copies the editable arrays from one model to another of the same structure, and clears a simulation. `values.rs` lists the values
-//! that are not in arrays.
+//! `restore.rs` copies the editable arrays from one model to another of the same structure, and
+//! clears a simulation. `values.rs` lists the values that are not in arrays.
 //!
-//! Newer engines allocate the arrays of constraints again in each computation. Their accessors are empty until the engine has written them
-//! (`build/arena.rs`).
+//! Newer engines allocate the arrays of constraints again in each computation. Their accessors are
+//! empty until the engine has written them (`build/arena.rs`).
 //!
-//! A getter of any other array of `mjData` is unchecked. Its documentation names the call that computes the array, from the table in
-//! `build/computed_by.rs`, and the argument of [`Data::require`](crate::Data::require) that checks for the result.
+//! A getter of any other array of `mjData` is unchecked. Its documentation names the call that
+//! computes the array, from the table in `build/computed_by.rs`, and the argument of
+//! [`Data::require`](crate::Data::require) that checks for the result.
 
 #![allow(non_snake_case, reason = "qM, efc_J, nD: the engine's own spelling, which users search for")]
 
