@@ -2,6 +2,7 @@
 
 mod key;
 
+use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
@@ -41,8 +42,10 @@ for_each_kind!(declare_ids);
 /// ```
 /// use mujoco_safe::sample;
 ///
-/// let hinge = sample::cartpole().joint("hinge")?.id();
+/// let model = sample::cartpole();
+/// let [slider, hinge] = [model.joint("slider")?.id(), model.joint("hinge")?.id()];
 /// assert_eq!(hinge.to_string(), "joint 1");
+/// assert!(slider < hinge);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 pub struct Id<K> {
@@ -88,6 +91,19 @@ impl<K> Eq for Id<K> {}
 impl<K> Hash for Id<K> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         (self.index, self.lineage).hash(state);
+    }
+}
+
+impl<K> PartialOrd for Id<K> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<K> Ord for Id<K> {
+    /// Compares the indices. The ids of a model come before those of a model loaded later.
+    fn cmp(&self, other: &Self) -> Ordering {
+        (self.lineage, self.index).cmp(&(other.lineage, other.index))
     }
 }
 
@@ -159,15 +175,15 @@ impl<K: ElementKind> fmt::Debug for Ids<K> {
 /// Origin of a model: one load or compilation. A clone has the lineage of its original. No function
 /// of this crate changes the set of elements of a model or their layout, so ids and data of one are
 /// valid for the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Lineage(u32);
 
 impl Lineage {
     /// Returns a new unique lineage.
     pub(crate) fn new() -> Self {
-        use std::sync::atomic::{AtomicU32, Ordering};
+        use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
         static NEXT: AtomicU32 = AtomicU32::new(0);
-        let next = NEXT.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |next| next.checked_add(1));
+        let next = NEXT.fetch_update(Relaxed, Relaxed, |next| next.checked_add(1));
         Self(next.expect("a process may load four billion models"))
     }
 }

@@ -2,7 +2,7 @@
 //! or `impl Into<MatrixViewMut>`.
 
 use std::fmt;
-use std::ops::Index;
+use std::ops::{Index, IndexMut};
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
@@ -133,6 +133,28 @@ impl Index<(usize, usize)> for MatrixView<'_> {
     }
 }
 
+impl Index<(usize, usize)> for MatrixViewMut<'_> {
+    type Output = f64;
+
+    /// # Panics
+    ///
+    /// If an index is out of bounds.
+    #[inline]
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.row(row)[column]
+    }
+}
+
+impl IndexMut<(usize, usize)> for MatrixViewMut<'_> {
+    /// # Panics
+    ///
+    /// If an index is out of bounds.
+    #[inline]
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
+        &mut self.row_mut(row)[column]
+    }
+}
+
 impl fmt::Debug for MatrixView<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_list().entries(self.rows()).finish()
@@ -164,6 +186,16 @@ impl fmt::Display for MatrixView<'_> {
 }
 
 /// Mutably borrowed row-major matrix.
+///
+/// ```
+/// use mujoco_safe::matrix::MatrixViewMut;
+///
+/// let mut values = [0.0; 6];
+/// let mut m = MatrixViewMut::from_row_major(2, 3, &mut values);
+/// m[(1, 2)] = 5.0;
+/// m.row_mut(0).fill(1.0);
+/// assert_eq!((m.nrows(), m[(0, 1)], m.row(1)), (2, 1.0, &[0.0, 0.0, 5.0][..]));
+/// ```
 #[derive(Debug)]
 pub struct MatrixViewMut<'a> {
     nrows: usize,
@@ -194,6 +226,18 @@ impl<'a> MatrixViewMut<'a> {
         Self { nrows, ncols, values }
     }
 
+    /// Returns the number of rows.
+    #[inline]
+    pub fn nrows(&self) -> usize {
+        self.nrows
+    }
+
+    /// Returns the number of columns.
+    #[inline]
+    pub fn ncols(&self) -> usize {
+        self.ncols
+    }
+
     /// Returns the numbers of rows and columns.
     #[inline]
     pub fn shape(&self) -> (usize, usize) {
@@ -204,6 +248,26 @@ impl<'a> MatrixViewMut<'a> {
     #[inline]
     pub fn view(&self) -> MatrixView<'_> {
         MatrixView { nrows: self.nrows, ncols: self.ncols, values: self.values }
+    }
+
+    /// Returns one row.
+    ///
+    /// # Panics
+    ///
+    /// If the index is out of bounds.
+    #[inline]
+    pub fn row(&self, row: usize) -> &[f64] {
+        self.view().row(row)
+    }
+
+    /// Returns one row, mutably.
+    ///
+    /// # Panics
+    ///
+    /// If the index is out of bounds.
+    #[inline]
+    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        MatrixViewMut::from(self).into_row(row)
     }
 
     /// Returns one row, mutably, with the lifetime of the matrix.
