@@ -150,6 +150,7 @@ fn measure(model: &Arc<Model>, policy: &Policy, seed: u64) -> mujoco_safe::Resul
 }
 
 /// Records a film of a policy, if the example is built with the feature `renderer`.
+#[cfg_attr(not(feature = "renderer"), allow(clippy::unnecessary_wraps, reason = "only a film can fail"))]
 fn write_film(out: &Path, model: &Arc<Model>, policy: &Policy) -> Result<(), Box<dyn Error>> {
     #[cfg(feature = "renderer")]
     {

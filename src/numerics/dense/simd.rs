@@ -5,6 +5,7 @@
 #![allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #![allow(clippy::needless_range_loop, reason = "index loops over arrays, which the compiler unrolls")]
 #![allow(clippy::needless_pass_by_value, reason = "a view that is created for the call")]
+#![allow(clippy::many_single_char_names, reason = "the entries of a block")]
 
 use crate::numerics::for_processor;
 
