@@ -108,6 +108,15 @@ fn tetrahedra_without_a_border_are_rejected() {
     assert!(error.contains("without a face that belongs to only one"), "{error}");
     let error = load(&text, &[("f.msh", &binary_gmsh(1, u64::MAX / 40 + 1))]).unwrap_err();
     assert!(error.contains("is not a Gmsh file in the text format 2.2"), "{error}");
+    for length in [4096 - 64, 4096 - 16, 50 * 4096 - 16] {
+        let mut file = gmsh("2.2", &["1 2 3 4"]);
+        file.resize(length, b'\n');
+        let error = load(&text, &[("f.msh", &file)]).unwrap_err();
+        assert!(error.contains("append a line break"), "{length}: {error}");
+        file.push(b'\n');
+        let other = load(&text, &[("f.msh", &file)]).err().unwrap_or_default();
+        assert!(!other.contains("append a line break"), "{length}: {other}");
+    }
     let older = String::from_utf8(gmsh("2.2", &["1 2 3 4"])).unwrap().replace("2.2 0", "2.2 1");
     let error = load(&text, &[("f.msh", older.as_bytes())]).unwrap_err();
     assert!(error.contains("is not a Gmsh file in the text format 2.2"), "{error}");

@@ -240,6 +240,9 @@ pub(super) fn gmsh(content: &[u8]) -> Option<&'static str> {
     const UNKNOWN: &str =
         "is not a Gmsh file in the text format 2.2 or the format 4.1 with one block of elements of one type";
     let mut header = fields(content.strip_prefix(b"$MeshFormat")?);
+    if fills_its_pages(content) {
+        return Some("fills the memory in which the engine looks for its end; append a line break");
+    }
     let (version, is_binary) = (header.next(), header.next() != Some(b"0"));
     let find = |name: &[u8]| content.windows(name.len()).position(|window| window == name);
     let section = |start: &[u8], end: &[u8]| content.get(find(start)? + start.len()..find(end)?);
@@ -259,6 +262,14 @@ pub(super) fn gmsh(content: &[u8]) -> Option<&'static str> {
     let tetrahedra: Result<Vec<[i32; 4]>, _> = elements.into_iter().map(TryFrom::try_from).collect();
     (tetrahedra.is_ok_and(|tetrahedra| is_closed(tetrahedra.into_iter())))
         .then_some("has tetrahedra without a face that belongs to only one of them")
+}
+
+/// Returns `true` if the compiler may read beyond the memory of a file. It reads the header as a C
+/// string. The allocators of the engines put 16 or 64 bytes before a large block, which ends with a
+/// page of memory if its length allows it. After any other block, other bytes follow.
+fn fills_its_pages(content: &[u8]) -> bool {
+    const PAGE: usize = 4096;
+    [16, 64].iter().any(|before| (content.len() + before).is_multiple_of(PAGE)) && !content.contains(&0)
 }
 
 /// Returns the number of vertices of lines, triangles and tetrahedra by their type in a file of
