@@ -3,9 +3,9 @@
 //! Only code that the compiler inlines into such a function uses the vector registers, such as
 //! functions with `#[inline(always)]`.
 
-/// Instruction set of the processor.
+/// Instruction set that the processor has.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct InstructionSet(pub(crate) Instructions);
+pub(crate) struct InstructionSet(Instructions);
 
 #[derive(Clone, Copy, Debug)]
 #[allow(dead_code, reason = "the last two are constructed on x86 only")]
@@ -27,6 +27,23 @@ impl InstructionSet {
             }
         }
         Self(Instructions::Any)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) fn instructions(self) -> Instructions {
+        self.0
+    }
+
+    /// Returns all instruction sets that the processor has.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Self> {
+        let all = [Instructions::Any, Instructions::Avx2, Instructions::Avx512].map(Self);
+        let count = match Self::detect().0 {
+            Instructions::Any => 1,
+            Instructions::Avx2 => 2,
+            Instructions::Avx512 => 3,
+        };
+        all[..count].to_vec()
     }
 }
 
@@ -52,9 +69,9 @@ macro_rules! for_processor {
                 fn avx2($($argument: $kind),*) {
                     $inner::<true, 4>($($argument),*);
                 }
-                match simd.0 {
-                    // SAFETY: only `InstructionSet::detect` constructs this value, after it
-                    // detected these instructions.
+                match simd.instructions() {
+                    // SAFETY: the module of `InstructionSet` constructs it only for instructions
+                    // that it has detected. Each processor with AVX-512 has AVX2 and FMA.
                     Instructions::Avx512 => return unsafe { avx512($($argument),*) },
                     // SAFETY: as above.
                     Instructions::Avx2 => return unsafe { avx2($($argument),*) },
@@ -69,7 +86,8 @@ macro_rules! for_processor {
 pub(crate) use for_processor;
 
 /// Defines a function that runs on the widest vector registers of the processor. All variants
-/// compute the same bits: none fuses a product with a sum.
+/// compute the same bits, because the body calls no `mul_add`, and the compiler does not fuse a
+/// product with a sum.
 macro_rules! vectorised {
     ($(#[$doc:meta])* $visibility:vis fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $body:block) => {
         $(#[$doc])*

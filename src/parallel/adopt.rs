@@ -6,12 +6,12 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// Takes the model of a simulation, which may have been edited since it was last taken. Returns
-/// `true` if it is another one. `what` names the simulation in an error.
+/// Replaces a model by the model of a simulation if they differ, because the simulation's model has
+/// been edited. Returns `true` if they differ. `what` names the simulation in an error.
 ///
 /// # Errors
 ///
-/// [`Error::OtherModel`] if its structure is another one.
+/// [`Error::OtherModel`] if the models have different structures.
 pub(crate) fn adopt_model(model: &mut Arc<Model>, data: &Data, what: &'static str) -> Result<bool> {
     if Arc::ptr_eq(model, data.model()) {
         return Ok(false);

@@ -1,10 +1,11 @@
-//! Simulations that wait for their next use.
+//! Simulations between two uses.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::Result;
 
-/// Idle simulations, or what contains them: as many as threads have been active at the same time.
+/// Pool of idle simulations, or of values that contain a simulation. There are as many as threads
+/// have been active at the same time.
 #[derive(Debug)]
 pub(crate) struct Idle<T>(Mutex<Vec<T>>);
 
@@ -15,18 +16,18 @@ impl<T> Default for Idle<T> {
 }
 
 impl<T> Idle<T> {
-    /// Takes one that is idle, or creates one.
+    /// Takes an idle value, or creates a value.
     pub(crate) fn take(&self, create: impl FnOnce() -> Result<T>) -> Result<T> {
         // A separate statement, which unlocks before `create` runs.
         let idle = self.lock().pop();
         idle.map_or_else(create, Ok)
     }
 
-    pub(crate) fn give_back(&self, one: T) {
-        self.lock().push(one);
+    pub(crate) fn give_back(&self, value: T) {
+        self.lock().push(value);
     }
 
-    /// Drops those that are idle.
+    /// Drops all idle values.
     pub(crate) fn clear(&self) {
         self.lock().clear();
     }

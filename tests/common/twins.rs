@@ -8,7 +8,7 @@ use mujoco_safe::{Controller, Data, Model, RandomController, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::installed::sample_models;
+use crate::installed::sample_files;
 
 #[path = "differing.rs"]
 pub(crate) mod differing;
@@ -45,7 +45,7 @@ pub(crate) fn subjects() -> &'static [Subject] {
             let model = Model::from_xml_str(include_str!("../models/composites.xml")).unwrap();
             subjects.push(Subject { name: "composites".to_owned(), model: Arc::new(model) });
         }
-        for path in sample_models() {
+        for path in sample_files() {
             let name = path.strip_prefix(sample::SYSTEM_MODELS).unwrap_or(&path).display().to_string();
             match Model::from_xml_path(&path) {
                 Ok(model) => subjects.push(Subject { name, model: Arc::new(model) }),

@@ -143,6 +143,19 @@ fn an_error_of_the_planner_is_returned_once_and_the_next_plan_is_used() {
 }
 
 #[test]
+fn a_simulation_of_another_model_is_an_error_and_the_controller_remains_usable() {
+    let (mut data, mut controller, script) = scripted();
+    let mut other = cartpole();
+    assert!(matches!(controller.control(&mut other), Err(Error::OtherModel { .. })));
+    assert!(matches!(controller.plan_now(&other), Err(Error::OtherModel { .. })));
+    script.send(Box::new(|_| Ok(0.2))).unwrap();
+    controller.plan_now(&data).unwrap();
+    drop(script);
+    controller.control(&mut data).unwrap();
+    assert_eq!(data.ctrl(), [0.2]);
+}
+
+#[test]
 fn after_a_reset_the_step_waits_for_a_plan_from_the_new_state() {
     let (mut data, mut controller, script) = scripted();
     assert_eq!(controller.report().initial_cost, 1.0, "the first plan does not start from an earlier one");

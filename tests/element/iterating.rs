@@ -8,6 +8,17 @@ use mujoco_safe::sample;
 use crate::{every_element, simulation, zoo};
 
 #[test]
+fn ids_are_ordered_by_model_and_index() {
+    let [first, second] = [sample::cartpole(), sample::cartpole()];
+    let ids = |model: &mujoco_safe::Model| [0, 1].map(|index| model.joint(index).unwrap().id());
+    let mut all = [ids(&second), ids(&first)].concat();
+    all.sort();
+    assert_eq!(all, [ids(&first), ids(&second)].concat());
+    assert_eq!(ids(&first.clone()), ids(&first));
+    assert_ne!(ids(&first), ids(&second));
+}
+
+#[test]
 fn each_kind_iterates_over_all_elements_in_order() {
     macro_rules! check {
         ($model:ident: $($many:ident = $count:ident, $kind:ident;)*) => {$(

@@ -178,9 +178,7 @@ fn enable_everything(model: &mut Model) {
 /// buffers.
 fn subjects() -> Vec<Model> {
     let mut subjects = vec![(*zoo()).clone(), every_element(), sample::humanoid(), sample::cartpole()];
-    subjects.extend(
-        sample_models().iter().filter_map(|path| Model::from_xml_path(path).ok()).filter(|model| model.nv() <= 100),
-    );
+    subjects.extend(sample_models().into_iter().map(|(_, model)| model).filter(|model| model.nv() <= 100));
     for (njmax, nconmax) in [(0, 0), (1, 1), (7, 60), (100, 60), (300, 2)] {
         let text = include_str!("../models/every_element.xml")
             .replace("njmax=\"300\" nconmax=\"60\"", &format!("njmax=\"{njmax}\" nconmax=\"{nconmax}\""));

@@ -2,8 +2,7 @@
 //! whose linearisation, gain and closed loop were computed with the official Python bindings and
 //! SciPy, and the engine's sample humanoid.
 //!
-//! The tests of the sample humanoid need the package `libmujoco-samples`, and are skipped with a
-//! note without it.
+//! The tests of the sample humanoid need the package `libmujoco-samples`.
 #![allow(clippy::unreadable_literal, reason = "figures as published")]
 
 use std::path::Path;

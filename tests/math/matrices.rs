@@ -126,6 +126,18 @@ fn views_of_slices_and_arrays_are_readable_and_writable() {
 }
 
 #[test]
+#[should_panic(expected = "row 2 of a matrix with 2 rows")]
+fn a_row_beyond_the_last_one_panics() {
+    MatrixViewMut::from_row_major(2, 3, &mut [0.0; 6]).row_mut(2).fill(1.0);
+}
+
+#[test]
+#[should_panic(expected = "index out of bounds")]
+fn a_column_beyond_the_last_one_panics() {
+    MatrixViewMut::from_row_major(2, 3, &mut [0.0; 6])[(0, 3)] = 1.0;
+}
+
+#[test]
 #[should_panic(expected = "a matrix of 2 rows and 3 columns needs 6 values, not 5")]
 fn a_view_of_too_few_values_panics() {
     MatrixViewMut::from_row_major(2, 3, &mut [0.0; 5]);

@@ -1,15 +1,15 @@
 """Records numbers of the official Python bindings for the bundled models, for tests/engine/against_python.rs.
 
 The bindings include their own build of the engine, so the numbers are independent of this library
-and of the engine that it is linked with. The wheels of 2.2.2 need Python 3.7 to 3.10 and numpy before
-2:
+and of the engine that it is linked with. The wheels of 2.2.2 need Python 3.7 to 3.10, and a numpy
+before 2:
 
     python3.10 -m venv venv
     venv/bin/pip install mujoco==2.2.2 'numpy<2'
     venv/bin/python tests/oracle/record.py
 
-writes tests/oracle/recorded/2.2.2.json, and so with each other version. Running it again gives the
-same file.
+This writes tests/oracle/recorded/2.2.2.json. With the bindings of another version it writes the file
+of that version. Running it again gives the same file.
 """
 
 import json

@@ -23,7 +23,7 @@ use mujoco_safe::{Data, Model, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::installed::sample_models;
+use crate::installed::sample_files;
 use crate::stage;
 
 const SIZE: [u32; 2] = [640, 480];
@@ -54,7 +54,7 @@ const SUBJECTS: [Subject; 11] = [
 
 #[test]
 fn depth_and_segmentation_agree_with_rays() {
-    if sample_models().is_empty() {
+    if sample_files().is_empty() {
         return;
     }
     // Newer compilers reject the composites of 2.2.2, and the ranges of these muscles.

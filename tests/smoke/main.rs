@@ -11,9 +11,10 @@ mod fields;
 #[path = "../common/child.rs"]
 mod child;
 
-// The engines that are tested in full: with others, the compiler crashes on some of these models.
 #[path = "../common/installed.rs"]
 mod installed;
+
+// The engines that are tested in full: with others, the compiler crashes on some of these models.
 #[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
 #[path = "../common/schema_models/mod.rs"]
 mod schema_models;

@@ -119,10 +119,9 @@ fn check_data(data: &Data) {
 /// Returns the models of the repository and of the engine's package that this engine loads.
 fn models() -> Vec<(String, Model)> {
     let ours = ["assembly", "colliders", "every_element", "zoo"]
-        .map(|name| format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR")).into());
-    let files = ours.into_iter().chain(sample_models());
-    let mut models: Vec<(String, Model)> =
-        files.filter_map(|path| Some((path.display().to_string(), Model::from_xml_path(&path).ok()?))).collect();
+        .map(|name| format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR")));
+    let mut models = sample_models();
+    models.extend(ours.into_iter().filter_map(|path| Some((path.clone(), Model::from_xml_path(&path).ok()?))));
     models.push(("cartpole".to_owned(), sample::cartpole()));
     models.push(("humanoid".to_owned(), sample::humanoid()));
     assert!(models.len() >= 4, "the engine loads few of the models");

@@ -213,10 +213,13 @@ impl Evaluators {
         };
         evaluator.move_to(point, time, needs(terms, point.controls.is_none()))?;
         let result = work(&mut evaluator)?;
-        // After an error, the simulation may be unusable and is dropped.
-        if Arc::ptr_eq(evaluator.data.model(), &self.start().model) {
+        // After an error, the simulation may be unusable and is dropped. The lock is held until the
+        // evaluator is back, so that `begin` clears it with the others.
+        let start = self.start();
+        if Arc::ptr_eq(evaluator.data.model(), &start.model) {
             self.idle.give_back(evaluator);
         }
+        drop(start);
         Ok(result)
     }
 

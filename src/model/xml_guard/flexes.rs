@@ -241,7 +241,7 @@ pub(super) fn gmsh(content: &[u8]) -> Option<&'static str> {
         "is not a Gmsh file in the text format 2.2 or the format 4.1 with one block of elements of one type";
     let mut header = fields(content.strip_prefix(b"$MeshFormat")?);
     if fills_its_pages(content) {
-        return Some("fills the memory in which the engine looks for its end; append a line break");
+        return Some("has a length for which the engine reads beyond its end; append a line break");
     }
     let (version, is_binary) = (header.next(), header.next() != Some(b"0"));
     let find = |name: &[u8]| content.windows(name.len()).position(|window| window == name);

@@ -324,19 +324,6 @@ mod tests {
     use super::super::lu::LuFactors;
     use super::super::packed::PackedMatrix;
     use crate::numerics::InstructionSet;
-    use crate::numerics::processor::Instructions;
-
-    /// Returns the instruction sets that this machine supports.
-    fn instruction_sets() -> Vec<InstructionSet> {
-        match InstructionSet::detect().0 {
-            Instructions::Any => vec![Instructions::Any],
-            Instructions::Avx2 => vec![Instructions::Any, Instructions::Avx2],
-            Instructions::Avx512 => vec![Instructions::Any, Instructions::Avx2, Instructions::Avx512],
-        }
-        .into_iter()
-        .map(InstructionSet)
-        .collect()
-    }
 
     fn entry(seed: usize) -> impl Fn(usize, usize) -> f64 {
         move |row, column| (((row * 31 + column * 17 + seed * 7) % 23) as f64 - 11.0) / 8.0
@@ -351,7 +338,7 @@ mod tests {
     /// The entries are small integers over a power of two, whose sums and products are exact.
     #[test]
     fn products_equal_the_definition_with_all_instruction_sets() {
-        for simd in instruction_sets() {
+        for simd in InstructionSet::all() {
             for (rows, inner, columns) in [(1, 1, 1), (3, 8, 9), (8, 5, 16), (17, 30, 9), (54, 21, 54), (4, 0, 3)] {
                 let (left, right) = (entry(1), entry(2));
                 let expected = |row, column| (0..inner).map(|k| left(row, k) * right(k, column)).sum::<f64>();
@@ -376,7 +363,7 @@ mod tests {
 
     #[test]
     fn lu_solves_systems_with_all_instruction_sets() {
-        for simd in instruction_sets() {
+        for simd in InstructionSet::all() {
             for size in [1, 7, 8, 9, 23, 54] {
                 let mut factors = LuFactors::default();
                 // The large entries are on the antidiagonal, so the factorisation must exchange

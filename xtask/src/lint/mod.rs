@@ -9,8 +9,9 @@ mod test_list;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Applies all rules. The error lists what breaks them.
+/// Applies all rules. The error lists the violations.
 pub fn run(root: &Path) -> Result<(), String> {
+    let root = &root.canonicalize().map_err(|error| format!("{}: {error}", root.display()))?;
     let tests = test_list::all(root)?;
     let found = [lines::check(root), calls::check(root), promises::check(root, &tests)].concat();
     if found.is_empty() { Ok(()) } else { Err(found.join("\n")) }
@@ -23,6 +24,7 @@ fn read(path: &Path) -> String {
 
 /// Returns the paths of all Rust files in a folder and its subfolders, or that of a file itself.
 fn sources(path: &Path) -> Vec<PathBuf> {
+    assert!(path.exists(), "there is no {}", path.display());
     if path.is_dir() {
         let entries = fs::read_dir(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         return entries.flat_map(|entry| sources(&entry.expect("the folder can be read").path())).collect();

@@ -16,15 +16,15 @@ pub fn check(root: &Path, tests: &[String]) -> Vec<String> {
     [names(root, &chapter, tests), engines(root, &chapter)].concat()
 }
 
-/// Returns the source file of a module or a test of a test program: `program::module::test`.
+/// Returns the source file of a module or a test of a test program, `program::module::test`, or the
+/// folder of a module with files of its own.
 fn source_of(root: &Path, path: &str) -> Option<PathBuf> {
     let mut names = path.split("::");
     let mut folder = root.join("tests").join(names.next().unwrap_or_default());
     let mut source = folder.join("main.rs");
     for name in names {
-        let found: Option<PathBuf> = [folder.join(name).join("mod.rs"), folder.join(format!("{name}.rs"))]
-            .into_iter()
-            .find(|file| file.exists());
+        let found: Option<PathBuf> =
+            [folder.join(name), folder.join(format!("{name}.rs"))].into_iter().find(|file| file.exists());
         // Otherwise an inline module, or a test.
         if let Some(found) = found {
             (folder, source) = (folder.join(name), found);
@@ -39,7 +39,8 @@ fn wrong_test(root: &Path, name: &str, tests: &[String]) -> Option<String> {
     if !tests.iter().any(is_in) {
         return Some(format!("docs/promises.md: no test program lists {name}"));
     }
-    let text = source_of(root, name).map(|source| read(&source)).unwrap_or_default();
+    let files = source_of(root, name).map(|source| sources(&source)).unwrap_or_default();
+    let text: String = files.iter().map(|file| read(file)).collect();
     let function = name.rsplit("::").next().unwrap_or_default();
     let body = text.split(&format!("fn {function}() {{")).nth(1)?;
     body.trim_start().starts_with('}').then(|| format!("docs/promises.md: the test {name} is empty"))

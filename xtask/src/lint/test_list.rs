@@ -1,12 +1,14 @@
 //! The tests of the integration tests' programs, as the programs list them.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Returns the path of each test, with the name of its program: `data::boundary::a_test`.
 pub fn all(root: &Path) -> Result<Vec<String>, String> {
-    // The build of `scripts/test`. Cargo prints a JSON object per line for each program.
-    let arguments = ["test", "--features", "viewer,npz,serde", "--tests", "--no-run", "--message-format=json"];
+    // The build of `scripts/test`. Cargo prints a JSON object per line for each program, and errors
+    // of the compiler to standard error.
+    let arguments =
+        ["test", "--features", "viewer,npz,serde", "--tests", "--no-run", "--message-format=json-render-diagnostics"];
     let output = output(Command::new(env!("CARGO")).args(arguments).current_dir(root))?;
     let programs = output.lines().filter(|line| line.contains(r#""kind":["test"]"#));
     let mut tests = Vec::new();
@@ -23,9 +25,9 @@ pub fn all(root: &Path) -> Result<Vec<String>, String> {
 }
 
 fn output(command: &mut Command) -> Result<String, String> {
-    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    let output = command.stderr(Stdio::inherit()).output().map_err(|error| format!("{command:?}: {error}"))?;
     if !output.status.success() {
-        return Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)));
+        return Err(format!("{command:?}: {}", output.status));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
