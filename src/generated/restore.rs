@@ -13,7 +13,8 @@ impl ModelMut<'_> {
         macro_rules! restore {
             ($($array:ident: $length:expr;)*) => { $(
                 let (length, from, to) = ($length, pristine.raw().$array, self.raw_mut().$array);
-                // SAFETY: both models have the array in this shape; `pristine` is borrowed, `self` is borrowed exclusively.
+                // SAFETY: both models have the array in this shape; `pristine` is borrowed, `self`
+                // is borrowed exclusively.
                 unsafe { ffi::array_mut(to, length).copy_from_slice(ffi::array(from, length)) };
             )* };
         }
@@ -289,15 +290,15 @@ impl ModelMut<'_> {
 }
 
 impl Data {
-    /// Sets every array to zero except those of constraints and contacts, which are most of a simulation's memory. Only their rows
-    /// in use are ever read.
+    /// Sets every array to zero except those of constraints and contacts, which are most of a
+    /// simulation's memory. Only their rows in use are ever read.
     #[allow(clippy::too_many_lines, reason = "one line per array")]
     pub(crate) fn clear_arrays(&mut self) {
         macro_rules! clear {
             ($($array:ident: $length:expr;)*) => { $(
                 let (length, array) = ($length, self.raw_mut().$array);
-                // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively. Zero is
-                // valid for every element type.
+                // SAFETY: the engine allocated the array with this shape, and `self` is borrowed
+                // exclusively. Zero is valid for every element type.
                 unsafe { ffi::array_mut(array, length).fill(Default::default()) };
             )* };
         }
