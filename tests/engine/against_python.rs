@@ -189,7 +189,7 @@ fn linearisations_equal_python() {
             reset(&mut data, "stand_on_left_leg");
         }
         let mut system = data.transition_fd(1e-6, Differences::Central).unwrap();
-        // The differences of sensors of older engines have the wrong sign, which the library corrects.
+        // The differences of sensors by older engines have the wrong sign; the library corrects it.
         if cfg!(not(engine_since = "4.0.0")) {
             system.d.as_mut_slice().iter_mut().for_each(|value| *value = -*value);
         }
