@@ -101,8 +101,8 @@ impl<K> PartialOrd for Id<K> {
 }
 
 impl<K> Ord for Id<K> {
-    /// Compares the models, then the indices: the ids of a model come before the ids of a model that
-    /// was loaded later. A clone of a model has the ids of its original.
+    /// Compares the models, then the indices: the ids of a model come before the ids of a model
+    /// that was loaded later. A clone of a model has the ids of its original.
     fn cmp(&self, other: &Self) -> Ordering {
         (self.lineage, self.index).cmp(&(other.lineage, other.index))
     }

@@ -2,12 +2,12 @@
 //! `tests/oracle/record.py`.
 //!
 //! The bindings include the official build of the engine, of the same version as the library linked
-//! here. For models of this size (dense, without long sums that a compiler may reorder), the results
-//! of 2.2.2 are bitwise equal to those of Debian's build on x86-64 Linux, even after a fall with many
-//! impacts. Newer engines are linked from the wheel of the bindings. The tests assert equal bits. On
-//! other platforms another libm may differ in the last bit of sine and cosine: quantities of a single
-//! state are then compared to 1e-9 relative, finite differences to 1e-6, and a trajectory for 300
-//! steps, before impacts amplify the differences.
+//! here. For models of this size (dense, without long sums that a compiler may reorder), the
+//! results of 2.2.2 are bitwise equal to those of Debian's build on x86-64 Linux, even after a fall
+//! with many impacts. Newer engines are linked from the wheel of the bindings. The tests assert
+//! equal bits. On other platforms another libm may differ in the last bit of sine and cosine:
+//! quantities of a single state are then compared to 1e-9 relative, finite differences to 1e-6, and
+//! a trajectory for 300 steps, before impacts amplify the differences.
 
 use std::sync::Arc;
 

@@ -309,8 +309,8 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> Controller for Th
     ///
     /// The errors of [`Planner::plan`], once for each failed plan; the next plan then starts from
     /// the initial controls or, for some planners, from the previous plan. [`Error::Panicked`] in
-    /// this and in all later steps if the planner panicked. [`Error::OtherModel`] for a simulation of
-    /// a model that was loaded separately. The present plan remains available from
+    /// this and in all later steps if the planner panicked. [`Error::OtherModel`] for a simulation
+    /// of a model that was loaded separately. The present plan remains available from
     /// [`policy`](ThreadedPredictiveController::policy).
     fn control(&mut self, data: &mut Data) -> Result<()> {
         let was_reset = data.time() < self.time;
