@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::id::SensorId;
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
-use crate::parallel::{adopt_model, for_each_item};
+use crate::parallel::{for_each_item, is_edited};
 
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
@@ -278,9 +278,8 @@ impl Lineariser {
     pub(super) fn adopt_model(&mut self, data: &Data) -> Result<()> {
         data.check_usable()?;
         data.check_inputs()?;
-        let mut model = self.workers[0].point.data.model().clone();
-        if adopt_model(&mut model, data, "the data to linearise")? {
-            self.obstacles = Obstacles::of(&model);
+        if is_edited(self.workers[0].point.data.model(), data, "the data to linearise")? {
+            self.obstacles = Obstacles::of(data.model());
         }
         self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
         Ok(())

@@ -13,7 +13,7 @@ use crate::derivative;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
-use crate::parallel::{adopt_model, for_each_item};
+use crate::parallel::{for_each_item, is_edited};
 use crate::rollout::restart;
 
 /// Number of step sizes that a line search with a sufficient decrease simulates at the same time.
@@ -55,7 +55,8 @@ impl Forward {
 
     /// Sets the start of all trajectories to the present state and the inputs of a simulation.
     pub(in crate::control) fn start(&mut self, data: &Data, cost: &dyn TrajectoryCost) -> Result<()> {
-        if adopt_model(&mut self.model, data, "the initial data of a trajectory")? {
+        if is_edited(&self.model, data, "the initial data of a trajectory")? {
+            self.model = data.model().clone();
             self.simulations.clear();
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.start)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
 use crate::model::Model;
-use crate::parallel::adopt_model;
+use crate::parallel::is_edited;
 
 /// Components of the state that a plan starts from, by default: all except applied forces, which
 /// are unknown on a robot.
@@ -39,10 +39,9 @@ impl Observation {
     /// Takes the state of a simulation, and its model if it was edited. Returns `true` if the model
     /// is new. `what` names the simulation in an error.
     pub(super) fn observe(&mut self, data: &Data, what: &'static str) -> Result<bool> {
-        let mut model = self.data.model().clone();
-        let is_new = adopt_model(&mut model, data, what)?;
+        let is_new = is_edited(self.data.model(), data, what)?;
         if is_new || self.data.check_usable().is_err() {
-            self.data = Data::new(model)?;
+            self.data = Data::new(data.model().clone())?;
         }
         data.state_into(self.foreseen, &mut self.state)?;
         self.data.set_state(self.foreseen, &self.state)?;

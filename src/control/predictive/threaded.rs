@@ -12,7 +12,7 @@ use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result, catch_panic};
 use crate::model::Model;
-use crate::parallel::adopt_model;
+use crate::parallel::is_edited;
 
 /// Controller that plans in a second thread, and follows the newest plan with its gains.
 ///
@@ -114,7 +114,9 @@ struct Job {
 
 impl Job {
     fn observe(&mut self, data: &Data, reset: bool) -> Result<()> {
-        adopt_model(&mut self.model, data, "the simulation of a predictive controller")?;
+        if is_edited(&self.model, data, "the simulation of a predictive controller")? {
+            self.model = data.model().clone();
+        }
         self.reset |= reset;
         data.state_into(StateSpec::INTEGRATION, &mut self.state)
     }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::numerics::linear_algebra::add;
 use crate::numerics::vectorised;
-use crate::parallel::{Idle, adopt_model};
+use crate::parallel::{Idle, is_edited};
 
 /// Simulation in which terms are evaluated, with buffers.
 struct Evaluator {
@@ -164,7 +164,8 @@ impl Evaluators {
     /// Takes the model, the time and all inputs of a simulation.
     pub(super) fn begin(&self, data: &Data) -> Result<()> {
         let mut start = self.start();
-        if adopt_model(&mut start.model, data, "the simulation of a ResidualCost")? {
+        if is_edited(&start.model, data, "the simulation of a ResidualCost")? {
+            start.model = data.model().clone();
             self.idle.clear();
         }
         data.state_into(StateSpec::INTEGRATION, &mut start.inputs)?;
@@ -219,7 +220,6 @@ impl Evaluators {
         if Arc::ptr_eq(evaluator.data.model(), &start.model) {
             self.idle.give_back(evaluator);
         }
-        drop(start);
         Ok(result)
     }
 

@@ -119,7 +119,7 @@ fn engines(root: &Path, chapter: &str) -> Vec<String> {
             .split('`')
             .skip(1)
             .step_by(2)
-            .filter_map(|name| Some(root.join(name)).filter(|path| path.exists()).or_else(|| source_of(root, name)))
+            .filter_map(|name| source_of(root, name).or_else(|| Some(root.join(name)).filter(|path| path.exists())))
             .flat_map(|path| sources(&path))
             .collect();
         for (engine, cell) in engines.iter().zip(&row[1..]) {

@@ -6,19 +6,18 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// Replaces a model by the model of a simulation if they differ, because the simulation's model has
-/// been edited. Returns `true` if they differ. `what` names the simulation in an error.
+/// Returns `true` if a simulation has another model than this one, because its model has been
+/// edited. `what` names the simulation in an error.
 ///
 /// # Errors
 ///
 /// [`Error::OtherModel`] if the models have different structures.
-pub(crate) fn adopt_model(model: &mut Arc<Model>, data: &Data, what: &'static str) -> Result<bool> {
+pub(crate) fn is_edited(model: &Arc<Model>, data: &Data, what: &'static str) -> Result<bool> {
     if Arc::ptr_eq(model, data.model()) {
         return Ok(false);
     }
     if !model.is_same_structure(data.model()) {
         return Err(Error::OtherModel { what });
     }
-    *model = data.model().clone();
     Ok(true)
 }
