@@ -115,7 +115,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
 }
 
 /// Returns the reason to reject the file of a texture, which the engine reads after a load, too.
-#[cfg(engine_since = "3.17.0")]
+#[cfg(all(engine_since = "3.17.0", feature = "renderer"))]
 pub(super) fn reject_texture(path: &[u8]) -> Option<String> {
     let reason = match files::on_disk(path)? {
         Found::Rejected(reason) => reason,

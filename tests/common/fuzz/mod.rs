@@ -5,7 +5,12 @@
 //! the coverage of earlier bytes.
 
 #![forbid(unsafe_code)]
-#![allow(unreachable_pub, dead_code, reason = "included by several programs, each of which uses some of it")]
+#![allow(
+    unreachable_pub,
+    dead_code,
+    unused_imports,
+    reason = "included by several programs, each of which uses some of it"
+)]
 
 #[macro_use] // the lists of fields
 #[path = "../touch_all.rs"]
