@@ -16,7 +16,7 @@
 //! computation between two parts, the parts that it would be missing from return
 //! [`Error::Unsupported`]: see the second table.
 //!
-//! A method has the prefix `compute_` if the plain name is that of a field or an element.
+//! A method has the prefix `compute_` if the plain name belongs to a field or an element.
 //!
 //! | part | engine | computes | inputs |
 //! |---|---|---|---|
@@ -75,9 +75,12 @@ use crate::error::{Error, Result};
 
 type C = PipelineFlags;
 
-/// Defines methods that make one engine call each, from the inputs and the results of the call.
+/// Defines methods that make one engine call each, from the results of the call, and from its
+/// inputs if they differ from [`PipelineFlags::inputs`].
 macro_rules! parts {
-    ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) reads $reads:expr, computes $results:expr;)*) => {
+    (@inputs $results:expr) => { $results.inputs() };
+    (@inputs $results:expr, $inputs:expr) => { $inputs };
+    ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) computes $results:expr $(, reads $inputs:expr)?;)*) => {
         /// # Parts of a step
         impl Data {$(
             $(#[$doc])*
@@ -91,11 +94,11 @@ macro_rules! parts {
             /// [`Error::Poisoned`] after such a failure.
             #[doc(alias = $alias)]
             pub fn $method(&mut self) -> Result<()> {
-                const READS: PipelineFlags = $reads;
                 const RESULTS: PipelineFlags = $results;
+                const INPUTS: PipelineFlags = parts!(@inputs RESULTS $(, $inputs)?);
                 self.check_is_single(stringify!($method), RESULTS)?;
                 self.wake_before(RESULTS);
-                self.check_inputs_of(stringify!($method), READS, RESULTS)?;
+                self.check_inputs_of(stringify!($method), INPUTS, RESULTS)?;
                 self.clear_stale_inputs(RESULTS);
                 self.run($alias, self.after(RESULTS), |m, d| {
                     // SAFETY: `run` passes a model and a data of this model. The inputs of the
@@ -112,105 +115,105 @@ parts! {
     /// Computes poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap
     /// bodies. Normalises the quaternions in `qpos`.
     kinematics = mj_kinematics("mj_kinematics")
-        reads C::empty(), computes C::KINEMATICS.union(C::CURRENT);
+        computes C::KINEMATICS.union(C::CURRENT);
     /// Computes centres of mass of subtrees, inertias `cinert` about them, and motion axes `cdof`.
     /// Also computes the vertices and edges of flexes.
     com_pos = mj_com_pos("mj_comPos")
-        reads C::KINEMATICS, computes C::COM_POS;
+        computes C::COM_POS;
     /// Computes poses of cameras and lights.
     camlight = mj_camlight("mj_camlight")
-        reads C::COM_POS, computes C::CAMLIGHT;
+        computes C::CAMLIGHT;
     /// Computes paths, lengths and Jacobians of tendons.
     compute_tendon = mj_tendon("mj_tendon")
-        reads C::COM_POS, computes C::TENDON;
+        computes C::TENDON;
     /// Computes the inertia matrix `qM` by the composite rigid body algorithm (Featherstone, Rigid
     /// Body Dynamics Algorithms, chapter 6), with the armature of tendons.
     compute_crb = mj_crb("mj_crb")
-        reads C::COM_POS, computes C::CRB;
+        computes C::CRB;
     /// Computes the factorisation `LᵀDL` of the inertia matrix (Featherstone, chapter 8.5).
     factor_m = mj_factor_m("mj_factorM")
-        reads C::CRB, computes C::FACTOR_M;
+        computes C::FACTOR_M;
     /// Detects collisions and creates the contacts. The constraint rows of earlier contacts count
     /// as not computed.
     collision = mj_collision("mj_collision")
-        reads C::KINEMATICS, computes C::COLLISION;
+        computes C::COLLISION;
     /// Creates the rows of all active constraints: equalities, friction, limits, contacts.
     make_constraint = mj_make_constraint("mj_makeConstraint")
-        reads C::TENDON.union(C::COLLISION), computes C::CONSTRAINT;
+        computes C::CONSTRAINT;
     /// Computes lengths and moments of actuators.
     transmission = mj_transmission("mj_transmission")
-        reads C::TENDON, computes C::TRANSMISSION;
+        computes C::TRANSMISSION;
     /// Computes the matrix `efc_AR` of the dual problem, for PGS and the no-slip solver. Does
     /// nothing for the other solvers.
     project_constraint = mj_project_constraint("mj_projectConstraint")
-        reads C::FACTOR_M.union(C::CONSTRAINT), computes C::PROJECTION;
+        computes C::PROJECTION;
     /// Computes velocities `cvel` of bodies, and time derivatives `cdof_dot` of the motion axes.
     com_vel = mj_com_vel("mj_comVel")
-        reads C::COM_POS.union(C::CURRENT), computes C::COM_VEL;
+        computes C::COM_VEL;
     /// Computes the forces of springs, dampers and the medium, `qfrc_passive`.
     passive = mj_passive("mj_passive")
-        reads C::COM_VEL.union(C::TENDON_VELOCITY).union(C::CURRENT), computes C::PASSIVE;
+        computes C::PASSIVE;
     /// Computes velocities `efc_vel` and reference accelerations `efc_aref` of the constraints.
     reference_constraint = mj_reference_constraint("mj_referenceConstraint")
-        reads C::REFERENCE_INPUTS.union(C::CURRENT), computes C::REFERENCE;
+        computes C::REFERENCE;
     /// Computes linear velocities and angular momenta of subtrees, `subtree_linvel` and
     /// `subtree_angmom`.
     subtree_vel = mj_subtree_vel("mj_subtreeVel")
-        reads C::COM_VEL, computes C::SUBTREE_VEL;
+        computes C::SUBTREE_VEL;
 
     /// Computes all quantities that depend on positions.
     fwd_position = mj_fwd_position("mj_fwdPosition")
-        reads C::empty(), computes C::POSITION.union(C::PROJECTION).union(C::CURRENT);
+        computes C::POSITION.union(C::PROJECTION).union(C::CURRENT);
     /// Computes all quantities that depend on velocities.
     fwd_velocity = mj_fwd_velocity("mj_fwdVelocity")
-        reads C::TRANSMISSION.union(C::CONSTRAINT).union(C::CURRENT), computes C::VELOCITY.difference(C::POSITION);
+        computes C::VELOCITY.difference(C::POSITION);
     /// Computes actuator forces, and the time derivatives of activations, from `ctrl` and `act`.
     fwd_actuation = mj_fwd_actuation("mj_fwdActuation")
-        reads C::ACTUATOR_VELOCITY.union(C::CURRENT), computes C::ACTUATION;
-    /// Sums all forces except those of constraints in `qfrc_smooth`, and solves for the
-    /// accelerations `qacc_smooth` with the factorised inertia matrix.
+        computes C::ACTUATION;
+    /// Sums all forces except constraint forces in `qfrc_smooth`, and solves for the accelerations
+    /// `qacc_smooth` with the factorised inertia matrix.
     fwd_acceleration = mj_fwd_acceleration("mj_fwdAcceleration")
-        reads C::FACTOR_M.union(C::PASSIVE).union(C::BIAS).union(C::ACTUATION), computes C::ACCELERATION;
+        computes C::ACCELERATION;
     /// Solves for the constraint forces: `efc_force`, `qfrc_constraint`, `qacc`.
     fwd_constraint = mj_fwd_constraint("mj_fwdConstraint")
-        reads C::PROJECTION.union(C::REFERENCE).union(C::ACCELERATION), computes C::SOLVER_COST.union(C::SOLVED);
+        computes C::SOLVER_COST.union(C::SOLVED);
 
     /// Computes the position-dependent inputs of inverse dynamics:
     /// [`fwd_position`](Self::fwd_position) without the projection.
     inv_position = mj_inv_position("mj_invPosition")
-        reads C::empty(), computes C::POSITION.union(C::CURRENT);
+        computes C::POSITION.union(C::CURRENT);
     /// Computes the velocity-dependent inputs of inverse dynamics.
     inv_velocity = mj_inv_velocity("mj_invVelocity")
-        reads C::TRANSMISSION.union(C::CONSTRAINT).union(C::CURRENT), computes C::VELOCITY.difference(C::POSITION);
+        computes C::VELOCITY.difference(C::POSITION);
     /// Computes the constraint forces for the accelerations in `qacc`.
     inv_constraint = mj_inv_constraint("mj_invConstraint")
-        reads C::REFERENCE, computes C::SOLVED;
+        computes C::SOLVED, reads C::REFERENCE;
     /// Compares forward with inverse dynamics. Writes the norms of the differences of constraint
     /// forces and of applied forces to `solver_fwdinv`.
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
-        reads C::FORCES.union(C::ACTUATION), computes C::empty();
+        computes C::empty(), reads C::FORCES.union(C::ACTUATION);
 
-    /// Evaluates the sensors of the position stage, among them those of the kinetic energy.
+    /// Evaluates the sensors of the position stage, including the sensors of the kinetic energy.
     sensor_pos = mj_sensor_pos("mj_sensorPos")
-        reads C::POSITION.union(C::CURRENT), computes C::SENSOR_POS;
+        computes C::SENSOR_POS;
     /// Evaluates the sensors of the velocity stage.
     sensor_vel = mj_sensor_vel("mj_sensorVel")
-        reads C::VELOCITY.union(C::CURRENT), computes C::SENSOR_VEL;
+        computes C::SENSOR_VEL;
     /// Evaluates the sensors of the acceleration stage.
     sensor_acc = mj_sensor_acc("mj_sensorAcc")
-        reads C::FORCES, computes C::SENSOR_ACC;
+        computes C::SENSOR_ACC;
     /// Computes the potential energy. Sets it to zero unless
     /// [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_pos = mj_energy_pos("mj_energyPos")
-        reads C::TENDON.union(C::CURRENT), computes C::empty();
+        computes C::empty(), reads C::TENDON.union(C::CURRENT);
     /// Computes the kinetic energy. Leaves it unchanged unless
     /// [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_vel = mj_energy_vel("mj_energyVel")
-        reads C::CRB.union(C::CURRENT), computes C::empty();
+        computes C::empty(), reads C::CRB.union(C::CURRENT);
     /// Computes accelerations `cacc` of bodies and the forces on them, `cfrc_int` and `cfrc_ext`,
     /// constraints included.
     rne_post_constraint = mj_rne_post_constraint("mj_rnePostConstraint")
-        reads C::COM_VEL.union(C::FORCE), computes C::POST_CONSTRAINT;
+        computes C::POST_CONSTRAINT;
 }
 
 /// # Partial steps and integrators
@@ -222,7 +225,7 @@ impl Data {
     ///
     /// As for the other parts, such as [`kinematics`](Self::kinematics).
     pub fn compute_ten_velocity(&mut self) -> Result<()> {
-        self.check_inputs_of("compute_ten_velocity", C::TENDON | C::CURRENT, C::TENDON_VELOCITY)?;
+        self.check_inputs_of("compute_ten_velocity", C::TENDON_VELOCITY.inputs(), C::TENDON_VELOCITY)?;
         let nv = self.model().nv();
         for tendon in 0..self.model().ntendon() {
             let row = self.tendon_row(tendon);
@@ -246,7 +249,7 @@ impl Data {
     ///
     /// As for the other parts, such as [`kinematics`](Self::kinematics).
     pub fn compute_actuator_velocity(&mut self) -> Result<()> {
-        self.check_inputs_of("compute_actuator_velocity", C::TRANSMISSION | C::CURRENT, C::ACTUATOR_VELOCITY)?;
+        self.check_inputs_of("compute_actuator_velocity", C::ACTUATOR_VELOCITY.inputs(), C::ACTUATOR_VELOCITY)?;
         // SAFETY: the model of this data, whose transmission was computed.
         unsafe { sys::adapted::actuator_velocity(self.model().as_ptr(), self.as_mut_ptr()) };
         self.computed = self.after(C::ACTUATOR_VELOCITY);
@@ -262,7 +265,7 @@ impl Data {
     #[doc(alias = "mj_rne")]
     pub fn compute_qfrc_bias(&mut self) -> Result<()> {
         self.check_is_single("compute_qfrc_bias", C::BIAS)?;
-        self.check_inputs_of("compute_qfrc_bias", C::COM_VEL | C::CURRENT, C::BIAS)?;
+        self.check_inputs_of("compute_qfrc_bias", C::BIAS.inputs(), C::BIAS)?;
         self.run("mj_rne", self.after(C::BIAS), |m, d| {
             // SAFETY: as for the other parts; the result is an array of this data with nv elements.
             unsafe { guard::mj_rne(m, d, 0, (*d).qfrc_bias) }
@@ -426,5 +429,36 @@ impl Data {
         if results == C::CONSTRAINT {
             self.clear_contact_rows();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::PipelineFlags;
+
+    fn code_in(text: &str) -> impl Iterator<Item = &str> {
+        text.split('`').skip(1).step_by(2)
+    }
+
+    #[test]
+    fn documented_inputs_are_those_that_the_methods_check() {
+        let mut methods: BTreeSet<&str> = PipelineFlags::all().methods().collect();
+        for row in include_str!("pipeline.rs").lines().filter_map(|line| line.strip_prefix("//! | [`")) {
+            let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+            let method = row.split('`').next().unwrap();
+            // The sensors of all stages have one row.
+            if method == "sensor_pos" {
+                continue;
+            }
+            assert!(methods.remove(method), "{method}");
+            let (inputs, newer) = cells[3].split_once("; since 3.6").unwrap_or((cells[3], ""));
+            let inputs = inputs.split(';').next().unwrap();
+            let newer = if cfg!(engine_since = "3.6.0") { newer } else { "" };
+            let documented: BTreeSet<&str> = code_in(inputs).chain(code_in(newer)).collect();
+            assert_eq!(documented, PipelineFlags::of_method(method).inputs().methods().collect(), "{method}");
+        }
+        assert_eq!(methods, BTreeSet::from(["sensor_acc", "sensor_pos", "sensor_vel"]));
     }
 }
