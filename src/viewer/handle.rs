@@ -1,12 +1,13 @@
 //! Handle of a window for programs that step their simulation themselves.
 
 use std::fmt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::endpoint::SimulationEndpoint;
 use super::input::KeyPress;
 use super::instruments::Instruments;
-use super::link::{Asset, Event, Mode, PhysicsEnd, Request, SceneView, SimulationSpeed, Snapshot, Status};
+use super::link::{Asset, Event, Mode, PhysicsEnd, Request, SimulationSpeed, Snapshot, Status};
 use super::simulation::SpeedMeter;
 use crate::data::Data;
 use crate::error::Result;
@@ -22,17 +23,17 @@ use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 ///
 /// The handle can move to another thread. After the window was closed, its methods have no effect.
 pub struct ViewerHandle {
-    /// `Some` until the first call of `sync`, which moves the link into the endpoint.
-    link: Option<PhysicsEnd>,
+    link: Arc<PhysicsEnd>,
+    /// `None` before the first call of `sync`, which brings the model.
     endpoint: Option<SimulationEndpoint>,
     geoms: Vec<NewGeom>,
-    /// Instruments before the first call of `sync`, which moves them into the endpoint.
     instruments: Instruments,
     /// Assets that were modified since the last call of `sync`.
     assets: Vec<Asset>,
     paused: bool,
-    /// View that the program has set before the first call of `sync`.
-    view: Option<SceneView>,
+    /// Camera and options that the program has set since the last call of `sync`.
+    camera: Option<Camera>,
+    options: Option<SceneOptions>,
     epoch: Instant,
     meter: SpeedMeter,
     /// Simulated time of the last call of `sync`.
@@ -42,13 +43,14 @@ pub struct ViewerHandle {
 impl ViewerHandle {
     pub(crate) fn new(link: PhysicsEnd) -> Self {
         Self {
-            link: Some(link),
+            link: Arc::new(link),
             endpoint: None,
             geoms: Vec::new(),
             instruments: Instruments::default(),
             assets: Vec::new(),
             paused: false,
-            view: None,
+            camera: None,
+            options: None,
             epoch: Instant::now(),
             meter: SpeedMeter::default(),
             time: 0.0,
@@ -58,12 +60,12 @@ impl ViewerHandle {
     /// Returns `true` while the window is open: until the user closes it or the program calls
     /// [`close`](Self::close).
     pub fn is_running(&self) -> bool {
-        !self.link().is_closed()
+        !self.link.is_closed()
     }
 
     /// Closes the window.
     pub fn close(&mut self) {
-        self.link().close();
+        self.link.close();
     }
 
     /// Shows the current state of the simulation, and executes the user's requests on it. Call it
@@ -80,31 +82,26 @@ impl ViewerHandle {
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for an invalid geom of the program,
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
-    /// if there is no memory for the scene. Failed requests of the user are not errors; the window
-    /// reports them.
+    /// if there is no memory for the scene, and [`Error::OtherModel`](crate::Error::OtherModel) if
+    /// the camera that the program has set, or the body that it tracks, belongs to another model
+    /// (the window keeps its camera and options). Failed requests of the user are not errors; the
+    /// window reports them.
     ///
     /// # Panics
     ///
     /// If a mesh, a height field or a texture of a geom of the program belongs to another model.
     pub fn sync(&mut self, data: &mut Data) -> Result<()> {
-        let mut endpoint = match (self.endpoint.take(), self.link.take()) {
-            (Some(endpoint), _) => endpoint,
-            (None, Some(link)) => {
-                let mut endpoint = SimulationEndpoint::new(link, data);
-                endpoint.instruments = std::mem::take(&mut self.instruments);
-                endpoint
-            }
-            (None, None) => unreachable!("Bug: a handle without a link"),
-        };
+        let endpoint = self.endpoint.get_or_insert_with(|| {
+            let mut endpoint = SimulationEndpoint::new(self.link.clone(), data);
+            endpoint.instruments = std::mem::take(&mut self.instruments);
+            endpoint
+        });
         endpoint.adopt(data);
-        if let Some(view) = self.view.take() {
-            endpoint.set_view(view);
-        }
+        endpoint.set_view(self.camera.take(), self.options.take())?;
         if endpoint.link.is_closed() {
             // The user can no longer end a pull or a pause.
             endpoint.stop_perturbation(data);
             self.paused = false;
-            self.endpoint = Some(endpoint);
             return Ok(());
         }
         let mut changed = false;
@@ -119,9 +116,10 @@ impl ViewerHandle {
                 changed = endpoint.refresh(data).is_err();
             }
             pulled |= request.moves_perturbation() && !self.paused && endpoint.is_perturbing();
-            changed |= self.execute(request, &mut endpoint, data);
+            changed |= execute(request, &mut self.paused, endpoint, data);
         }
-        let perturbed = if data.check_usable().is_ok() { self.perturb(&mut endpoint, data, changed) } else { Ok(()) };
+        let perturbed =
+            if data.check_usable().is_ok() { perturb(self.paused, endpoint, data, changed) } else { Ok(()) };
 
         let now = self.epoch.elapsed();
         self.meter.add((data.time() - self.time).max(0.0), now);
@@ -144,7 +142,6 @@ impl ViewerHandle {
         for asset in self.assets.drain(..) {
             endpoint.link.send(Event::Asset(asset));
         }
-        self.endpoint = Some(endpoint);
         published
     }
 
@@ -178,34 +175,31 @@ impl ViewerHandle {
     /// Blocks until the user makes a request, changes the view or closes the window, or the timeout
     /// passes.
     pub fn wait(&self, timeout: Duration) {
-        self.link().wait(Instant::now().checked_add(timeout));
+        self.link.wait(Instant::now().checked_add(timeout));
     }
 
-    /// Returns the camera of the window. `None` before the first [`sync`](Self::sync).
+    /// Returns the camera of the window. `None` before the first [`sync`](Self::sync), unless the
+    /// program has set it.
     pub fn camera(&self) -> Option<Camera> {
-        self.endpoint.as_ref().and_then(|endpoint| endpoint.view().camera)
+        self.camera.or_else(|| self.endpoint.as_ref().map(SimulationEndpoint::camera))
     }
 
-    /// Sets the camera of the window. The user may move it afterwards.
-    ///
-    /// # Panics
-    ///
-    /// At the next [`sync`](Self::sync), if the camera or the body that it tracks belongs to
-    /// another model.
+    /// Sets the camera of the window from the next [`sync`](Self::sync) on. The user may move it
+    /// afterwards.
     pub fn set_camera(&mut self, camera: Camera) {
-        let view = SceneView { camera: Some(camera), ..self.view() };
-        self.set_view(view);
+        self.camera = Some(camera);
     }
 
     /// Returns the scene options of the window.
     pub fn options(&self) -> SceneOptions {
-        self.view().options
+        let present = || self.endpoint.as_ref().map(|endpoint| endpoint.options().clone());
+        self.options.clone().or_else(present).unwrap_or_default()
     }
 
-    /// Sets the scene options of the window. The user may change them afterwards.
+    /// Sets the scene options of the window from the next [`sync`](Self::sync) on. The user may
+    /// change them afterwards.
     pub fn set_options(&mut self, options: SceneOptions) {
-        let view = SceneView { options, ..self.view() };
-        self.set_view(view);
+        self.options = Some(options);
     }
 
     /// Returns the program's geoms, which the window shows in addition to the model from the next
@@ -303,66 +297,49 @@ impl ViewerHandle {
     pub fn selected(&self) -> Option<BodyId> {
         self.endpoint.as_ref().and_then(SimulationEndpoint::selected_body)
     }
+}
 
-    fn link(&self) -> &PhysicsEnd {
-        let link = self.endpoint.as_ref().map(|endpoint| &endpoint.link).or(self.link.as_ref());
-        link.expect("Bug: a handle without a link")
-    }
-
-    fn view(&self) -> SceneView {
-        let present = || self.endpoint.as_ref().map(SimulationEndpoint::view);
-        self.view.clone().or_else(present).unwrap_or_default()
-    }
-
-    fn set_view(&mut self, view: SceneView) {
-        match &mut self.endpoint {
-            Some(endpoint) => endpoint.set_view(view),
-            None => self.view = Some(view),
+/// Executes a request. Returns `true` if the simulation has changed.
+fn execute(request: Request, paused: &mut bool, endpoint: &mut SimulationEndpoint, data: &mut Data) -> bool {
+    let executed = match request {
+        Request::Pause(pause) => {
+            *paused = pause;
+            return false;
         }
-    }
-
-    /// Executes a request. Returns `true` if the simulation has changed.
-    fn execute(&mut self, request: Request, endpoint: &mut SimulationEndpoint, data: &mut Data) -> bool {
-        let executed = match request {
-            Request::Pause(paused) => {
-                self.paused = paused;
-                return false;
-            }
-            Request::TogglePause => {
-                self.paused = !self.paused;
-                return false;
-            }
-            Request::Simulation(_) | Request::Playback(_) => {
-                endpoint.link.send(Event::Notice("the program steps this simulation itself".to_owned()));
-                return false;
-            }
-            Request::Reset => endpoint.reset(data).map(|()| true),
-            Request::Endpoint(request) => endpoint.execute(request, data),
-        };
-        // While paused, a drag takes effect before the next request.
-        let changed = match executed {
-            Ok(false) if self.paused => endpoint.drag(data),
-            other => other,
-        };
-        changed.unwrap_or_else(|error| {
-            endpoint.link.send(Event::Notice(error.to_string()));
-            false
-        })
-    }
-
-    /// Applies the perturbation, and recomputes the quantities that depend on the state if it has
-    /// changed.
-    fn perturb(&self, endpoint: &mut SimulationEndpoint, data: &mut Data, changed: bool) -> Result<()> {
-        if self.paused {
-            endpoint.remove_perturbation(data);
-            let dragged = endpoint.drag(data)?;
-            return if dragged || changed { endpoint.refresh(data) } else { Ok(()) };
+        Request::TogglePause => {
+            *paused = !*paused;
+            return false;
         }
-        if changed {
-            endpoint.refresh(data)?;
+        Request::Simulation(_) | Request::Playback(_) => {
+            endpoint.link.send(Event::Notice("the program steps this simulation itself".to_owned()));
+            return false;
         }
-        endpoint.apply_perturbation(data)
+        Request::Reset => endpoint.reset(data).map(|()| true),
+        Request::Endpoint(request) => endpoint.execute(request, data),
+    };
+    // While paused, a drag takes effect before the next request.
+    let changed = match executed {
+        Ok(false) if *paused => endpoint.drag(data),
+        other => other,
+    };
+    changed.unwrap_or_else(|error| {
+        endpoint.link.send(Event::Notice(error.to_string()));
+        false
+    })
+}
+
+/// Applies the perturbation, and recomputes the quantities that depend on the state if it has
+/// changed.
+fn perturb(paused: bool, endpoint: &mut SimulationEndpoint, data: &mut Data, changed: bool) -> Result<()> {
+    if paused {
+        endpoint.remove_perturbation(data);
+        let dragged = endpoint.drag(data)?;
+        return if dragged || changed { endpoint.refresh(data) } else { Ok(()) };
     }
+    if changed {
+        endpoint.refresh(data)?;
+    }
+    endpoint.apply_perturbation(data)
 }
 
 impl fmt::Debug for ViewerHandle {

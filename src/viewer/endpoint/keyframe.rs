@@ -34,7 +34,7 @@ impl CapturedKey {
     ///
     /// # Errors
     ///
-    /// Those of [`Data::reset`], and if the simulation has another model.
+    /// As for [`Data::reset`], and an error if the simulation has another model.
     pub fn restore(&self, data: &mut Data) -> Result<()> {
         data.reset()?;
         data.set_state(Self::SPEC, &self.state)

@@ -15,14 +15,14 @@ use super::input::KeyPress;
 use super::instruments::Instruments;
 use super::link::{Event, PhysicsEnd, SceneView, Snapshot};
 use crate::data::{Data, Stage, StateSpec, Warning};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::id::BodyId;
 use crate::model::Model;
-use crate::scene::{Camera, CameraView, Perturbation, Selection};
+use crate::scene::{Camera, CameraView, Perturbation, SceneOptions, Selection};
 
 /// Connection of a simulation to its window.
 pub(crate) struct SimulationEndpoint {
-    pub link: PhysicsEnd,
+    pub link: Arc<PhysicsEnd>,
     pub instruments: Instruments,
     /// Model to which the other fields refer.
     model: Arc<Model>,
@@ -52,7 +52,7 @@ pub(crate) struct SimulationEndpoint {
 
 impl SimulationEndpoint {
     /// Creates an endpoint for a simulation. A reset restores its current state.
-    pub fn new(link: PhysicsEnd, data: &Data) -> Self {
+    pub fn new(link: Arc<PhysicsEnd>, data: &Data) -> Self {
         let model = data.model().clone();
         Self {
             link,
@@ -160,28 +160,35 @@ impl SimulationEndpoint {
         }
     }
 
-    /// Returns the current camera and scene options.
-    pub fn view(&self) -> SceneView {
-        SceneView { camera: Some(self.camera), options: self.view.options.clone() }
+    /// Returns the current camera.
+    pub fn camera(&self) -> Camera {
+        self.camera
     }
 
-    /// Sets the camera and the scene options, in the window too.
+    /// Returns the current scene options.
+    pub fn options(&self) -> &SceneOptions {
+        &self.view.options
+    }
+
+    /// Sets the camera and the scene options that the program has changed, in the window too.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// If the camera belongs to another model.
-    pub fn set_view(&mut self, view: SceneView) {
-        if let Some(camera) = view.camera {
-            assert!(
-                self.is_of_model(&camera),
-                "the camera for the viewer belongs to another model than the simulation"
-            );
-            self.camera = camera;
+    /// [`Error::OtherModel`] if the camera belongs to another model. Nothing changes.
+    pub fn set_view(&mut self, camera: Option<Camera>, options: Option<SceneOptions>) -> Result<()> {
+        if camera.is_none() && options.is_none() {
+            return Ok(());
         }
-        // A pending view of the window is older than this view.
-        let _ = self.link.take_view();
-        self.view = view;
-        self.link.send(Event::View(Box::new(self.view())));
+        if camera.is_some_and(|camera| !self.is_of_model(&camera)) {
+            return Err(Error::OtherModel { what: "the camera for the viewer" });
+        }
+        // What the user has changed before is older.
+        self.update_view();
+        self.camera = camera.unwrap_or(self.camera);
+        self.view.camera = Some(self.camera);
+        self.view.options = options.unwrap_or_else(|| std::mem::take(&mut self.view.options));
+        self.link.send(Event::View(Box::new(self.view.clone())));
+        Ok(())
     }
 
     /// Returns `true` if the camera does not refer to another model.

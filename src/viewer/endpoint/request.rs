@@ -23,7 +23,7 @@ impl SimulationEndpoint {
     ///
     /// # Errors
     ///
-    /// Those of the calls that the request requires.
+    /// Errors of the calls that the request requires.
     pub fn execute(&mut self, request: EndpointRequest, data: &mut Data) -> Result<bool> {
         match request {
             EndpointRequest::SetView(view) => self.adopt_view(*view),

@@ -1,5 +1,6 @@
 //! Programs that step their simulation themselves.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use crate::scene::{Camera, CameraView, FrameMode, MouseAction, NewGeom, PerturbationFlags, SceneOptions};
@@ -213,11 +214,48 @@ fn camera_and_options_are_read_and_set() {
 }
 
 #[test]
-#[should_panic(expected = "belongs to another model")]
-fn camera_of_another_model_panics() {
-    let (_window, mut handle, _data) = squatting();
+fn camera_of_another_model_is_an_error() {
+    let (mut window, mut handle, mut data) = squatting();
+    let camera = handle.camera();
     let other = sample::cartpole();
     handle.set_camera(Camera::tracking(&other, "cart").unwrap());
+    assert!(matches!(handle.sync(&mut data), Err(Error::OtherModel { .. })));
+    // The window keeps its camera, and shows the simulation again.
+    assert_eq!(handle.camera(), camera);
+    data.step().unwrap();
+    handle.sync(&mut data).unwrap();
+    assert_eq!(newest(&mut window).time, data.time());
+}
+
+#[test]
+fn options_of_the_program_keep_the_users_camera() {
+    let (mut window, mut handle, mut data) = squatting();
+    let mut view = View::new(data.model());
+    view.camera.azimuth = 12.0;
+    window.set_view(&view.scene_view());
+    handle.set_options(SceneOptions { frame: FrameMode::Body, ..SceneOptions::default() });
+    handle.sync(&mut data).unwrap();
+    assert_eq!(handle.camera().unwrap().azimuth, 12.0);
+    let mut views = window.take_events().into_iter().filter_map(|event| match event {
+        Event::View(view) => Some((view.camera.unwrap().azimuth, view.options.frame)),
+        _ => None,
+    });
+    assert_eq!(views.next_back(), Some((12.0, FrameMode::Body)));
+}
+
+#[test]
+fn a_handle_works_after_a_panic_in_sync() {
+    let (mut window, mut handle, mut data) = squatting();
+    let text = "<mujoco><asset><mesh name='m' vertex='0 0 0  1 0 0  0 1 0  0 0 1'/></asset></mujoco>";
+    let other = Model::from_xml_str(text).unwrap();
+    handle.geoms_mut().push(NewGeom::mesh(other.mesh("m").unwrap()));
+    let panicked = catch_unwind(AssertUnwindSafe(|| handle.sync(&mut data)));
+    assert!(panicked.is_err(), "a mesh of another model");
+    handle.geoms_mut().clear();
+    data.step().unwrap();
+    handle.sync(&mut data).unwrap();
+    assert_eq!(newest(&mut window).time, data.time());
+    assert!(handle.is_running());
 }
 
 #[test]
