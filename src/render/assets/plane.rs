@@ -84,7 +84,7 @@ mod tests {
         assert!(widths.iter().zip(expected).all(|(width, expected)| (width - expected).abs() < 1e-6), "{widths:?}");
     }
 
-    /// The cells were counted in pictures of the engine's renderer, seen from above in wireframe
+    /// The cells were counted in images of the engine's renderer, seen from above in wireframe
     /// mode.
     #[test]
     fn a_finite_plane_has_the_cells_of_the_engine() {

@@ -48,7 +48,7 @@ impl ShapeBuffers {
     }
 
     /// Creates buffers whose vertices are written later, as are the indices of selected triangles,
-    /// which follow those of all triangles.
+    /// which follow the indices of all triangles.
     pub(super) fn dynamic(gpu: &Gpu, vertices: usize, indices: &[u32]) -> Result<Self, RenderError> {
         let zeros = vec![0; vertices * size_of::<Vertex>()];
         let buffers = Self::with_usage(gpu, &zeros, &[indices; 2].concat(), wgpu::BufferUsages::COPY_DST)?;
@@ -62,12 +62,13 @@ impl ShapeBuffers {
             let what = "the size of the vertex or index buffer of a shape, bytes,".to_owned();
             return Err(RenderError::TooLarge { what, size, limit });
         }
-        let buffer = |contents, usage| {
-            gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+        let buffer = |label, contents, usage| {
+            let label = Some(label);
+            gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents, usage })
         };
         Ok(Self {
-            vertices: buffer(vertices, wgpu::BufferUsages::VERTEX | usage),
-            indices: buffer(bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX | usage),
+            vertices: buffer("vertices of a shape", vertices, wgpu::BufferUsages::VERTEX | usage),
+            indices: buffer("indices of a shape", bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX | usage),
             index_count: indices.len() as u32,
             front_faces: None,
             has_quads: false,

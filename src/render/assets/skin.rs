@@ -17,7 +17,8 @@ pub(super) struct Skin {
     /// Vertices in the image, and triangles that face the camera; the memory is reused.
     projected: Vec<[f32; 2]>,
     front: Vec<[u32; 3]>,
-    /// The indices of all triangles are followed by those of the triangles that face the camera.
+    /// The indices of all triangles are followed by the indices of the triangles that face the
+    /// camera.
     pub(super) buffers: ShapeBuffers,
 }
 

@@ -30,12 +30,13 @@ impl TextureBindings {
             let texture = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
             let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
             gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: None,
+                label: Some("texture of a model"),
                 entries: &[entry(0, texture), entry(1, sampler)],
             })
         };
         let sampler = |address_mode| {
             gpu.device().create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("texture of a model"),
                 address_mode_u: address_mode,
                 address_mode_v: address_mode,
                 address_mode_w: address_mode,
@@ -174,7 +175,7 @@ fn is_complete(levels: &[MipLevel], layers: u32) -> bool {
 
 fn create_texture(gpu: &Gpu, size: wgpu::Extent3d, mip_level_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
     gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
+        label: Some("texture of a model"),
         size,
         mip_level_count,
         sample_count: 1,
@@ -210,7 +211,7 @@ fn bind_group(
     sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
+        label: Some("texture of a model"),
         layout,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },

@@ -7,14 +7,15 @@ use crate::render::{Gpu, RenderError};
 /// GPU buffer that is rewritten every frame. It grows by half and never shrinks.
 #[derive(Debug)]
 pub(crate) struct GrowableBuffer {
+    label: &'static str,
     buffer: wgpu::Buffer,
     usage: wgpu::BufferUsages,
 }
 
 impl GrowableBuffer {
-    pub(crate) fn new(gpu: &Gpu, usage: wgpu::BufferUsages) -> Self {
+    pub(crate) fn new(gpu: &Gpu, label: &'static str, usage: wgpu::BufferUsages) -> Self {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
-        Self { buffer: create_buffer(gpu, 256, usage), usage }
+        Self { label, buffer: create_buffer(gpu, label, 256, usage), usage }
     }
 
     /// Writes the bytes. Returns `true` if the buffer was reallocated, which invalidates its bind
@@ -28,7 +29,7 @@ impl GrowableBuffer {
         let grows = size > self.buffer.size();
         if grows {
             let capacity = (size + size / 2).min(limit).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).min(limit);
-            self.buffer = create_buffer(gpu, capacity.max(size), self.usage);
+            self.buffer = create_buffer(gpu, self.label, capacity.max(size), self.usage);
         }
         if !bytes.is_empty() {
             gpu.queue().write_buffer(&self.buffer, 0, bytes);
@@ -59,7 +60,8 @@ impl ReadBackBuffer {
             let what = "the size of the read-back buffer of an image, bytes,".to_owned();
             return Err(RenderError::TooLarge { what, size: bytes, limit });
         }
-        let buffer = create_buffer(gpu, bytes, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let buffer = create_buffer(gpu, "image that is read back", bytes, usage);
         Ok(Self { buffer, size, bytes_per_pixel, bytes_per_row })
     }
 
@@ -104,6 +106,7 @@ impl ReadBackBuffer {
     }
 }
 
-fn create_buffer(gpu: &Gpu, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu.device().create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+fn create_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let label = Some(label);
+    gpu.device().create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
 }

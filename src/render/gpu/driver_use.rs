@@ -52,8 +52,8 @@ impl Uses {
         self.active -= 1;
         OWN.set(OWN.get() - 1);
         self.ended += 1;
-        // Exit handlers run in reverse order, so this one is registered after those of the driver.
-        // The driver's shader compiler registers further ones when it first needs them, so the
+        // Exit handlers run in reverse order, so this one is registered after the driver's. The
+        // driver's shader compiler registers further ones when it first needs them, so the
         // registration is repeated, at intervals that grow.
         if self.ended >= self.next_registration {
             self.next_registration = self.ended + self.ended / 8 + 1;

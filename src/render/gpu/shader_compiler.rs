@@ -13,11 +13,12 @@ fn fill() -> @location(0) vec4f {
 
 impl Gpu {
     /// Draws one pixel and waits for it. Drivers load their shader compiler at the first draw,
-    /// which registers exit handlers that must precede that of [`DriverUse`](super::DriverUse).
+    /// which registers exit handlers that must precede the handler of
+    /// [`DriverUse`](super::DriverUse).
     pub(super) fn load_shader_compiler(&self) -> Result<(), RenderError> {
         self.guarded(|| {
             let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-            let view = default_view(&create_texture(self, [1, 1], COLOR_FORMAT, 1, usage));
+            let view = default_view(&create_texture(self, "image of one pixel", [1, 1], COLOR_FORMAT, 1, usage));
             let pipeline = screen_pipeline(self, SHADER, "fill", COLOR_FORMAT.into());
             let mut encoder = self.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -22,8 +22,15 @@ pub(crate) struct AuxTarget {
 impl AuxTarget {
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let texture = create_texture(gpu, size, ID_DEPTH_FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
-        let depth = default_view(&create_texture(gpu, size, depth_format(gpu, false), 1, usage));
+        let texture = create_texture(
+            gpu,
+            "ids and depths to read back",
+            size,
+            ID_DEPTH_FORMAT,
+            1,
+            usage | wgpu::TextureUsages::COPY_SRC,
+        );
+        let depth = default_view(&create_texture(gpu, "depths behind ids", size, depth_format(gpu, false), 1, usage));
         Self { color: default_view(&texture), texture, depth, size }
     }
 

@@ -21,7 +21,7 @@ pub(crate) struct Labels {
 
 impl Labels {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let buffer = GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX);
+        let buffer = GrowableBuffer::new(gpu, "glyphs of labels", wgpu::BufferUsages::VERTEX);
         Self { buffer, count: 0, atlas: None, quads: Vec::new() }
     }
 

@@ -38,7 +38,7 @@ pub(crate) struct MainPass {
 
 impl MainPass {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let uniform = || GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM);
+        let uniform = || GrowableBuffer::new(gpu, "uniforms of a view", wgpu::BufferUsages::UNIFORM);
         Self {
             uniform: uniform(),
             mirror_uniform: uniform(),

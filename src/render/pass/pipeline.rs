@@ -180,7 +180,8 @@ impl Pipelines {
             }),
         );
         let layout = &self.view_layouts[shadow_maps.len()];
-        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+        let label = Some("uniforms and shadow maps of a view");
+        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 
     /// Returns the pipeline for a key. Threads that need a new pipeline wait for each other, so
@@ -239,9 +240,11 @@ impl Pipelines {
         if !shader.has_lights() {
             shader.lights = &[];
         }
+        let label = format!("{:?}", key.pass_kind);
+        let label = Some(label.as_str());
         let device = gpu.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
+            label,
             source: wgpu::ShaderSource::Wgsl(Cow::Owned(shader.source())),
         });
         let shadows = bound.iter().filter(|light| light.shadow).count();
@@ -253,7 +256,7 @@ impl Pipelines {
         };
         let layouts = [Some(&self.view_layouts[shadows]), texture_layout];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
+            label,
             bind_group_layouts: &layouts[..=usize::from(texture_layout.is_some())],
             immediate_size: 0,
         });
@@ -271,7 +274,7 @@ impl Pipelines {
         }
         let buffers = vertex_buffers(state.shader, &attributes);
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: None,
+            label,
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,

@@ -150,7 +150,8 @@ pub(super) fn view_layout(gpu: &Gpu, shadow_maps: usize) -> wgpu::BindGroupLayou
     };
     let mut entries = vec![entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform)];
     entries.extend((1..=shadow_maps).map(|binding| entry(binding, wgpu::ShaderStages::FRAGMENT, map)));
-    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    let label = Some("uniforms and shadow maps of a view");
+    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries })
 }
 
 /// Attributes of the vertex buffer and of the instance buffer.

@@ -21,11 +21,11 @@ pub(crate) fn screen_pipeline(
 ) -> wgpu::RenderPipeline {
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
+        label: Some(entry),
         source: wgpu::ShaderSource::Wgsl(format!("{VERTEX}{shader}").into()),
     });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
+        label: Some(entry),
         layout: None,
         vertex: wgpu::VertexState {
             module: &module,

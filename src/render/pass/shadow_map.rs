@@ -6,8 +6,8 @@
 //! nearer depth range than the previous frame, which makes stale depths ineffective; see
 //! [`ShadowRegion::depth_range`].
 //!
-//! A map is rendered with fewer texels if those of the full map are much smaller than a pixel: see
-//! [`reduction`].
+//! A map is rendered with fewer texels if the texels of the full map are much smaller than a pixel:
+//! see [`reduction`].
 
 use super::target::{create_texture, default_view};
 use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
@@ -203,7 +203,7 @@ impl ShadowMap {
         Self {
             region,
             view: map_view(gpu, region.size),
-            uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
+            uniform: GrowableBuffer::new(gpu, "uniforms of a shadow map", wgpu::BufferUsages::UNIFORM),
             bind_group: None,
             has_casters: false,
             needs_clear: true,
@@ -213,7 +213,7 @@ impl ShadowMap {
 
 fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    default_view(&create_texture(gpu, size, wgpu::TextureFormat::Depth32Float, 1, usage))
+    default_view(&create_texture(gpu, "shadow map", size, wgpu::TextureFormat::Depth32Float, 1, usage))
 }
 
 /// Returns the part of a region inside the border of a map of `size` texels, as ranges in x and y;

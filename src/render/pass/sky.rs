@@ -23,8 +23,8 @@ struct SkyVertex {
 pub(crate) struct Sky {
     pub(crate) buffer: GrowableBuffer,
     pub(crate) is_visible: bool,
-    /// Vertices of the skybox, a cylinder of radius 1 from z = -1 to 1, followed by those of the
-    /// haze.
+    /// Vertices of the skybox, a cylinder of radius 1 from z = -1 to 1, followed by the vertices of
+    /// the haze.
     vertices: Vec<SkyVertex>,
     skybox_vertices: usize,
     /// Number of slices of the cylinder and of the haze: the model's for round shapes.
@@ -37,7 +37,7 @@ const HAZE_FRACTION: f64 = 0.9999;
 
 impl Sky {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let buffer = GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX);
+        let buffer = GrowableBuffer::new(gpu, "vertices of the sky", wgpu::BufferUsages::VERTEX);
         Self { buffer, is_visible: false, vertices: Vec::new(), skybox_vertices: 0, slices: 0 }
     }
 

@@ -28,8 +28,10 @@ impl Target {
     ) -> Result<Self, RenderError> {
         check_size(gpu, size)?;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let multisampled = (samples > 1).then(|| default_view(&create_texture(gpu, size, format, samples, usage)));
-        let depth = default_view(&create_texture(gpu, size, depth_format(gpu, stencil), samples, usage));
+        let multisampled = (samples > 1)
+            .then(|| default_view(&create_texture(gpu, "samples of an image", size, format, samples, usage)));
+        let depth =
+            default_view(&create_texture(gpu, "depths of an image", size, depth_format(gpu, stencil), samples, usage));
         Ok(Self { size, format, samples, stencil, multisampled, depth })
     }
 
@@ -58,16 +60,17 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Ren
     Ok(())
 }
 
-/// Creates a 2D texture without mip maps.
+/// Creates a 2D texture without mip maps. Errors of wgpu and graphics debuggers show the label.
 pub(crate) fn create_texture(
     gpu: &Gpu,
+    label: &'static str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
     samples: u32,
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
     gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
+        label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: samples,

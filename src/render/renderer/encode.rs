@@ -27,8 +27,8 @@ impl Renderer {
     }
 
     /// Submits the commands that render geom ids and depths and copy them to [`ReadBack::Aux`].
-    /// Returns `true` if the depths are those of [`ReadBack::Opaque`] instead: for both outputs of
-    /// a scene with transparent geoms.
+    /// Returns `true` if the depths are in [`ReadBack::Opaque`] instead: for both outputs of a
+    /// scene with transparent geoms.
     pub(super) fn submit_aux(&mut self, scene: &Scene, output: AuxOutput) -> Result<bool, RenderError> {
         let gpu = self.assets.gpu.clone();
         self.frame.prepare_aux(&mut self.assets, scene, self.size, Some(output), true)?;
@@ -95,7 +95,7 @@ pub(super) fn color_texture(
     let existing = color.take().filter(|(texture, _)| [texture.width(), texture.height()] == size);
     let (texture, view) = existing.unwrap_or_else(|| {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let texture = create_texture(gpu, size, COLOR_FORMAT, 1, usage);
+        let texture = create_texture(gpu, "image to read back", size, COLOR_FORMAT, 1, usage);
         let view = default_view(&texture);
         (texture, view)
     });

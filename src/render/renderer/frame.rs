@@ -51,11 +51,11 @@ impl Frame {
         Self {
             list: DrawList::default(),
             shadow_maps: ShadowMaps::new(shadow_size),
-            instances: GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX),
+            instances: GrowableBuffer::new(gpu, "instances", wgpu::BufferUsages::VERTEX),
             main_pass: MainPass::new(gpu),
             sky: Sky::new(gpu),
             labels: Labels::new(gpu),
-            aux_uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
+            aux_uniform: GrowableBuffer::new(gpu, "uniforms of ids and depths", wgpu::BufferUsages::UNIFORM),
             aux_view: None,
             view: None,
         }

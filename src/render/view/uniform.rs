@@ -141,3 +141,65 @@ impl UniformData {
         self.bytes.extend_from_slice(bytemuck::bytes_of(value));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use wgpu::naga::TypeInner;
+    use wgpu::naga::front::wgsl;
+
+    use super::{LightUniforms, ShadowUniforms, ViewUniforms};
+    use crate::render::shader::{Output, ShaderKind, ShaderVariant, Shading, TextureKind};
+    use crate::render::view::LightFeatures;
+
+    /// Names and offsets of the fields of a structure, and its size.
+    type Layout = (Vec<(String, u32)>, u32);
+
+    macro_rules! layout {
+        ($type:ident { $($field:ident),* }) => {{
+            let fields = vec![$((stringify!($field).to_owned(), offset_of!($type, $field) as u32)),*];
+            (fields, size_of::<$type>() as u32)
+        }};
+    }
+
+    #[test]
+    fn the_shaders_declare_the_same_structures() {
+        let lights = [LightFeatures {
+            directional: false,
+            attenuated: true,
+            spot: true,
+            focused: true,
+            ambient: true,
+            specular: true,
+            shadow: true,
+        }];
+        let variant = ShaderVariant {
+            kind: ShaderKind::Surface,
+            output: Output::Color,
+            texture_kind: TextureKind::None,
+            shading: Shading::Pixel,
+            lights: &lights,
+            fog: true,
+            blended: false,
+            quad_edges: false,
+            clip: true,
+            aliased: false,
+        };
+        let module = wgsl::parse_str(&variant.source()).unwrap();
+        let layout_of = |name: &str| -> Layout {
+            let (_, structure) = module.types.iter().find(|(_, of)| of.name.as_deref() == Some(name)).unwrap();
+            let TypeInner::Struct { members, span } = &structure.inner else { panic!("{name} is no structure") };
+            (members.iter().map(|member| (member.name.clone().unwrap(), member.offset)).collect(), *span)
+        };
+        let light = layout!(LightUniforms { position, axis, attenuation, ambient, diffuse, specular });
+        assert_eq!(layout_of("Light"), light);
+        let shadow = layout!(ShadowUniforms { texels, last });
+        assert_eq!(layout_of("Shadow"), shadow);
+        // The lights and the shadow maps follow.
+        let (mut fields, size) =
+            layout!(ViewUniforms { clip, camera, depth, ambient, fog_color, fog, plane, pixels, sky });
+        fields.extend([("lights".to_owned(), size), ("shadows".to_owned(), size + light.1)]);
+        assert_eq!(layout_of("View"), (fields, size + light.1 + shadow.1));
+    }
+}

@@ -82,7 +82,7 @@ impl Canvas {
             None => Some(gpu.guarded(|| {
                 use wgpu::TextureUsages as Usages;
                 let usage = Usages::RENDER_ATTACHMENT | Usages::TEXTURE_BINDING | Usages::COPY_SRC | Usages::COPY_DST;
-                let texture = create_texture(gpu, layout.size, self.format, 1, usage);
+                let texture = create_texture(gpu, "panels and scene", layout.size, self.format, 1, usage);
                 Ok(Image { layout, view: texture.create_view(&wgpu::TextureViewDescriptor::default()), texture })
             })?),
         };
@@ -188,7 +188,7 @@ mod tests {
 
     /// Returns the red and green parts of the canvas after a copy to a texture with this usage.
     fn copied(gpu: &Gpu, canvas: &mut Canvas, usage: wgpu::TextureUsages) -> Vec<Vec<[u8; 2]>> {
-        let window = create_texture(gpu, SIZE, FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
+        let window = create_texture(gpu, "window", SIZE, FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
         let buffer = ReadBackBuffer::new(gpu, SIZE, 4).unwrap();
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         canvas.copy_to(gpu, &mut encoder, &window);
@@ -214,8 +214,14 @@ mod tests {
         assert!(!canvas.prepare(&gpu, layout).unwrap());
 
         // A scene whose green part is the number of the pixel.
-        let scene =
-            create_texture(&gpu, [4, 4], FORMAT, 1, wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST);
+        let scene = create_texture(
+            &gpu,
+            "window",
+            [4, 4],
+            FORMAT,
+            1,
+            wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
+        );
         let pixels: Vec<u8> = (0..16).flat_map(|number| [0, number, 0, 255]).collect();
         let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16), rows_per_image: None };
         gpu.queue().write_texture(scene.as_image_copy(), &pixels, rows, scene.size());

@@ -89,7 +89,7 @@ impl SceneRenderer {
             Some((_, image)) => image,
             None => gpu.guarded(|| {
                 let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-                Ok(create_texture(gpu, size, format, 1, usage))
+                Ok(create_texture(gpu, "scene", size, format, 1, usage))
             })?,
         };
         let view = image.create_view(&wgpu::TextureViewDescriptor::default());
