@@ -19,8 +19,8 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use common::command_line;
-use mujoco_safe::enums::GeomType;
-use mujoco_safe::spec::{Mount, Spec};
+use mujoco_safe::enums::{GeomType, TextureType};
+use mujoco_safe::spec::{ActuatorElement, Mount, Spec, TexturePattern};
 use mujoco_safe::{Data, kind};
 
 /// Height of the table's top, m.
@@ -87,16 +87,30 @@ fn workcell() -> Result<Spec, mujoco_safe::Error> {
         let name = arm.actuator(motor).name().unwrap_or_default().to_owned();
         let gear = arm.actuator(motor).numbers("gear")?.unwrap_or_default();
         arm.remove(motor)?;
-        arm.add_position().set_name(&name).set_joint(&name[..]).set_kp(5.0 * gear[0]).set_ctrlrange([-3.0, 3.0]);
+        arm.add_actuator(ActuatorElement::Position)
+            .set_name(&name)
+            .set_joint(&name[..])
+            .set_kp(5.0 * gear[0])
+            .set_ctrlrange([-3.0, 3.0]);
     }
 
     let mut spec = Spec::new("workcell");
     spec.section_mut("option")?.set("timestep", 0.002)?.set("integrator", "implicit")?;
     spec.section_mut("visual")?.child_mut("headlight")?.set("ambient", [0.3; 3])?.set("diffuse", [0.25; 3])?;
     spec.section_mut("visual")?.child_mut("rgba")?.set("haze", [0.85, 0.9, 0.95, 1.0])?;
-    spec.add_texture().set_name("sky").set_type("skybox").set_builtin("gradient").set_width(64).set_height(384);
+    spec.add_texture()
+        .set_name("sky")
+        .set_type(TextureType::Skybox)
+        .set_builtin(TexturePattern::Gradient)
+        .set_width(64)
+        .set_height(384);
     spec.texture_mut("sky")?.set_rgb1([0.85, 0.9, 0.95]).set_rgb2([0.5, 0.62, 0.75]);
-    spec.add_texture().set_name("checks").set_type("2d").set_builtin("checker").set_width(256).set_height(256);
+    spec.add_texture()
+        .set_name("checks")
+        .set_type(TextureType::Flat)
+        .set_builtin(TexturePattern::Checker)
+        .set_width(256)
+        .set_height(256);
     spec.texture_mut("checks")?.set_rgb1([0.75, 0.77, 0.8]).set_rgb2([0.68, 0.7, 0.73]);
     spec.add_material().set_name("ground").set_texture("checks").set_texrepeat([6.0, 6.0]).set_reflectance(0.1);
     spec.add_material().set_name("wood").set_rgba([0.72, 0.55, 0.38, 1.0]);

@@ -1,8 +1,9 @@
 //! Creation of elements.
 
+use super::attributes::Named;
 use super::key::{ElementId, Reference};
+use super::names;
 use super::names::MAIN;
-use super::names::{self, Named};
 use super::tree::{Index, Tree};
 use super::{ElementMut, Spec};
 use crate::enums::SensorType;
@@ -112,35 +113,6 @@ creators! {
         /// Adds a tendon whose length is a linear combination of joint positions.
         add_fixed_tendon Tendon = "fixed";
     }
-    "actuator" {
-        /// Adds an actuator with a force or torque in proportion to its control.
-        #[doc(alias = "mjs_addActuator")]
-        #[doc(alias = "mjs_setToMotor")]
-        add_motor Actuator = "motor";
-        /// Adds a position servo.
-        #[doc(alias = "mjs_setToPosition")]
-        add_position Actuator = "position";
-        /// Adds a velocity servo.
-        #[doc(alias = "mjs_setToVelocity")]
-        add_velocity Actuator = "velocity";
-        /// Adds a position servo whose target is the integral of its control.
-        #[doc(alias = "mjs_setToIntVelocity")]
-        add_intvelocity Actuator = "intvelocity";
-        /// Adds a damper whose coefficient is in proportion to its control.
-        #[doc(alias = "mjs_setToDamper")]
-        add_damper Actuator = "damper";
-        /// Adds a pneumatic or hydraulic cylinder.
-        #[doc(alias = "mjs_setToCylinder")]
-        add_cylinder Actuator = "cylinder";
-        /// Adds a muscle.
-        #[doc(alias = "mjs_setToMuscle")]
-        add_muscle Actuator = "muscle";
-        /// Adds an adhesive body.
-        #[doc(alias = "mjs_setToAdhesion")]
-        add_adhesion Actuator = "adhesion";
-        /// Adds an actuator with general gain, bias and activation dynamics.
-        add_general Actuator = "general";
-    }
     "custom" {
         /// Adds an array of numbers for the program.
         #[doc(alias = "mjs_addNumeric")]
@@ -160,7 +132,88 @@ creators! {
     }
 }
 
+/// Element of MJCF that creates an actuator: `general`, or a shortcut with certain dynamics, gain and
+/// bias. An argument of [`Spec::add_actuator`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ActuatorElement {
+    /// Actuator with general gain, bias and activation dynamics.
+    General,
+    /// Force or torque in proportion to the control.
+    Motor,
+    /// Position servo.
+    Position,
+    /// Velocity servo.
+    Velocity,
+    /// Position servo whose target is the integral of the control.
+    IntegratedVelocity,
+    /// Damper whose coefficient is in proportion to the control.
+    Damper,
+    /// Pneumatic or hydraulic cylinder.
+    Cylinder,
+    /// Muscle.
+    Muscle,
+    /// Adhesive body.
+    Adhesion,
+}
+
+impl ActuatorElement {
+    #[cfg(test)]
+    const ALL: [Self; 9] = [
+        Self::General,
+        Self::Motor,
+        Self::Position,
+        Self::Velocity,
+        Self::IntegratedVelocity,
+        Self::Damper,
+        Self::Cylinder,
+        Self::Muscle,
+        Self::Adhesion,
+    ];
+
+    const fn tag(self) -> &'static str {
+        match self {
+            Self::General => "general",
+            Self::Motor => "motor",
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::IntegratedVelocity => "intvelocity",
+            Self::Damper => "damper",
+            Self::Cylinder => "cylinder",
+            Self::Muscle => "muscle",
+            Self::Adhesion => "adhesion",
+        }
+    }
+}
+
 impl Spec {
+    /// Adds an actuator.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::{ActuatorElement, Spec};
+    ///
+    /// let mut spec = Spec::new("hinge");
+    /// let body = spec.add_body(spec.world()).id();
+    /// let hinge = spec.add_joint(body).id();
+    /// spec.add_geom(body).set_size(&[0.1]);
+    /// spec.add_actuator(ActuatorElement::Motor).set_joint(hinge).set_gear(&[10.0]);
+    /// assert_eq!(spec.compile()?.nu(), 1);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjs_addActuator")]
+    #[doc(alias = "mjs_setToMotor")]
+    #[doc(alias = "mjs_setToPosition")]
+    #[doc(alias = "mjs_setToVelocity")]
+    #[doc(alias = "mjs_setToIntVelocity")]
+    #[doc(alias = "mjs_setToDamper")]
+    #[doc(alias = "mjs_setToCylinder")]
+    #[doc(alias = "mjs_setToMuscle")]
+    #[doc(alias = "mjs_setToAdhesion")]
+    pub fn add_actuator(&mut self, element: ActuatorElement) -> ElementMut<'_, kind::Actuator> {
+        let section = self.tree.section("actuator");
+        self.append(section, element.tag())
+    }
+
     /// Adds a sensor.
     ///
     /// # Errors
@@ -277,8 +330,8 @@ impl<K> ElementMut<'_, K> {
 /// # Inertia
 impl ElementMut<'_, kind::Body> {
     /// Sets the mass (kg), the centre of mass (metres, in the frame of the body) and the moments of
-    /// inertia (kg m²) about axes through it that are parallel to those of the body. Without this,
-    /// the compiler computes them from the geoms.
+    /// inertia (kg m²) about axes through it that are parallel to the axes of the body. Without
+    /// this, the compiler computes them from the geoms.
     pub fn set_inertial(&mut self, mass: f64, pos: [f64; 3], diaginertia: [f64; 3]) -> &mut Self {
         let index = self.index();
         let spec = self.spec();
@@ -340,14 +393,15 @@ impl ElementMut<'_, kind::Tendon> {
 
 #[cfg(test)]
 mod tests {
-    use super::CREATED;
+    use super::{ActuatorElement, CREATED};
     use crate::enums::SensorType;
     use crate::spec::Spec;
 
     #[test]
     fn every_engine_accepts_the_created_elements() {
         let mut spec = Spec::new("all");
-        for (section, tag) in CREATED {
+        let actuators = ActuatorElement::ALL.map(|element| ("actuator", element.tag()));
+        for (section, tag) in CREATED.iter().chain(&actuators) {
             let section = spec.tree.section(section);
             spec.check_child(section, tag).unwrap();
         }

@@ -3,14 +3,14 @@
 //!
 //! ```
 //! use mujoco_safe::enums::GeomType;
-//! use mujoco_safe::spec::{Mount, Spec};
+//! use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
 //!
 //! // A link with a hinge and a motor.
 //! let mut arm = Spec::new("arm");
 //! let upper = arm.add_body(arm.world()).set_name("upper").id();
 //! arm.add_joint(upper).set_name("shoulder").set_axis([0.0, 1.0, 0.0]);
 //! arm.add_geom(upper).set_type(GeomType::Capsule).set_fromto([0.0, 0.0, 0.0, 0.3, 0.0, 0.0]).set_size(&[0.03]);
-//! arm.add_motor().set_name("torque").set_joint("shoulder");
+//! arm.add_actuator(ActuatorElement::Motor).set_name("torque").set_joint("shoulder");
 //!
 //! // Two of them on a stand.
 //! let mut robot = Spec::new("robot");
@@ -40,7 +40,7 @@
 //! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a
 //! method are set by [`ElementMut::set`], which checks their names against the schema of the
 //! engine. Each element has an [`ElementId`], which stays valid until the element is removed.
-//! Elements are looked up by name or id, like those of a [`Model`]: `spec.geom("foot")?`,
+//! Elements are looked up by name or id, as in a [`Model`]: `spec.geom("foot")?`,
 //! `spec.geom_mut(id)`.
 //!
 //! The methods do not check values: the compiler does, and its error names the element.
@@ -67,15 +67,16 @@ use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+pub use self::add::ActuatorElement;
 pub use self::attach::Mount;
+use self::attributes::Named;
 pub use self::element::{Element, ElementMut};
 pub use self::key::{Any, ElementId, Key, Reference, SpecKind};
 use self::lineages::Lineages;
-use self::names::Named;
 use self::read::Sources;
 use self::schema::Schema;
 use self::tree::{Index, Tree};
-pub use self::value::Value;
+pub use self::value::{TexturePattern, Value};
 use crate::error::{Error, Result};
 use crate::file;
 use crate::kind;
@@ -97,8 +98,8 @@ pub struct Spec {
     world: Index,
     /// Directory of the file, to which the names of assets are relative.
     directory: Option<PathBuf>,
-    /// Class with the defaults of `main`, if an attachment has separated them from those of the
-    /// attached spec.
+    /// Class with the defaults of `main`, if an attachment has separated them from the defaults of
+    /// the attached spec.
     own_class: Option<Index>,
     /// Elements in the world, in bodies and in sections that attachments have copied.
     attached: HashSet<Index>,
@@ -197,7 +198,8 @@ impl Spec {
         ElementId::new(index, self.lineages.of(index))
     }
 
-    /// Returns `true` if the id is that of an element, which may be removed, of this spec.
+    /// Returns `true` if the id belongs to an element of this spec, even if the element was
+    /// removed.
     fn owns<K>(&self, id: ElementId<K>) -> bool {
         id.lineage() == self.lineages.of(id.index())
     }
@@ -249,7 +251,7 @@ impl Spec {
     }
 
     /// Returns the class that has the defaults of this spec's own elements: the last section, or
-    /// that in which they are separate from those of attached elements.
+    /// the class in which they are separate from the defaults of attached elements.
     fn main_class(&mut self) -> Result<Index> {
         if self.own_class().is_none() && self.attached.iter().any(|&index| self.tree.contains(index)) {
             let mut tree = self.tree.clone();

@@ -2,7 +2,8 @@
 
 use super::ElementMut;
 use super::key::Reference;
-use crate::enums::{GeomType, JointType};
+use super::value::TexturePattern;
+use crate::enums::{CameraMode, GeomType, JointType, TextureType};
 use crate::kind;
 
 /// Declares the methods that set attributes of a kind: values by their type, and references after
@@ -38,9 +39,9 @@ macro_rules! setters {
 
 setters! {
     Body {
-        /// Sets the position of the frame, metres, in that of the parent.
+        /// Sets the position of the frame, metres, in the frame of the parent.
         set_pos "pos": [f64; 3];
-        /// Sets the orientation of the frame in that of the parent.
+        /// Sets the orientation of the frame in the frame of the parent.
         set_quat "quat": [f64; 4];
         /// Makes the body move by `mocap_pos` and `mocap_quat` only. It must be in the world,
         /// without joints.
@@ -121,7 +122,7 @@ setters! {
     Site {
         /// Sets the shape.
         set_type "type": GeomType;
-        /// Sets the sizes, metres, as those of a geom.
+        /// Sets the sizes, metres, as for a geom.
         set_size "size": &[f64];
         /// Sets the position, metres, in the frame of the body.
         set_pos "pos": [f64; 3];
@@ -144,8 +145,8 @@ setters! {
         set_xyaxes "xyaxes": [f64; 6];
         /// Sets the vertical field of view, degrees.
         set_fovy "fovy": f64;
-        /// Sets the tracking mode: `fixed`, `track`, `trackcom`, `targetbody` or `targetbodycom`.
-        set_mode "mode": &str;
+        /// Sets the tracking mode.
+        set_mode "mode": CameraMode;
         /// Sets the body at which the camera looks in a mode with a target.
         set_target "target" => Body;
     }
@@ -158,8 +159,8 @@ setters! {
         set_castshadow "castshadow": bool;
         /// Sets the diffuse colour: red, green, blue, from 0 to 1.
         set_diffuse "diffuse": [f32; 3];
-        /// Sets the tracking mode, as that of a camera.
-        set_mode "mode": &str;
+        /// Sets the tracking mode, as for a camera.
+        set_mode "mode": CameraMode;
         /// Sets the body at which the light points in a mode with a target.
         set_target "target" => Body;
     }
@@ -187,12 +188,12 @@ setters! {
         set_ncol "ncol": i32;
     }
     Texture {
-        /// Sets the type: `2d`, `cube` or `skybox`.
-        set_type "type": &str;
+        /// Sets the type.
+        set_type "type": TextureType;
         /// Sets the file, a PNG image or the engine's own format.
         set_file "file": &str;
-        /// Sets the generated pattern: `gradient`, `checker` or `flat`.
-        set_builtin "builtin": &str;
+        /// Sets the generated pattern.
+        set_builtin "builtin": TexturePattern;
         /// Sets the first colour of a pattern: red, green, blue, from 0 to 1.
         set_rgb1 "rgb1": [f32; 3];
         /// Sets the second colour of a pattern: red, green, blue, from 0 to 1.
@@ -335,7 +336,8 @@ setters! {
 #[cfg(test)]
 mod tests {
     use super::ATTRIBUTES;
-    use crate::spec::names::{Named, named};
+    use crate::spec::attributes::Named;
+    use crate::spec::names::named;
     use crate::spec::schema::Schema;
     use crate::spec::tree::Tree;
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Debug;
 
-use crate::enums::{Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
+use crate::enums::{CameraMode, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver, TextureType};
 use crate::kind::sealed::Sealed;
 
 /// Value of an attribute: text, a number, a flag, an array of numbers, or an enum of the engine.
@@ -80,6 +80,21 @@ pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
 }
 
+/// Generated pattern of a texture.
+#[doc(alias = "mjtBuiltin")]
+#[doc(alias = "builtin")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum TexturePattern {
+    /// Gradient from the first colour to the second: downwards in a cube map or a skybox, outwards
+    /// in a 2D texture.
+    Gradient,
+    /// Two by two squares in both colours.
+    Checker,
+    /// The first colour.
+    Flat,
+}
+
 /// Implements [`Value`] for an enum by the words of MJCF for its variants.
 macro_rules! keywords {
     ($($name:ident { $($variant:ident = $word:literal)* })*) => {
@@ -106,6 +121,11 @@ keywords! {
     Solver { Pgs = "PGS" Cg = "CG" Newton = "Newton" }
     Cone { Pyramidal = "pyramidal" Elliptic = "elliptic" }
     JacobianStorage { Dense = "dense" Sparse = "sparse" Auto = "auto" }
+    CameraMode {
+        Fixed = "fixed" Track = "track" TrackCom = "trackcom" TargetBody = "targetbody" TargetBodyCom = "targetbodycom"
+    }
+    TextureType { Flat = "2d" Cube = "cube" Skybox = "skybox" }
+    TexturePattern { Gradient = "gradient" Checker = "checker" Flat = "flat" }
 }
 
 #[cfg(test)]

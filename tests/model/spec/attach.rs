@@ -1,6 +1,6 @@
 //! Attachment of specs, compared with texts of the joined models.
 
-use mujoco_safe::spec::{Mount, Spec};
+use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
 use mujoco_safe::{Data, Error, LoadOptions, Model};
 
 use super::super::assets;
@@ -75,7 +75,7 @@ fn elements_that_are_added_after_an_attachment_have_the_defaults_of_the_spec() {
     let body = spec.add_body(world).id();
     spec.add_joint(body).set_name("joint");
     spec.add_geom(body).set_name("in_body");
-    spec.add_motor().set_name("motor").set_joint("joint");
+    spec.add_actuator(ActuatorElement::Motor).set_name("motor").set_joint("joint");
     let model = spec.compile().unwrap();
     for name in ["in_world", "in_body"] {
         let geom = model.geom(name).unwrap();

@@ -1,8 +1,8 @@
 //! Specs that a program builds.
 
-use mujoco_safe::enums::{GeomType, JointType, SensorType};
+use mujoco_safe::enums::{GeomType, JointType, SensorType, TextureType};
 use mujoco_safe::kind::Kind;
-use mujoco_safe::spec::Spec;
+use mujoco_safe::spec::{ActuatorElement, Spec, TexturePattern};
 use mujoco_safe::{Error, Model};
 
 use super::same;
@@ -12,7 +12,12 @@ fn a_model_built_in_code_equals_its_text() {
     let mut spec = Spec::new("arm");
     spec.section_mut("option").unwrap().set("timestep", 0.004).unwrap();
     spec.default_mut("main", "geom").unwrap().set("rgba", [0.5, 0.5, 0.5, 1.0]).unwrap();
-    spec.add_texture().set_name("grid").set_type("2d").set_builtin("checker").set_width(16).set_height(16);
+    spec.add_texture()
+        .set_name("grid")
+        .set_type(TextureType::Flat)
+        .set_builtin(TexturePattern::Checker)
+        .set_width(16)
+        .set_height(16);
     spec.add_material().set_name("floor").set_texture("grid");
     let world = spec.world();
     spec.add_geom(world).set_name("floor").set_type(GeomType::Plane).set_size(&[5.0, 5.0, 0.1]).set_material("floor");
@@ -34,8 +39,8 @@ fn a_model_built_in_code_equals_its_text() {
     let anchor = spec.add_site(world).set_name("anchor").set_pos([1.0, 0.0, 1.0]).id();
     spec.add_spatial_tendon().set_name("cord").set_stiffness(3.0).wrap_site(anchor).wrap_site(tip);
     spec.add_fixed_tendon().set_name("sum").wrap_joint(elbow, 2.0);
-    spec.add_motor().set_name("torque").set_joint(elbow).set_gear(&[10.0]);
-    spec.add_position().set_name("servo").set_tendon("cord").set_kp(5.0);
+    spec.add_actuator(ActuatorElement::Motor).set_name("torque").set_joint(elbow).set_gear(&[10.0]);
+    spec.add_actuator(ActuatorElement::Position).set_name("servo").set_tendon("cord").set_kp(5.0);
     spec.add_sensor(SensorType::JointPosition).unwrap().set_name("angle").set_joint(elbow);
     spec.add_sensor(SensorType::FramePosition).unwrap().set_objtype("site").set_objname("tip");
     spec.add_exclude().set_body1(upper).set_body2(lower);
@@ -91,7 +96,7 @@ fn an_element_without_a_name_gets_one_when_another_refers_to_it() {
     let cart = spec.add_body(spec.world()).id();
     let slide = spec.add_joint(cart).set_type(JointType::Slide).id();
     spec.add_geom(cart).set_size(&[0.1]);
-    spec.add_motor().set_joint(slide);
+    spec.add_actuator(ActuatorElement::Motor).set_joint(slide);
     let name = spec.joint(slide).name().unwrap().to_owned();
     assert_eq!(spec.actuator(spec.ids()[0]).attribute("joint"), Some(&name[..]));
     assert_eq!(spec.compile().unwrap().nu(), 1);
@@ -127,7 +132,7 @@ fn an_error_of_the_compiler_names_the_element() {
     assert!(error.contains("the spec 'invalid'") && error.contains("geom 1 of body 'arm'"), "{error}");
 
     let mut spec = Spec::new("keyword");
-    spec.add_camera(spec.world()).set_name("eye").set_mode("sideways");
+    spec.add_camera(spec.world()).set_name("eye").set("mode", "sideways").unwrap();
     let error = spec.compile().unwrap_err().to_string();
     assert!(error.contains("camera 'eye'"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Random changes of specs: no panic, and the text reads as the same spec.
 
 use mujoco_safe::kind::{Body, Joint, Site};
-use mujoco_safe::spec::{Mount, Spec};
+use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
@@ -66,7 +66,7 @@ fn apply(spec: &mut Spec, other: &Spec, (operation, a, b, c): Choices) {
         }
         _ => {
             if let Some(joint) = pick(&spec.ids::<Joint>(), a) {
-                spec.add_motor().set_joint(joint);
+                spec.add_actuator(ActuatorElement::Motor).set_joint(joint);
             }
         }
     }

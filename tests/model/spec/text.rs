@@ -2,7 +2,7 @@
 
 use mujoco_safe::Model;
 use mujoco_safe::kind::Geom;
-use mujoco_safe::spec::Spec;
+use mujoco_safe::spec::{ActuatorElement, Spec};
 
 /// Names that need escapes in XML, or that XML cannot have.
 fn names() -> Vec<String> {
@@ -35,7 +35,7 @@ fn all_names_survive_as_text() {
         let body = spec.add_body(world).set_name(&name).id();
         spec.add_geom(body).set_name(&name).set_size(&[0.1]);
         spec.add_joint(body).set_name(&name);
-        spec.add_motor().set_name(&name).set_joint(&name[..]);
+        spec.add_actuator(ActuatorElement::Motor).set_name(&name).set_joint(&name[..]);
         spec.add_text().set_name("t").set("data", &name[..]).unwrap();
         let text = spec.to_xml();
 
