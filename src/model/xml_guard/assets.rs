@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use super::files::{Files, Found, directory};
 use super::flexes::{self, Dim, Mesh};
+use super::lines::{after_word, ends, fields, lines};
 use super::tags::Tag;
 
 /// Largest number of values in the image of a texture or in a height field.
@@ -117,11 +118,6 @@ impl Format {
     }
 }
 
-/// Returns `true` if a name has an extension, in any case.
-pub(super) fn ends(name: &[u8], end: &[u8]) -> bool {
-    name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
-}
-
 /// Returns the 32-bit words of a file in native byte order, as the compiler reads them.
 fn words(content: &[u8]) -> impl Iterator<Item = i32> {
     content.as_chunks().0.iter().map(|&word| i32::from_ne_bytes(word))
@@ -215,20 +211,6 @@ const LARGE: &str = "is an image with too many pixels";
 fn is_large(width: u64, height: u64) -> bool {
     let pixels = width.saturating_mul(height);
     pixels > MOST_NUMBERS / 3 || width == height && pixels > i32::MAX as u64 / 18
-}
-
-/// Returns the lines of a text without leading whitespace.
-pub(super) fn lines(content: &[u8]) -> impl Iterator<Item = &[u8]> {
-    content.split(|byte| b"\n\r".contains(byte)).map(<[u8]>::trim_ascii_start)
-}
-
-/// Returns the rest of a line that starts with a word.
-pub(super) fn after_word<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
-    line.strip_prefix(word).filter(|rest| matches!(rest.first(), Some(b' ' | b'\t')))
-}
-
-pub(super) fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|field| !field.is_empty())
 }
 
 fn obj(content: &[u8]) -> Option<&'static str> {

@@ -30,7 +30,7 @@ impl Size {
         }
     }
 
-    /// Returns the size of the elements that were added to `before`. The depth is that of both.
+    /// Returns the size of the elements that were added to `before`. The depth includes `before`.
     fn since(self, before: Self) -> Self {
         Self { elements: self.elements - before.elements, models: self.models - before.models, depth: self.depth }
     }
@@ -174,7 +174,7 @@ impl Expansion {
             .map(|open| Size { depth: deepest - open.outer, ..self.within(open) })
             .chain(self.named.get(&*name).copied())
             .reduce(Size::max);
-        // The name may be that of a part of a copy, which is not recorded.
+        // The name may belong to a part of a copy, which is not recorded.
         let size = known.unwrap_or(Size { depth: deepest, ..self.size });
         let prefix = tag.attribute(b"prefix").unwrap_or_default();
         self.name([&prefix[..], &name].concat(), size);

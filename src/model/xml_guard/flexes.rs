@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-use super::assets::{after_word, ends, fields, lines};
+use super::lines::{after_word, ends, fields, lines};
 use super::tags::{Tag, numbers};
 
 /// Dimension of the elements of a flex.

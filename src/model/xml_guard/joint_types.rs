@@ -1,4 +1,4 @@
-//! Joints whose type differs from that of their class.
+//! Joints whose type differs from the type of their class.
 //!
 //! When compilers from 3.2 to 3.12 resize keyframes, for `<key>`, `<attach>` and `<replicate>`,
 //! they write the positions of a joint as if it had the type of its class, beyond the end of an
@@ -6,7 +6,7 @@
 
 use super::tags::Tag;
 
-/// State of the check. Numbers of positions are those of the types of joints.
+/// State of the check. Numbers of positions follow from the types of joints.
 #[derive(Default)]
 pub(super) struct JointTypes {
     /// Depth of the outermost open `<default>`.

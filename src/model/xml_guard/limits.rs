@@ -223,7 +223,7 @@ pub(super) fn reject_model(tag: &Tag<'_>, depth: usize) -> Option<String> {
     })
 }
 
-/// Returns `true` if the extension of a file is that of a format.
+/// Returns `true` if a file has the extension of a format.
 fn is_format_of(format: &[u8], file: &[u8]) -> bool {
     let extensions: [(&[u8], &[u8]); 5] = [
         (b"image/png", b".png"),

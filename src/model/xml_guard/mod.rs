@@ -9,11 +9,13 @@ mod flexes;
 mod fusion;
 mod joint_types;
 mod limits;
+mod lines;
 mod parents;
 mod place;
 mod plugins;
 mod readings;
 mod simulation;
+mod source;
 mod tags;
 mod urdf;
 
@@ -36,6 +38,7 @@ use self::place::{Candidate, Place};
 use self::plugins::Plugins;
 use self::readings::Readings;
 use self::simulation::{Constraints, Muscles, Rangefinders, Simulations};
+use self::source::{Source, at_line};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
 use crate::error::{Error, Result};
@@ -184,7 +187,7 @@ impl<'f> Check<'f> {
     /// Checks a model, and returns its size and its numbers of values.
     fn model(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>) -> Result<(Size, Readings)> {
         let outer = std::mem::take(&mut self.model);
-        self.text(source_name, text, place, [0, 0])?;
+        self.text(Source { name: source_name, text, place, includes: 0, elements: 0 })?;
         let inner = std::mem::replace(&mut self.model, outer);
         let reject = |message| Error::Load { source_name: source_name.to_owned(), message };
         let chain =
@@ -195,109 +198,110 @@ impl<'f> Check<'f> {
         Ok((size, inner.readings))
     }
 
-    /// Checks a text in a number of includes and of elements.
-    #[allow(clippy::too_many_lines, reason = "one check of an element after another")]
-    fn text(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>, [included, outer]: [usize; 2]) -> Result<()> {
-        let reject = |position: usize, why: &str| {
-            let message = at_line(why, text, position);
-            Err(Error::Load { source_name: source_name.to_owned(), message })
-        };
-        if let Some(position) = text.iter().position(|&byte| byte == 0) {
-            return reject(position, "the text has a NUL byte, at which the compiler would stop reading");
+    /// Checks a text and those that it includes.
+    fn text(&mut self, source: Source<'_>) -> Result<()> {
+        if let Some(position) = source.text.iter().position(|&byte| byte == 0) {
+            let why = "the text has a NUL byte, at which the compiler would stop reading";
+            return Err(source.error(position, why));
         }
         self.open += 1;
         let mut depth = 0;
-        for tag in Tags::new(text) {
-            let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
+        for tag in Tags::new(source.text) {
             if tag.closes {
-                self.parent.end(&tag);
                 depth -= usize::from(depth > 0);
-                self.model.expansion.end(outer + depth);
-                self.fusion.end(outer + depth);
-                self.joint_types.end(outer + depth);
+                self.end(&tag, source.elements + depth);
                 continue;
             }
-            if let Err(why) = self.model.expansion.start(&tag, outer + depth) {
-                return reject(tag.position, &why);
-            }
-            let file = tag.attribute(b"file");
-            self.model.readings.record(&tag, self.model.expansion.copies());
-            let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
-            let why = (names.find_map(|name| reject_name(tag.name, &name)))
-                .or_else(|| limits::reject(&tag, &self.composite))
-                .or_else(|| flexes::reject(&tag).map(str::to_owned))
-                .or_else(|| if self.model.urdf.is_urdf() { None } else { limits::reject_unknown(&tag) });
-            if let Some(why) = why {
-                return reject(tag.position, &why);
-            }
-            if let Some(why) = self.parent.start(&tag) {
-                return reject(tag.position, why);
-            }
-            self.model.plugins.record(&tag);
-            self.muscles.record(&tag, self.depth > 0);
-            self.constraints.record(&tag);
-            self.rangefinders.record(&tag, source_name);
-            self.fusion.start(&tag, outer + depth, self.depth > 0);
-            self.joint_types.start(&tag, outer + depth);
-            self.record_files(&tag, source_name, place);
-            if self.folders.len() > MOST_FOLDERS {
-                return reject(tag.position, &format!("the model has more than {MOST_FOLDERS} asset directories"));
-            }
-            // Older compilers reject a model as an asset.
-            let is_model = cfg!(engine_since = "3.2.0") && tag.name == b"model" && !self.model.urdf.is_urdf();
-            if self.open > MOST_INCLUDED && file.is_some() && (is_model || is(b"include")) {
-                let why = format!("includes are nested more than {MOST_INCLUDED} deep; a file must not include itself");
-                return reject(tag.position, &why);
-            }
-            if let Some(name) = file.filter(|_| is(b"include")) {
-                let found = match self.named(&name, place) {
-                    Ok(found) => found,
-                    Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
-                };
-                for (found, content) in found {
-                    let nested = [included + 1, outer + depth];
-                    let place = Rc::new(place.of_include(&found));
-                    self.text(&String::from_utf8_lossy(&name), &content, &place, nested)?;
-                }
-            }
-            if is_model {
-                if let Some(why) = limits::reject_model(&tag, self.depth) {
-                    return reject(tag.position, &why);
-                }
-                let name = tag.attribute(b"file").unwrap_or_default();
-                let found = match self.named(&name, place) {
-                    Ok(found) => found,
-                    Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
-                };
-                self.depth += 1;
-                for (found, content) in found {
-                    let place = Rc::new(place.of_model(&found));
-                    let (size, readings) = self.model(&String::from_utf8_lossy(&name), &content, &place)?;
-                    self.model.expansion.record_model(size);
-                    self.model.readings.record_model(&readings);
-                }
-                self.depth -= 1;
-            }
-            if self.is_repeated(&tag) {
-                return reject(
-                    tag.position,
-                    "a fixed tendon has the same joint twice; list it once, with the sum of the coefficients",
-                );
-            }
+            let level = source.elements + depth;
+            let reject = |why: String| source.error(tag.position, &why);
+            self.start(&tag, level, &source).map_err(reject)?;
+            self.nested(&tag, level, &source)?;
+            self.count(&tag).map_err(reject)?;
             // The engine resolves includes in MJCF only.
-            if included == 0
-                && let Err(why) = self.model.urdf.record(&tag, depth)
-            {
-                return reject(tag.position, &why);
-            }
-            self.count(&tag);
-            if self.bodies > MOST_BODIES || self.dofs > MOST_DOFS {
-                let why = format!("the model has more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom");
-                return reject(tag.position, &why);
+            if source.includes == 0 {
+                self.model.urdf.record(&tag, depth).map_err(reject)?;
             }
             depth += usize::from(!tag.empty);
         }
         self.open -= 1;
+        Ok(())
+    }
+
+    /// Records the start of an element inside a number of others, and applies the rules for its
+    /// attributes.
+    fn start(&mut self, tag: &Tag<'_>, level: usize, source: &Source<'_>) -> Result<(), String> {
+        self.model.expansion.start(tag, level)?;
+        self.model.readings.record(tag, self.model.expansion.copies());
+        let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
+        let why = (names.find_map(|name| reject_name(tag.name, &name)))
+            .or_else(|| limits::reject(tag, &self.composite))
+            .or_else(|| flexes::reject(tag).map(str::to_owned))
+            .or_else(|| if self.model.urdf.is_urdf() { None } else { limits::reject_unknown(tag) })
+            .or_else(|| self.parent.start(tag).map(str::to_owned));
+        if let Some(why) = why {
+            return Err(why);
+        }
+        self.model.plugins.record(tag);
+        self.muscles.record(tag, self.depth > 0);
+        self.constraints.record(tag);
+        self.rangefinders.record(tag, source.name);
+        self.fusion.start(tag, level, self.depth > 0);
+        self.joint_types.start(tag, level);
+        self.record_files(tag, source);
+        if self.folders.len() > MOST_FOLDERS {
+            return Err(format!("the model has more than {MOST_FOLDERS} asset directories"));
+        }
+        Ok(())
+    }
+
+    /// Records the end of an element.
+    fn end(&mut self, tag: &Tag<'_>, level: usize) {
+        self.parent.end(tag);
+        self.model.expansion.end(level);
+        self.fusion.end(level);
+        self.joint_types.end(level);
+    }
+
+    /// Checks the texts that an element includes or has as a model.
+    fn nested(&mut self, tag: &Tag<'_>, level: usize, source: &Source<'_>) -> Result<()> {
+        let is_include = tag.name.eq_ignore_ascii_case(b"include");
+        // Older compilers reject a model as an asset.
+        let is_model = cfg!(engine_since = "3.2.0") && tag.name == b"model" && !self.model.urdf.is_urdf();
+        if !is_include && !is_model {
+            return Ok(());
+        }
+        let reject = |why: &str| Err(source.error(tag.position, why));
+        let file = tag.attribute(b"file");
+        if self.open > MOST_INCLUDED && file.is_some() {
+            return reject(&format!(
+                "includes are nested more than {MOST_INCLUDED} deep; a file must not include itself"
+            ));
+        }
+        if let Some(why) = is_model.then(|| limits::reject_model(tag, self.depth)).flatten() {
+            return reject(&why);
+        }
+        if is_include && file.is_none() {
+            return Ok(());
+        }
+        let name = file.unwrap_or_default();
+        let found = match self.named(&name, source.place) {
+            Ok(found) => found,
+            Err(why) => return reject(&format!("'{}' {why}", abbreviated(&name))),
+        };
+        let name = String::from_utf8_lossy(&name);
+        for (found, content) in found {
+            if is_include {
+                let place = &Rc::new(source.place.of_include(&found));
+                let (includes, elements) = (source.includes + 1, level);
+                self.text(Source { name: &name, text: &content, place, includes, elements })?;
+            } else {
+                self.depth += 1;
+                let (size, readings) = self.model(&name, &content, &Rc::new(source.place.of_model(&found)))?;
+                self.depth -= 1;
+                self.model.expansion.record_model(size);
+                self.model.readings.record_model(&readings);
+            }
+        }
         Ok(())
     }
 
@@ -329,7 +333,7 @@ impl<'f> Check<'f> {
     }
 
     /// Records the asset files that a tag names, and the directories that may contain them.
-    fn record_files(&mut self, tag: &Tag<'_>, source_name: &str, place: &Rc<Place>) {
+    fn record_files(&mut self, tag: &Tag<'_>, source: &Source<'_>) {
         match tag.name {
             b"mesh" => self.meshes.push(Mesh::of_tag(tag)),
             b"flexcomp" if !is_empty(tag, b"mesh") => self.flexes.push(Dim::of(tag)),
@@ -347,8 +351,8 @@ impl<'f> Check<'f> {
             let format = Format::of(tag, &name);
             let is_mesh = tag.name == b"mesh";
             if ![&b"include"[..], b"model"].contains(&tag.name) {
-                let (name, source_name) = (name.into_owned(), source_name.to_owned());
-                self.assets.push(Asset { format, is_mesh, name, source_name, place: place.clone() });
+                let (name, source_name) = (name.into_owned(), source.name.to_owned());
+                self.assets.push(Asset { format, is_mesh, name, source_name, place: source.place.clone() });
             }
         }
     }
@@ -413,8 +417,13 @@ impl<'f> Check<'f> {
         false
     }
 
-    /// Counts bodies and degrees of freedom, with all copies of replications.
-    fn count(&mut self, tag: &Tag<'_>) {
+    /// Counts bodies and degrees of freedom, with all copies of replications, and finds joints that
+    /// a fixed tendon has twice.
+    fn count(&mut self, tag: &Tag<'_>) -> Result<(), String> {
+        if self.is_repeated(tag) {
+            let why = "a fixed tendon has the same joint twice; list it once, with the sum of the coefficients";
+            return Err(why.to_owned());
+        }
         let copies = self.model.expansion.copies();
         let add = |sum: &mut usize, count: u64| {
             *sum = sum.saturating_add(usize::try_from(count.saturating_mul(copies)).unwrap_or(usize::MAX));
@@ -445,6 +454,10 @@ impl<'f> Check<'f> {
             b"flexcomp" if !limits::is_interpolated(tag) => add(&mut self.bodies, grid(tag)),
             _ => {}
         }
+        if self.bodies > MOST_BODIES || self.dofs > MOST_DOFS {
+            return Err(format!("the model has more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom"));
+        }
+        Ok(())
     }
 }
 
@@ -463,12 +476,6 @@ fn counts(tag: &Tag<'_>) -> Vec<u64> {
 /// Returns `true` if an attribute is missing or empty.
 fn is_empty(tag: &Tag<'_>, name: &[u8]) -> bool {
     tag.attribute(name).is_none_or(|value| value.is_empty())
-}
-
-/// Appends the line of a position to a message.
-fn at_line(message: &str, text: &[u8], position: usize) -> String {
-    let line = text[..position].split(|&byte| byte == b'\n').count();
-    format!("{message}, line {line}")
 }
 
 #[cfg(test)]

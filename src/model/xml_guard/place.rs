@@ -5,12 +5,12 @@ use super::files::{directory, is_absolute, reduced};
 /// Directories of a text.
 #[derive(Clone)]
 pub(super) struct Place {
-    /// Directory of the text's model, followed by those of the models that have it as an asset: for
-    /// an asset of a child, the compilers of 3.2 use the directory of the parent. A directory has a
-    /// trailing slash or is empty, which is the working directory of the process.
+    /// Directory of the text's model, followed by the directories of the models that have it as an
+    /// asset: for an asset of a child, the compilers of 3.2 use the directory of the parent. A
+    /// directory has a trailing slash or is empty, which is the working directory of the process.
     models: Vec<Vec<u8>>,
-    /// Directories of the included file that contains the text, with and without that of the model.
-    /// Empty for the main text of a model.
+    /// Directories of the included file that contains the text, with and without the model's
+    /// directory. Empty for the main text of a model.
     included: Vec<Vec<u8>>,
 }
 
@@ -31,7 +31,8 @@ impl Place {
     pub(super) fn of_include(&self, found: &Candidate) -> Self {
         let mut included = vec![directory(&found.path).to_owned(), directory(&found.name).to_owned()];
         if cfg!(not(engine_since = "3.2.0")) {
-            // These compilers append the directory to that of the file that includes this one.
+            // These compilers append the directory to the directory of the file that includes this
+            // one.
             let outer = self.included.first().unwrap_or(&self.models[0]);
             included.push([outer, directory(&found.path)].concat());
         }
@@ -48,8 +49,8 @@ impl Place {
     }
 
     /// Returns the paths at which the compiler may find an included text or another model. Newer
-    /// compilers look first in the directory of the model, and then in that of the included file
-    /// with the name.
+    /// compilers look first in the directory of the model, and then in the directory of the
+    /// included file with the name.
     pub(super) fn texts(&self, name: &[u8]) -> Vec<Candidate> {
         let [directory, ..] = &self.models[..] else { return Vec::new() };
         // The compiler of 2.2.2 appends the name to the directory even if the name is absolute.

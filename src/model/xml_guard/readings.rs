@@ -113,7 +113,7 @@ impl Readings {
         self.users = self.users.max(child.users);
     }
 
-    /// Returns the numbers of rays and values, with those of copies and of attached models.
+    /// Returns the numbers of rays and values, including copies and attached models.
     fn totals(&self) -> [u64; 2] {
         let rays = self.pixels.saturating_mul(self.cameras);
         let samples = if self.samples > 1 { 4 * self.samples.saturating_mul(self.actuators) } else { 0 };

@@ -73,8 +73,8 @@ impl Muscles {
 }
 
 /// Constraints that the engine reads in the compiler's test step without checking that there was
-/// room for them, collected tag by tag: those of adhesive actuators, and since 2.3 equality
-/// constraints.
+/// room for them, collected tag by tag: the constraints of adhesive actuators, and since 2.3
+/// equality constraints.
 #[derive(Default)]
 pub(super) struct Constraints {
     are_needed: bool,
@@ -152,7 +152,7 @@ impl Rangefinders {
             b"geom" => self.has_height_field_geom |= tag.attribute(b"hfield").is_some(),
             // Numbers that do not fit into a C int have already been rejected.
             b"hfield" => {
-                // If a size is missing or zero, the compiler uses that of the file.
+                // If a size is missing or zero, the compiler uses the size in the file.
                 let size = |name| tag.integer(name).and_then(|size| u64::try_from(size).ok()).filter(|&size| size > 0);
                 let size = [size(b"nrow"), size(b"ncol")];
                 self.record_field(size[0].zip(size[1]).map(<[u64; 2]>::from), source_name);
