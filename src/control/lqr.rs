@@ -1,38 +1,18 @@
 //! The linear-quadratic regulator about a set-point.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::feedback::Feedback;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
+use super::weights::LqrWeights;
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::derivative::{self, Lineariser, StateSpace, TransitionOptions, TransitionOutputs};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
-/// Weights of a quadratic cost of deviations: `dxᵀ Q dx + duᵀ R du + 2 dxᵀ S du` at every step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LqrWeights {
-    /// `(nx, nx)`, symmetric: cost of the state.
-    pub q: DMatrix<f64>,
-    /// `(nu, nu)`, symmetric and positive definite: cost of the controls.
-    pub r: DMatrix<f64>,
-    /// `(nx, nu)`: cross term of the state and the controls; `None` means zero.
-    pub s: Option<DMatrix<f64>>,
-}
-
-impl LqrWeights {
-    /// Creates diagonal weights: one weight per state, `[dq; dv; da]`, and one per control.
-    pub fn diagonal(state: &[f64], control: &[f64]) -> Self {
-        let diagonal = |values: &[f64]| DMatrix::from_diagonal(&DVector::from_column_slice(values));
-        Self { q: diagonal(state), r: diagonal(control), s: None }
-    }
-}
-
 /// Linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx` with
 /// `dx = [qpos ⊖ qpos0; qvel; act − act0]`.
 ///
-/// The difference of positions is that of
+/// The difference of positions is computed by
 /// [`differentiate_pos_into`](crate::Model::differentiate_pos_into), which treats quaternions as
 /// rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore,
 /// *Optimal Control: Linear Quadratic Methods*, 1990, chapter 2).

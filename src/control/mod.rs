@@ -13,9 +13,11 @@ pub mod predictive;
 pub mod residual;
 pub mod riccati;
 mod time_varying;
+mod weights;
 
-pub use self::lqr::{Lqr, LqrWeights};
+pub use self::lqr::Lqr;
 pub use self::time_varying::TimeVaryingLqr;
+pub use self::weights::LqrWeights;
 use crate::error::Error;
 
 impl From<riccati::RiccatiError> for Error {

@@ -144,7 +144,7 @@ impl TimeVaryingLqr {
     /// # Errors
     ///
     /// [`Error::Invalid`] for zero steps, or more than there is memory for.
-    pub fn at_present_state(data: &Data, steps: usize) -> Result<Self> {
+    pub fn hold_controls(data: &Data, steps: usize) -> Result<Self> {
         let (nx, nu, _) = derivative::sizes(data.model());
         let state = data.physics_state();
         let numbers = state.len() + nu + nu * nx;
@@ -154,7 +154,7 @@ impl TimeVaryingLqr {
         Self::with_gains(data, states, controls, vec![Matrix::zeros(nu, nx); steps])
     }
 
-    /// Replaces the trajectory and the gains, whose shapes are those of
+    /// Replaces the trajectory and the gains, whose shapes are the same as in
     /// [`with_gains`](Self::with_gains). The table starts at the present time of `data`. Allocates
     /// only if a clone shares the table, or if the shapes change.
     ///

@@ -33,7 +33,7 @@ struct ActuatorValues {
     force: Vec<f64>,
     /// `(nu)`: activation after the step; zero for actuators without activation.
     activation: Vec<f64>,
-    /// `(nsensordata)`: readings, of which those of the actuator force sensors are used.
+    /// `(nsensordata)`: readings. Only the readings of the actuator force sensors are used.
     sensors: Vec<f64>,
 }
 

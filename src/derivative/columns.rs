@@ -12,11 +12,11 @@ use std::ops::Range;
 
 use super::actuation::next_activations;
 use super::convergence::{SolverCheck, is_solver_at_limit};
-use super::implicit::has_kinetic_energy;
 use super::kinks::{self, Trials, disagreement, has_contact_that_jumps, sides};
 use super::method::Kinks;
 use super::perturbation::{Input, PerturbedData, Settings};
 use super::sizes;
+use super::transition::has_kinetic_energy;
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::Integrator;
 use crate::error::Result;

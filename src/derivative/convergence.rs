@@ -2,8 +2,8 @@
 //!
 //! The derivatives of the forces can be wrong while the forces are right, and the reverse: from a
 //! warm start at rest, the forces are right at once, and after a cold start, their errors are the
-//! same on both sides of a difference. So a difference is compared with that of twice as many
-//! iterations.
+//! same on both sides of a difference. So a difference is compared with the same difference after
+//! twice as many iterations.
 
 use super::kinks::Scale;
 use super::perturbation::PerturbedData;

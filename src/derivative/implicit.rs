@@ -27,10 +27,10 @@
 //! so one difference perturbs all actuators. Acceleration sensors take one more difference for each
 //! degree of freedom, and the chain rule.
 //!
-//! (The differences at constant acceleration are those of `mjd_inverseFD` in newer versions of the
-//! engine. The theorem is applied to simulations with contacts in J. Carpentier and N. Mansard,
-//! "Analytical derivatives of rigid body dynamics algorithms", RSS 2018, and in S. Le Lidec et al.,
-//! "Differentiable simulation for physical system identification", RA-L 2021.)
+//! (`mjd_inverseFD` in newer versions of the engine computes the same differences at constant
+//! acceleration. The theorem is applied to simulations with contacts in J. Carpentier and N.
+//! Mansard, "Analytical derivatives of rigid body dynamics algorithms", RSS 2018, and in S. Le
+//! Lidec et al., "Differentiable simulation for physical system identification", RA-L 2021.)
 
 use mujoco_sys::mjSTAGE_ACC;
 
@@ -41,16 +41,17 @@ use super::newton::Newton;
 use super::perturbation::{Input, PerturbedData, Settings};
 use super::residual::{Residual, multiply_inertia};
 use super::rotation::{self, Rotation};
+use super::transition::has_kinetic_energy;
 use super::{Differences, sizes};
 use crate::data::{Data, SensorUpdate};
-use crate::enums::SensorType;
 use crate::error::Result;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
 use crate::numerics::linear_algebra::{add, add_product, invert, quotient};
 
-/// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
+/// Ratio of the perturbation of accelerations, which have large values, to the perturbation of
+/// other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
 
 /// Indices of evaluations at the base point, to its right and to its left.
@@ -99,13 +100,6 @@ pub(super) struct Linearisation {
 pub(super) fn has_implicit_damping(model: &Model) -> bool {
     let is_enabled = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
     is_enabled && model.dof_damping().iter().any(|&damping| damping > 0.0)
-}
-
-/// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates with
-/// those of positions.
-pub(super) fn has_kinetic_energy(model: &Model) -> bool {
-    let disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
-    !disabled && model.sensor_type().contains(&SensorType::KineticEnergy.raw())
 }
 
 impl Linearisation {

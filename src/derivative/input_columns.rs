@@ -1,7 +1,7 @@
 //! Columns of controls and activations of `mjd_transitionFD` with an implicit integrator.
 //!
 //! For these columns the engine before 4.0 keeps the matrix of the integrator. A control or an
-//! activation changes it if the gain of its actuator depends on the velocity, as that of a damper.
+//! activation changes it if the gain of its actuator depends on the velocity, as for a damper.
 
 use super::columns::difference;
 use super::{Differences, TransitionOutputs, sizes};

@@ -28,9 +28,9 @@ const TOLERANCE: f64 = 1e-12;
 /// times the curvature.
 const MAX_DISAGREEMENT: [f64; 2] = [0.02, 1e-4];
 
-/// Largest disagreement, as a multiple of that of a smooth step, with which differences are not
-/// repeated. Where the curvature jumps, such as at contacts as deep as the width of `solimp`, it is
-/// twice the error.
+/// Largest disagreement, as a multiple of the disagreement of a smooth step, with which differences
+/// are not repeated. Where the curvature jumps, such as at contacts as deep as the width of
+/// `solimp`, it is twice the error.
 const SMOOTH: f64 = 0.1;
 
 /// Largest of some values, for comparison with the disagreement of an entry among them.
@@ -54,8 +54,8 @@ impl Scale {
 }
 
 /// Returns the largest disagreement of the differences of a sample at the base point, to its right
-/// and to its left by `eps`, as a multiple of that of a smooth step, in the entries except those
-/// that `keep` marks.
+/// and to its left by `eps`, as a multiple of the disagreement of a smooth step, in the entries
+/// except those that `keep` marks.
 pub(super) fn disagreement([base, right, left]: [&[f64]; 3], keep: &[bool], eps: f64) -> f64 {
     let slopes = || {
         base.iter().zip(right.iter().zip(left)).map(|(base, (right, left))| ((right - base) / eps, (base - left) / eps))
@@ -98,7 +98,7 @@ impl Trials {
     ///
     /// If a function jumps at the base point by the same amount to the right and to the left, its
     /// differences on both sides are equal, and inversely proportional to the step. So differences
-    /// of a function that `may_jump` must also agree with those of the double step.
+    /// of a function that `may_jump` must also agree with the differences of the double step.
     pub(super) fn run(
         &mut self,
         settings: Settings<'_>,
@@ -173,7 +173,7 @@ enum Side {
     Left,
 }
 
-/// Sides of the kink of a muscle: true for that of a control above the activation.
+/// Sides of the kink of a muscle: true for the side on which the control is above the activation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MuscleSides {
     pub(super) of_control: bool,

@@ -44,7 +44,7 @@ const MAX_THREADS: usize = 1024;
 /// With one thread, or for a model of a few degrees of freedom, the caller's thread does all the
 /// work.
 ///
-/// At a kink of the step, the derivatives are those of one side, and the report names the kink: see
+/// At a kink of the step, the derivatives are one-sided, and the report names the kink: see
 /// [`Kinks`](super::Kinks).
 #[derive(Debug)]
 pub struct Lineariser {
@@ -138,7 +138,7 @@ impl Lineariser {
     /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that
     /// was loaded separately, [`Error::Unsupported`] for a model with delays of actuators or
     /// sensors, or with the option `sleep`, and for C and D of sensors with noise (2.2.2), and the
-    /// errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of
+    /// errors of [`Data::step`]. With [`TransitionMethod::Engine`] also the errors of
     /// [`Data::transition_fd_into`].
     pub fn linear_system_into<'a>(
         &mut self,
@@ -167,9 +167,9 @@ impl Lineariser {
 
     /// Linearises the steps along a trajectory, for a regulator whose gain varies with time.
     ///
-    /// System `k` is that of row `k` of `states`, `[qpos; qvel; act]`, and row `k` of `controls`.
-    /// Time, applied forces, mocap poses and user data are those of `data`. Each thread linearises
-    /// a share of the rows; the result does not depend on the number of threads.
+    /// System `k` belongs to row `k` of `states`, `[qpos; qvel; act]`, and row `k` of `controls`.
+    /// The time, applied forces, mocap poses and user data are taken from `data`. Each thread
+    /// linearises a share of the rows; the result does not depend on the number of threads.
     ///
     /// ```
     /// use mujoco_safe::derivative::TransitionOptions;

@@ -121,8 +121,8 @@ pub enum Fallback {
     /// [`ImplicitFast`](crate::enums::Integrator::ImplicitFast) or
     /// [`Discrete`](crate::enums::Integrator::Discrete) of newer engines, whose step depends on
     /// derivatives of forces that the engine does not expose. The analytic method has formulas for
-    /// those of `Implicit`, except for those of a medium, muscles, spatial tendons and actuators on
-    /// sites. The method is [`Columns`](TransitionMethod::Columns).
+    /// the derivatives of `Implicit`, except for the forces of a medium, muscles, spatial tendons
+    /// and actuators on sites. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics
     /// does not invert the step. The method is [`Columns`](TransitionMethod::Columns).
@@ -177,8 +177,8 @@ pub enum Fallback {
     /// contact of convex meshes, whose collision function iterates, or with engines from 3.7 a
     /// `connect` or `weld` constraint. The method is [`Implicit`](TransitionMethod::Implicit).
     Constraint,
-    /// A derivative in closed form is not finite, for example that of the limit of a ball joint at
-    /// its zero rotation. The method is [`Implicit`](TransitionMethod::Implicit).
+    /// A derivative in closed form is not finite, for example the derivative of the limit of a ball
+    /// joint at its zero rotation. The method is [`Implicit`](TransitionMethod::Implicit).
     Singular,
 }
 
@@ -221,8 +221,8 @@ bitflags! {
     /// Kinks of a step at the state of a linearisation, where derivatives have two sides, and
     /// differences that do not converge.
     ///
-    /// The side is that of an input that moves into its range. Where both directions are possible,
-    /// a muscle contracts: its control grows, and its activation decreases. The methods
+    /// The side is the one on which the input moves into its range. Where both directions are
+    /// possible, a muscle contracts: its control grows, and its activation decreases. The methods
     /// [`Columns`](TransitionMethod::Columns), [`Implicit`](TransitionMethod::Implicit) and
     /// [`Analytic`](TransitionMethod::Analytic) differentiate controls and activations on that
     /// side. [`Engine`](TransitionMethod::Engine), which is the engine's own function, does so only
@@ -231,11 +231,11 @@ bitflags! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     pub struct Kinks: u32 {
         /// The control of a muscle equals its activation, as in every steady state, so that it is
-        /// between contraction (the time constant of activation) and relaxation (that of
-        /// deactivation, with which it may be several times slower). The derivatives are those of
-        /// contraction, except that by a control at the upper end of its range, or by an activation
-        /// at the lower end of its range. Or the activation is 0 or 1, beyond which it does not
-        /// affect the time constants: the derivative is that inside.
+        /// between contraction (the time constant of activation) and relaxation (the time constant
+        /// of deactivation, with which it may be several times slower). The derivatives are for
+        /// contraction, except the derivative by a control at the upper end of its range, or by an
+        /// activation at the lower end of its range. Or the activation is 0 or 1, beyond which it
+        /// does not affect the time constants: the derivative is the one inside.
         const MUSCLES = 1;
         /// A control is at an end of its range, beyond which it has no effect. The derivative is
         /// that inside the range.
@@ -263,9 +263,10 @@ bitflags! {
         /// [options](super::TransitionOptions::eps), differences that disagree by more than 0.2 %
         /// are repeated with steps that are 10 times smaller, and 10 and 100 times larger. At
         /// contacts whose collision function can jump (of all shapes, except with planes and
-        /// between spheres and capsules), differences by positions must also agree with those of
-        /// the double step. Only [central](super::Differences::Central) differences can be checked
-        /// for kinks and jumps, and those of the method `Engine` for nothing.
+        /// between spheres and capsules), differences by positions must also agree with the
+        /// differences of the double step. Only [central](super::Differences::Central) differences
+        /// can be checked for kinks and jumps, and the differences of the method `Engine` cannot be
+        /// checked at all.
         const DIFFERENCES = 1 << 5;
         /// The length of a tendon is at an end of the range in which its spring is slack
         /// (`springlength`). The method `Analytic` gives the derivative of the slack spring. The

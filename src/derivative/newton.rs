@@ -26,7 +26,7 @@ use crate::model::Model;
 /// Largest first step, relative to the largest acceleration. A larger one shows that the solver has
 /// not converged.
 const MAX_FIRST_STEP: f64 = 1e-4;
-/// Step size below which the Hessian of elliptic cones counts as that of the result.
+/// Step size below which the Hessian of elliptic cones counts as the Hessian of the result.
 const SMALL_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 8;
 /// Largest number of constraints for which memory is reserved with engines that have no limit.

@@ -85,7 +85,7 @@ pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Inpu
 pub(super) struct BasePoint<'a> {
     /// Values of [`StateSpec::INTEGRATION`].
     pub(super) integration: &'a [f64],
-    /// `[qpos; qvel; act]` and controls of a knot of a trajectory, which replace those of
+    /// `[qpos; qvel; act]` and controls of a knot of a trajectory, which replace the values in
     /// `integration`.
     pub(super) knot: Option<(&'a [f64], &'a [f64])>,
 }

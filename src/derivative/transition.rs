@@ -4,7 +4,6 @@ use std::ptr;
 
 use mujoco_sys::{guard, mjSENS_CLOCK};
 
-use super::implicit::has_kinetic_energy;
 use super::{Differences, check_eps};
 use crate::data::{Data, PipelineFlags};
 use crate::enums::{Integrator, SensorType};
@@ -68,7 +67,7 @@ impl Data {
     /// initial guess: see [`Columns`](super::TransitionMethod::Columns).)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed
-    /// quantities are those of the last perturbed state, and count as not computed.
+    /// quantities belong to the last perturbed state, and count as not computed.
     ///
     /// # Errors
     ///
@@ -198,8 +197,8 @@ impl Data {
     }
 
     /// Corrects the derivatives of sensors of the kinetic energy by the velocities. The engine
-    /// evaluates these sensors with those of positions, which it does not repeat for a change of a
-    /// velocity.
+    /// evaluates these sensors together with the position sensors, which it does not repeat for a
+    /// change of a velocity.
     fn correct_kinetic_energy(&mut self, c: &mut Matrix) -> Result<()> {
         let (model, nv) = (self.model().clone(), self.model().nv());
         self.fwd_position()?;
@@ -294,4 +293,11 @@ fn pointer(what: &'static str, matrix: Option<&mut Matrix>, shape: (usize, usize
     Error::check_shape(what, matrix.shape(), shape)?;
     // The engine omits an output that is NULL. An empty matrix is passed as NULL too.
     Ok(if matrix.as_slice().is_empty() { ptr::null_mut() } else { matrix.as_mut_ptr() })
+}
+
+/// Returns `true` for a model with a sensor of the kinetic energy, which the engine evaluates
+/// together with the position sensors.
+pub(super) fn has_kinetic_energy(model: &Model) -> bool {
+    let disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
+    !disabled && model.sensor_type().contains(&SensorType::KineticEnergy.raw())
 }

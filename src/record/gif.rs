@@ -32,10 +32,6 @@ pub(super) struct AnimatedGif {
 }
 
 impl AnimatedGif {
-    /// GIF delays are in hundredths of a second, and viewers replace delays of less than two by
-    /// ten.
-    pub(super) const MAX_FRAMES_PER_SECOND: f64 = 50.0;
-
     pub(super) fn new(
         path: &Path,
         file: Replacement,

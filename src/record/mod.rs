@@ -37,9 +37,11 @@ mod encoder;
 mod ffmpeg;
 mod format;
 mod gif;
+mod options;
 mod palette;
 mod png;
 mod recorder;
 
 pub use self::format::Format;
-pub use self::recorder::{Recorder, RecorderOptions, Summary};
+pub use self::options::RecorderOptions;
+pub use self::recorder::{Recorder, Summary};

@@ -64,8 +64,8 @@ impl Palette {
         error as f64 / pixels.len() as f64
     }
 
-    /// Returns `true` if this error is not much larger than that of the image for which the palette
-    /// was computed.
+    /// Returns `true` if this error is not much larger than the error of the image for which the
+    /// palette was computed.
     pub(super) fn fits(&self, error: f64) -> bool {
         error <= 1.5 * self.error + 1.0
     }

@@ -23,7 +23,7 @@
 //!
 //! Both use the current [rayon] pool, which is the global one unless the call is inside
 //! `ThreadPool::install`. Each thread has its own [`Data`] and takes a chunk of simulations at a
-//! time. Each simulation starts with a full reset, so the results equal those of a loop over
+//! time. Each simulation starts with a full reset, so the results equal the results of a loop over
 //! [`Data::step`], bit for bit, for any number of threads and any chunk size.
 //!
 //! # Errors and panics
@@ -224,7 +224,7 @@ impl<'a> Rollout<'a> {
 
     /// Records `noutput` additional values after each step, which the closure writes to a row of
     /// zeros. At that point, as always after [`Data::step`], the simulation is in the new state and
-    /// its computed quantities are those of the old state.
+    /// its computed quantities belong to the old state.
     /// [`forward_after_step`](Self::forward_after_step) computes them for the new state first.
     pub fn outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
@@ -232,13 +232,13 @@ impl<'a> Rollout<'a> {
     }
 
     /// Calls [`Data::forward`] after each step, so that all quantities that the closure of
-    /// [`outputs`](Self::outputs) reads, such as poses, contacts and sensor readings, are those of
-    /// the new state.
+    /// [`outputs`](Self::outputs) reads, such as poses, contacts and sensor readings, belong to the
+    /// new state.
     ///
     /// The recorded states and sensor readings are bit for bit the same with and without this call,
-    /// unless a controller reads computed quantities: these too are then those of the present
-    /// state, except in the first step. An error of this call ends the rollout after the step, and
-    /// the outputs of that step are NaN.
+    /// unless a controller reads computed quantities: these too then belong to the present state,
+    /// except in the first step. An error of this call ends the rollout after the step, and the
+    /// outputs of that step are NaN.
     ///
     /// It costs one evaluation of forward dynamics per step. With the integrator `Euler`, this
     /// nearly doubles the time of a step.

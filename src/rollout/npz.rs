@@ -16,7 +16,7 @@ impl RolloutResult {
     /// | `sensordata` | `(nroll, nstep, nsensordata)` | [`sensordata`](Self::sensordata) |
     /// | `outputs` | `(nroll, nstep, noutput)` | [`outputs`](Self::outputs) |
     /// | `completed` | `(nroll)` | `True` if the [outcome](Self::outcomes) of the rollout is `Ok` |
-    /// | `steps` | `(nroll)` | number of steps taken: `nstep` if completed, else that of the [error](super::RolloutError::step) |
+    /// | `steps` | `(nroll)` | number of steps taken: `nstep` if completed, else the number in the [error](super::RolloutError::step) |
     ///
     /// All numbers have double precision, except for `completed` (`bool`) and `steps` (`int64`).
     /// The rows after the last step of a rollout are NaN.

@@ -188,8 +188,8 @@ struct Recorder<'b> {
     states: usize,
     /// Number of recorded steps.
     steps: usize,
-    /// Number of recorded outputs, which is lower than that of the steps if the last outputs could
-    /// not be computed.
+    /// Number of recorded outputs, which is lower than the number of steps if the last outputs
+    /// could not be computed.
     outputs: usize,
 }
 

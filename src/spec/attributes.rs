@@ -7,10 +7,39 @@
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-use super::names::Named;
 use super::schema;
 use super::tree::{Index, Tree};
 use crate::kind::Kind;
+
+/// Elements with names that others refer to. In each class the names are unique.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Named {
+    /// Kind of the compiled model.
+    Kind(Kind),
+    /// Class of defaults (`class`).
+    Class,
+    /// Frame, which the compiler removes. Nothing refers to it.
+    Frame,
+    /// Model that is an asset (`<model>`).
+    Model,
+    /// Flexible object.
+    Flex,
+    /// Instance of a plugin.
+    Instance,
+}
+
+impl std::fmt::Display for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Kind(kind) => kind.fmt(f),
+            Self::Class => f.write_str("class"),
+            Self::Frame => f.write_str("frame"),
+            Self::Model => f.write_str("model"),
+            Self::Flex => f.write_str("flex"),
+            Self::Instance => f.write_str("plugin instance"),
+        }
+    }
+}
 
 /// Meaning of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +71,7 @@ pub(super) enum Meaning {
     Agreed,
     /// Setting of `compiler` to which attached specs are converted.
     Converted,
-    /// Setting of `compiler` for the model as a whole; that of an attached spec is not used.
+    /// Setting of `compiler` for the model as a whole; the setting of an attached spec is not used.
     Ours,
 }
 

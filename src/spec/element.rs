@@ -3,9 +3,10 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use super::attributes::Named;
 use super::compile::check_character;
 use super::key::{Any, ElementId, Key, SpecKind};
-use super::names::{self, Named};
+use super::names;
 use super::schema::Schema;
 use super::tree::Index;
 use super::{Spec, Value, value};
@@ -42,7 +43,7 @@ impl<'s, K> Element<'s, K> {
         self.spec.tree.tag(self.index)
     }
 
-    /// Returns the name of the element. An asset without a name has that of its file, without
+    /// Returns the name of the element. An asset without a name has the name of its file, without
     /// directory and extension.
     #[doc(alias = "mjs_getName")]
     pub fn name(&self) -> Option<&'s str> {
@@ -119,8 +120,8 @@ impl<'s, K> ElementMut<'s, K> {
         Element::new(self.spec, self.index)
     }
 
-    /// Sets an attribute. The names of attributes, their units and the words for enums are those of
-    /// [MJCF](https://mujoco.readthedocs.io/en/stable/XMLreference.html).
+    /// Sets an attribute. The names of attributes, their units and the words for enums are the same
+    /// as in [MJCF](https://mujoco.readthedocs.io/en/stable/XMLreference.html).
     ///
     /// # Errors
     ///

@@ -5,7 +5,8 @@ use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 
 use super::Spec;
-use super::names::{self, Named};
+use super::attributes::Named;
+use super::names;
 use super::tree::{Index, Tree};
 use crate::error::{Error, Result};
 use crate::id::Lineage;
@@ -35,8 +36,8 @@ impl<K: ElementKind> SpecKind for K {
 }
 
 /// Id of an element of a [`Spec`], and of its copy in each clone that was made later. It stays
-/// valid when other elements are added or removed. The id of an element that was added after a
-/// clone is that of another spec for the clone, and vice versa.
+/// valid when other elements are added or removed. For the clone, the id of an element that was
+/// added to the original after the clone was made belongs to another spec, and vice versa.
 ///
 /// It is not the id of the element in the compiled model: look that one up by its name.
 pub struct ElementId<K = Any> {

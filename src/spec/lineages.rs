@@ -3,9 +3,9 @@
 use super::tree::Index;
 use crate::id::Lineage;
 
-/// Lineage of each element: that of the spec in which it was created. A clone has the lineages of
-/// the elements that it copies, and a new one for the elements that it creates, so an id never
-/// names two elements that were created in different specs.
+/// Lineage of each element: the lineage of the spec in which it was created. A clone has the
+/// lineages of the elements that it copies, and a new one for the elements that it creates, so an
+/// id never names two elements that were created in different specs.
 #[derive(Clone, Debug)]
 pub(super) struct Lineages {
     /// First element of each lineage, in ascending order.

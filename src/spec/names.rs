@@ -2,39 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::attributes::{self, Meaning};
+use super::attributes::{self, Meaning, Named};
 use super::tree::{Index, Tree};
 use crate::kind::Kind;
-
-/// Elements with names that others refer to. In each class the names are unique.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Named {
-    /// Kind of the compiled model.
-    Kind(Kind),
-    /// Class of defaults (`class`).
-    Class,
-    /// Frame, which the compiler removes. Nothing refers to it.
-    Frame,
-    /// Model that is an asset (`<model>`).
-    Model,
-    /// Flexible object.
-    Flex,
-    /// Instance of a plugin.
-    Instance,
-}
-
-impl std::fmt::Display for Named {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Kind(kind) => kind.fmt(f),
-            Self::Class => f.write_str("class"),
-            Self::Frame => f.write_str("frame"),
-            Self::Model => f.write_str("model"),
-            Self::Flex => f.write_str("flex"),
-            Self::Instance => f.write_str("plugin instance"),
-        }
-    }
-}
 
 /// Returns the kind of an element by its place, or `None` if it has no name in the compiled model.
 pub(super) fn kind(tree: &Tree, index: Index) -> Option<Kind> {

@@ -15,8 +15,8 @@ pub(super) fn is_asset(tree: &Tree, index: Index) -> bool {
     matches!(tree.tag(index), "mesh" | "skin" | "hfield" | "texture" | "flexcomp" | "model")
 }
 
-/// Returns the directory in which the compiler looks for the files of an asset, relative to that of
-/// the model.
+/// Returns the directory in which the compiler looks for the files of an asset, relative to the
+/// directory of the model.
 pub(super) fn directory_of(tree: &Tree, index: Index) -> Option<&str> {
     let specific = match tree.tag(index) {
         "model" => return None,

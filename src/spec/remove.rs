@@ -16,8 +16,8 @@ impl Spec {
     /// # Errors
     ///
     /// [`Error::Invalid`], and nothing is removed, if other elements refer to a removed one, or if
-    /// the element is the world or the root. [`Error::Unsupported`] if an attribute that only newer
-    /// engines than those of this crate have may refer to it.
+    /// the element is the world or the root. [`Error::Unsupported`] if an attribute that only
+    /// engines newer than the supported ones have may refer to it.
     ///
     /// # Panics
     ///

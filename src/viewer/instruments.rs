@@ -236,7 +236,7 @@ pub(crate) trait InstrumentedController: Controller + Send {
     ///
     /// # Errors
     ///
-    /// Those of the closure that declares them.
+    /// Errors of the closure that declares them.
     fn declare(&mut self, data: &Data, instruments: &mut Instruments) -> Result<()>;
 }
 

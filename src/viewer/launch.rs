@@ -1,126 +1,17 @@
-//! Options of a viewer, and the functions that open a window.
+//! The functions that open a window.
 
-use std::path::PathBuf;
 use std::thread;
 
 use super::error::ViewerError;
 use super::handle::ViewerHandle;
 use super::instruments::{InstrumentedController, Instruments, WithInstruments};
+use super::options::ViewerOptions;
 use super::simulation::{PhysicsThread, Simulation};
 use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
-use crate::error::{Error, Outcome};
-use crate::macros::with_methods;
-use crate::record::RecorderOptions;
+use crate::error::Outcome;
 use crate::trajectory::Trajectory;
-
-/// Colours of the panels of a viewer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Theme {
-    /// Light text on a dark background.
-    #[default]
-    Dark,
-    /// Dark text on a light background.
-    Light,
-}
-
-/// Options of a viewer.
-///
-/// ```
-/// use mujoco_safe::viewer::{Theme, ViewerOptions};
-///
-/// let options = ViewerOptions::default().with_title("a robot").with_size([1280, 720]);
-/// // For a projector.
-/// let options = options.with_theme(Theme::Light).with_scale(1.5);
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct ViewerOptions {
-    /// Title of the window, without NUL.
-    pub title: String,
-    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the
-    /// monitor.
-    pub size: Option<[u32; 2]>,
-    /// Vertical synchronisation, which prevents tearing.
-    pub vsync: bool,
-    /// The side panels are open at the start, as in `simulate`, if the window has place for both
-    /// beside the scene: about 840 pixels at a scale of 1.
-    pub panels: bool,
-    /// Colours of the panels.
-    pub theme: Theme,
-    /// Size of the panels and their text relative to the scale of the display. Values outside of
-    /// 0.25 to 4 are limited to this range.
-    pub scale: f64,
-    /// File of the model, which Ctrl+L reloads.
-    pub file: Option<PathBuf>,
-    /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is
-    /// appended to the name.
-    pub screenshots: PathBuf,
-    /// Path of the recordings of Ctrl+V. If the file exists, it is not overwritten: a number is
-    /// appended to the name. The extension selects the format: see
-    /// [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
-    /// `recording.gif` without `ffmpeg`.
-    pub recordings: Option<PathBuf>,
-    /// Directory of the model and of the listings that the panel "Simulation" saves: `model.xml`,
-    /// `model.mjb`, `model.txt` and `data.txt`. An existing file is not overwritten: a number is
-    /// appended to the name. By default the working directory.
-    pub directory: PathBuf,
-    /// Options of the recordings.
-    pub recording: RecorderOptions,
-}
-
-impl Default for ViewerOptions {
-    fn default() -> Self {
-        Self {
-            title: "MuJoCo".to_owned(),
-            size: None,
-            vsync: true,
-            panels: true,
-            theme: Theme::Dark,
-            scale: 1.0,
-            file: None,
-            screenshots: "screenshot.png".into(),
-            recordings: None,
-            directory: ".".into(),
-            recording: RecorderOptions::default(),
-        }
-    }
-}
-
-impl ViewerOptions {
-    /// Largest width and height of a window in the protocol of X.
-    const MAX_SIZE: u32 = u16::MAX as u32;
-
-    /// Rejects values that the windowing system cannot represent.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        if self.title.contains('\0') {
-            return Err(Error::invalid("the title of the window", format!("{:?}", self.title), "a text without NUL"));
-        }
-        if let Some([width, height]) = self.size
-            && ![width, height].iter().all(|pixels| (1..=Self::MAX_SIZE).contains(pixels))
-        {
-            let expected = format!("a width and a height from 1 to {} pixels", Self::MAX_SIZE);
-            return Err(Error::invalid("the size of the window", format!("{width} × {height}"), expected));
-        }
-        Ok(())
-    }
-}
-
-with_methods!(ViewerOptions {
-    with_title(title: impl Into<String>) = title.into(),
-    with_size(size: [u32; 2]) = Some(size),
-    with_vsync(vsync: bool),
-    with_panels(panels: bool),
-    with_theme(theme: Theme),
-    with_scale(scale: f64),
-    with_file(file: impl Into<PathBuf>) = Some(file.into()),
-    with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
-    with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),
-    with_directory(directory: impl Into<PathBuf>) = directory.into(),
-    with_recording(recording: RecorderOptions),
-});
 
 /// Window that steps a simulation itself: with a controller, by playing recorded trajectories, or
 /// with passive dynamics.
@@ -183,7 +74,7 @@ impl Viewer {
     /// controller: plotted values, parameters with sliders, and geoms. [`Instruments`] has an
     /// example. The closure returns nothing or a [`Result`](crate::Result).
     ///
-    /// The viewer calls the closure in the thread of the controller: before each picture of the
+    /// The viewer calls the closure in the thread of the controller: before each image of the
     /// simulation in the controller mode, and immediately when the user moves a slider, so that the
     /// next step uses the new value. After a step, quantities of the data that depend on the state,
     /// such as poses, are those before the step.
@@ -245,7 +136,7 @@ impl Viewer {
 ///
 /// # Errors
 ///
-/// Those of the program, and those of [`Viewer::run`]. If the window cannot be shown, the program
+/// Errors of the program, and errors of [`Viewer::run`]. If the window cannot be shown, the program
 /// is not started.
 ///
 /// ```no_run
@@ -295,7 +186,7 @@ where
 ///
 /// # Errors
 ///
-/// Those of [`Viewer::run`].
+/// Errors of [`Viewer::run`].
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{self, ViewerError, ViewerOptions};

@@ -59,6 +59,7 @@ mod input;
 mod instruments;
 mod launch;
 mod link;
+mod options;
 mod panel;
 mod simulation;
 #[cfg(feature = "test-hooks")]
@@ -73,7 +74,8 @@ pub use self::input::{Key, KeyPress, Modifiers};
 pub use self::instruments::Instruments;
 #[cfg(not(target_os = "macos"))]
 pub use self::launch::launch;
-pub use self::launch::{Theme, Viewer, ViewerOptions, run};
+pub use self::launch::{Viewer, run};
+pub use self::options::{Theme, ViewerOptions};
 
 #[cfg(test)]
 mod tests;

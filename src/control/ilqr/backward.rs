@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
+use super::policy::{AffinePolicy, PredictedDecrease};
 use crate::control::feedback::control_range;
 use crate::control::riccati::{BellmanBackup, StepCost};
 use crate::derivative::{self, LinearisationReport, StateSpace};
@@ -14,37 +15,6 @@ use crate::model::Model;
 use crate::numerics::linear_algebra::add;
 use crate::numerics::vectorised;
 use crate::parallel::for_each_item;
-
-/// Affine policy about a trajectory: `ctrl = controls + α feedforward − K dx` with the step size α.
-#[derive(Clone, Debug)]
-pub(in crate::control) struct AffinePolicy {
-    /// `(N, nu)`
-    pub(super) feedforward: Matrix,
-    /// `N` matrices K, each `(nu, nx)`.
-    pub(in crate::control) gains: Vec<Matrix>,
-}
-
-impl AffinePolicy {
-    /// Creates the zero policy, which does not change the controls.
-    pub(super) fn zeros(model: &Model, steps: usize) -> Self {
-        let (nx, nu, _) = derivative::sizes(model);
-        Self { feedforward: Matrix::zeros(steps, nu), gains: vec![Matrix::zeros(nu, nx); steps] }
-    }
-}
-
-/// Decrease of the cost that the second-order expansion predicts for a policy.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PredictedDecrease {
-    slope: f64,
-    curvature: f64,
-}
-
-impl PredictedDecrease {
-    /// Returns the predicted decrease for a step size.
-    pub(super) fn at(self, step_size: f64) -> f64 {
-        -step_size * (self.slope + 0.5 * step_size * self.curvature)
-    }
-}
 
 /// The backward pass, with its buffers.
 pub(super) struct Backward {

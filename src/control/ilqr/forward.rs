@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use super::IlqrOptions;
-use super::backward::{AffinePolicy, PredictedDecrease};
 use super::cost::TrajectoryCost;
+use super::policy::{AffinePolicy, PredictedDecrease};
 use crate::control::feedback::{Feedback, clamp};
 use crate::data::{Data, StateSpec};
 use crate::derivative;

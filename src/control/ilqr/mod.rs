@@ -30,6 +30,7 @@
 mod backward;
 mod cost;
 mod forward;
+mod policy;
 mod quadratic;
 mod search;
 
@@ -223,15 +224,15 @@ impl Ilqr {
 
     /// Minimises the cost of a trajectory of `N` steps from the present state of `data`. The search
     /// starts from the given controls, `(N, nu)`, clamped to their ranges. Applied forces, mocap
-    /// poses and user data are those of `data` in all steps.
+    /// poses and user data are the same as in `data` in all steps.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is no step or if
     /// a cost or a derivative of it is not finite, [`Error::OtherModel`] for a simulation of a
     /// model that was loaded separately, the errors of [`Data::step`] for the trajectory of the
-    /// given controls, those of the cost, for example of a [`QuadraticCost`] for a model with other
-    /// sizes, and those of [`Lineariser::along`].
+    /// given controls, the errors of the cost, for example of a [`QuadraticCost`] for a model with
+    /// other sizes, and the errors of [`Lineariser::along`].
     ///
     /// # Panics
     ///

@@ -18,9 +18,9 @@ use crate::model::{IntoModel, Model};
 /// value is twice the cost of texts that minimise `½dxᵀQdx + …`. The cost-to-go matrix of
 /// [`Lqr`](crate::Lqr) for the same weights is consistent with it as the terminal weights `P`.
 ///
-/// The difference of states is that of [`Lqr`](crate::Lqr), which treats quaternions as rotations.
-/// The second derivatives omit those of the difference itself (the Gauss–Newton approximation),
-/// which are zero for models without quaternions.
+/// The difference of states is the same as in [`Lqr`](crate::Lqr), which treats quaternions as
+/// rotations. The second derivatives omit the second derivatives of the difference itself (the
+/// Gauss–Newton approximation), which are zero for models without quaternions.
 ///
 /// The methods of [`TrajectoryCost`] return [`Error::Shape`] for a state, controls or an expansion
 /// of a wrong length. After the first evaluation in each thread, they do not allocate.
@@ -151,8 +151,8 @@ impl QuadraticCost {
         result
     }
 
-    /// Multiplies the derivatives with respect to the deviation by that of the deviation with
-    /// respect to the state. Only the blocks of quaternions differ from the identity.
+    /// Multiplies the derivatives with respect to the deviation by the derivative of the deviation
+    /// with respect to the state. Only the blocks of quaternions differ from the identity.
     fn apply_chain_rule(&self, state: &[f64], expansion: &mut CostExpansion) {
         for &[first, dof] in &self.quaternions {
             let quaternion = |state: &[f64]| -> [f64; 4] { std::array::from_fn(|index| state[first + index]) };

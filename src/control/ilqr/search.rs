@@ -2,9 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use super::backward::{AffinePolicy, Backward};
+use super::backward::Backward;
 use super::cost::TrajectoryCost;
 use super::forward::{Forward, Trial};
+use super::policy::AffinePolicy;
 use super::{IlqrOptions, IlqrStatus};
 use crate::data::{Data, StateSpec};
 use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionMethod, sizes};

@@ -35,7 +35,7 @@ impl<P: Planner, C: TrajectoryCost> PredictiveController<P, C> {
             let expected = format!("from 1 to the horizon, {}", planner.horizon());
             return Err(Error::invalid("the interval of a PredictiveController", interval, expected));
         }
-        let policy = TimeVaryingLqr::at_present_state(data, planner.horizon())?;
+        let policy = TimeVaryingLqr::hold_controls(data, planner.horizon())?;
         Ok(Self { planner, cost, policy, interval, steps_left: 0, time: data.time(), report: None })
     }
 

@@ -21,7 +21,7 @@ const ATTEMPTS: usize = 4;
 ///
 /// Each plan starts from the previous one, moved forward to the present time: from its controls
 /// with feedback about its states, or without feedback if that costs less. The regularisation
-/// carries over too. The gains are those of the last backward pass.
+/// carries over too. The last backward pass determines the gains.
 ///
 /// After the first plan, a plan in one thread does not allocate, and a plan in several threads
 /// allocates only what the queue of rayon's pool needs.

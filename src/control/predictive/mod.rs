@@ -63,7 +63,7 @@ use crate::error::Result;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanReport {
-    /// Cost of the initial trajectory: that of the previous plan, from the present state.
+    /// Cost of the initial trajectory: the trajectory of the previous plan, from the present state.
     pub initial_cost: f64,
     /// Cost of the plan.
     pub cost: f64,

@@ -190,12 +190,12 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiv
     ///
     /// If the operating system cannot create a thread.
     pub fn new(data: &Data, planner: P, cost: C) -> Result<Self> {
-        let policy = TimeVaryingLqr::at_present_state(data, planner.horizon())?;
+        let policy = TimeVaryingLqr::hold_controls(data, planner.horizon())?;
         let model = data.model().clone();
         let observed = Data::new(model.clone())?;
         let state = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
         // The controller and the planner write to separate tables.
-        let buffer = TimeVaryingLqr::at_present_state(data, planner.horizon())?;
+        let buffer = TimeVaryingLqr::hold_controls(data, planner.horizon())?;
         let job = Box::new(Job { model, state, reset: false, policy: buffer });
         let link = Arc::new(Link {
             exchange: Mutex::new(Exchange { state: PlanState::Idle(job), is_closed: false }),

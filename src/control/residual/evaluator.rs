@@ -94,8 +94,8 @@ impl Evaluator {
 }
 
 vectorised! {
-/// Adds the derivatives of the cost of a component, from those of the component by the state and
-/// the controls.
+/// Adds the derivatives of the cost of a component, given the derivatives of the component by the
+/// state and the controls.
 fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostExpansion) {
     let CostExpansion { x, u, xx, uu, xu } = expansion;
     let (nx, nu) = (x.len(), u.len());

@@ -50,7 +50,7 @@ struct SensorDerivatives {
     lineariser: Lineariser,
     c: Matrix,
     d: Matrix,
-    /// True if C and D are those of the present point.
+    /// True if C and D belong to the present point.
     present: bool,
 }
 

@@ -12,7 +12,7 @@ use crate::model::Model;
 
 /// Reading of a sensor, minus a target.
 ///
-/// The Jacobian is that of a [`Lineariser`](crate::Lineariser), which has formulas for most
+/// The Jacobian is computed by a [`Lineariser`](crate::Lineariser), which has formulas for most
 /// sensors. All sensors of a cost share one linearisation. A sensor also needs the results of
 /// [`Data::forward`], so the other residuals are faster for quantities that both have, such as the
 /// position of a site.

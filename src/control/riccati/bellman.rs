@@ -85,7 +85,7 @@ impl BellmanBackup {
         self.uu.copy_from(&self.r);
         self.uu.add_symmetric_transposed(self.simd, &self.b, &self.pb);
         if let Some(s) = cost.s {
-            // S is column-major, so its memory is that of the rows of Sᵀ.
+            // S is column-major, so its memory contains the rows of Sᵀ.
             self.s_transpose.copy_rows(m, n, s.as_slice());
             self.ux.copy_from(&self.s_transpose);
         } else {
@@ -144,8 +144,8 @@ mod tests {
         assert!(error < 1e-13, "relative error {error:e}");
     }
 
-    /// The sizes are below, at and above multiples of the block of the kernels; the last are those
-    /// of the humanoid.
+    /// The sizes are below, at and above multiples of the block of the kernels; the last are the
+    /// sizes of the humanoid.
     #[test]
     fn a_backup_equals_its_definition() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);

@@ -4,7 +4,13 @@
 use nalgebra::{Complex, DMatrix, SVD, Schur};
 
 use super::error::{RiccatiError, modulus};
-use super::problem::{MAX_EIGENVALUE_ITERATIONS, Problem};
+
+/// Maximum number of iterations of nalgebra's eigenvalue solvers, so that they terminate.
+pub(super) const MAX_EIGENVALUE_ITERATIONS: usize = 10_000;
+
+/// `A`, `B`, and without the cross term `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ`. `None` if the last two do not
+/// exist.
+pub(super) type Matrices = Option<[DMatrix<f64>; 4]>;
 
 /// Tolerances of the tests.
 #[derive(Clone, Copy)]
@@ -26,28 +32,28 @@ const ROUNDING: Tolerances = Tolerances { unit_circle: 1e-6, uncontrollable: 1e-
 const DIFFERENCES: Tolerances = Tolerances { unit_circle: 1e-3, uncontrollable: 1e-5 };
 
 /// Returns the mode that prevents a stabilising solution, if there is one.
-pub(super) fn diagnose(problem: &mut Problem) -> Option<RiccatiError> {
-    diagnose_within(problem, ROUNDING)
+pub(super) fn diagnose(matrices: &Matrices) -> Option<RiccatiError> {
+    diagnose_within(matrices, ROUNDING)
 }
 
 /// Returns the mode that explains best why no solution was found, for matrices that may be
 /// differences. The equation has a solution in theory, with gains as large as the reciprocal of the
 /// error.
-pub(super) fn diagnose_failure(problem: &mut Problem) -> Option<RiccatiError> {
-    diagnose_within(problem, ROUNDING).or_else(|| diagnose_within(problem, DIFFERENCES))
+pub(super) fn diagnose_failure(matrices: &Matrices) -> Option<RiccatiError> {
+    diagnose_within(matrices, ROUNDING).or_else(|| diagnose_within(matrices, DIFFERENCES))
 }
 
-fn diagnose_within(problem: &mut Problem, tolerances: Tolerances) -> Option<RiccatiError> {
-    let [a, b, a_without_s, q_without_s] = problem.matrices()?;
+fn diagnose_within(matrices: &Matrices, tolerances: Tolerances) -> Option<RiccatiError> {
+    let [a, b, a_without_s, q_without_s] = matrices.as_ref()?;
     let Tolerances { unit_circle, uncontrollable } = tolerances;
     let outside = |modulus: f64| modulus >= 1.0 - unit_circle;
-    if let Some((eigenvalue, distance)) = uncontrollable_mode(&a, &b, outside, uncontrollable) {
+    if let Some((eigenvalue, distance)) = uncontrollable_mode(a, b, outside, uncontrollable) {
         return Some(RiccatiError::UncontrollableMode { eigenvalue, distance });
     }
     // A mode is unobservable if it is uncontrollable in the transposed system.
     let on_circle = |modulus: f64| (modulus - 1.0).abs() <= unit_circle;
     let transpose = a_without_s.transpose();
-    uncontrollable_mode(&transpose, &q_without_s, on_circle, uncontrollable)
+    uncontrollable_mode(&transpose, q_without_s, on_circle, uncontrollable)
         .map(|(eigenvalue, distance)| RiccatiError::UnobservableMode { eigenvalue, distance })
 }
 

@@ -211,7 +211,7 @@ impl Doubling {
         true
     }
 
-    /// Expands the solution of the smallest equation to that of the largest.
+    /// Expands the solution of the smallest equation to the solution of the largest.
     fn unfold(&mut self) {
         let Self { simd, h, deflations, depth, transpose, product, .. } = self;
         for Deflation { w, h: larger } in deflations[..*depth].iter_mut().rev() {

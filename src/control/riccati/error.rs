@@ -68,8 +68,8 @@ pub enum RiccatiError {
         smallest_eigenvalue: f64,
     },
     /// Some combination of controls has no cost and no effect, so the optimal control is not
-    /// unique: `R` and `BᵀB` have a common null vector, and the pencil whose eigenvalues are those
-    /// of the closed loop is singular.
+    /// unique: `R` and `BᵀB` have a common null vector, and the pencil with the eigenvalues of the
+    /// closed loop is singular.
     SingularPencil,
     /// The cost over a finite number of steps has no minimum: `R + BᵀPB` is not positive definite
     /// in some step, so the cost is unbounded below. With a positive definite `R`, the cause is a

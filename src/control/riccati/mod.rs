@@ -133,7 +133,7 @@ pub struct RiccatiSolution {
     /// Gain `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`, `(m, n)`, of the optimal control `u = −K x`.
     pub k: DMatrix<f64>,
     /// Relative residual of the equation: the Frobenius norm of
-    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by that of `P`; zero if both
+    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by the norm of `P`; zero if both
     /// vanish.
     pub relative_residual: f64,
     /// Spectral radius of `A − BK`, the largest modulus of its eigenvalues, which is below one. In

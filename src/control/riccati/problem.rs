@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::balancing;
-use super::diagnosis::{diagnose, diagnose_failure};
+use super::diagnosis::{MAX_EIGENVALUE_ITERATIONS, Matrices, diagnose, diagnose_failure};
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
 use crate::numerics::InstructionSet;
@@ -30,9 +30,6 @@ const DOUBTFUL_RESIDUAL: f64 = 1e-6;
 
 /// Magnitude of a negative eigenvalue of `R`, relative to the largest entry, that counts as zero.
 const NEGATIVE_TOLERANCE: f64 = 1e-12;
-
-/// Maximum number of iterations of nalgebra's eigenvalue solvers, so that they terminate.
-pub(super) const MAX_EIGENVALUE_ITERATIONS: usize = 10_000;
 
 /// Riccati equation with validated matrices, symmetric `Q` and `R`, and the buffers to solve it.
 /// The states are in balanced units: see `balancing.rs`.
@@ -119,7 +116,7 @@ impl Problem {
         self.refine(&mut doubled);
         let doubtful =
             doubled.spectral_radius > 1.0 - DOUBTFUL_MARGIN || self.candidate.relative_residual > DOUBTFUL_RESIDUAL;
-        match if doubtful { diagnose(self) } else { None } {
+        match if doubtful { diagnose(&self.matrices()) } else { None } {
             Some(error) => Err(error),
             None => Ok(doubled),
         }
@@ -200,7 +197,7 @@ impl Problem {
     /// equation with a larger `Q`, whose solution is an upper bound, and then doubles again for the
     /// difference.
     fn solve_from_above(&mut self, failure: NoConvergence) -> Result<Doubled, RiccatiError> {
-        if let Some(error) = diagnose(self) {
+        if let Some(error) = diagnose(&self.matrices()) {
             return Err(error);
         }
         let norm = self.q.norm();
@@ -224,7 +221,7 @@ impl Problem {
 
     /// Returns the mode that explains a failure, or else the failure.
     pub(super) fn explain(&mut self, failure: RiccatiError) -> RiccatiError {
-        diagnose_failure(self).unwrap_or(failure)
+        diagnose_failure(&self.matrices()).unwrap_or(failure)
     }
 
     /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where
@@ -317,8 +314,8 @@ impl Problem {
     }
 
     /// Returns `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ` in the original units. If some controls have
-    /// no cost, the last two are those of the difference equation of [`start`](Self::start).
-    pub(super) fn matrices(&mut self) -> Option<[DMatrix<f64>; 4]> {
+    /// no cost, the last two are the matrices of the difference equation of [`start`](Self::start).
+    fn matrices(&mut self) -> Matrices {
         self.start().ok()?;
         let Candidate { closed_loop, residual, .. } = &self.candidate;
         let unit = |state: usize| self.units.get(state).copied().unwrap_or(1.0);

@@ -7,7 +7,8 @@ use crate::ffi;
 use crate::matrix::Matrix;
 use crate::numerics::spatial::{Vec3, cross, cross_motion, dot, sub, velocity_at, wrench};
 
-/// Subtracts the derivatives of the applied forces by the position from those of the residual.
+/// Subtracts the derivatives of the applied forces by the position from the derivatives of the
+/// residual.
 pub(super) fn differentiate(data: &Data, tree: &Tree, residual: &mut Matrix) {
     let (model, axes) = (data.model(), data.cdof());
     for body in 1..model.nbody() {

@@ -3,8 +3,8 @@
 //! D is diagonal, so W has the sparsity of M: an entry is zero unless one degree of freedom is
 //! above the other in the tree. The factorisation `W = Lᵀ Δ L`, Δ diagonal, keeps this sparsity (R.
 //! Featherstone, "Efficient factorization of the joint-space inertia matrix for branched kinematic
-//! trees", IJRR 2005). Values are stored as in the `qM` of 2.2.2: for each degree of freedom, those
-//! of its chain to the root.
+//! trees", IJRR 2005). Values are stored as in the `qM` of 2.2.2: for each degree of freedom, the
+//! values of its chain to the root.
 
 use super::tree::Tree;
 use crate::data::Data;
@@ -40,8 +40,8 @@ impl DampedInertia {
             for (offset, above) in tree.chain(tree.parent[dof]).enumerate() {
                 let at = start[dof] + 1 + offset;
                 let factor = values[at] / pivot;
-                // The row of `above` is the rest of this chain. Its entries are before those of
-                // `dof`.
+                // The row of `above` is the rest of this chain. Its entries are before the entries
+                // of `dof`.
                 for rest in 0..length - offset {
                     values[start[above] + rest] -= factor * values[at + rest];
                 }
@@ -50,7 +50,7 @@ impl DampedInertia {
         }
     }
 
-    /// Computes `W⁻¹ X` in place. Row k of X, of any width, is that of degree of freedom k.
+    /// Computes `W⁻¹ X` in place. Row k of X, of any width, belongs to degree of freedom k.
     pub(super) fn solve(&self, tree: &Tree, matrix: &mut Matrix) {
         let width = matrix.ncols();
         solve(self, tree, width, matrix.as_mut_slice());

@@ -1,5 +1,5 @@
-//! Step of the Euler integrator with implicit damping D: from the derivatives of the residual to
-//! those of the next state.
+//! Step of the Euler integrator with implicit damping D: conversion of the derivatives of the
+//! residual to the derivatives of the next state.
 //!
 //! With ∂a = −H⁻¹ ∂g, the matrices `W = M + h D` and `s = W⁻¹ M a` of the integrator, and
 //! `w = a − s = h W⁻¹ D a`,
@@ -81,9 +81,9 @@ impl Euler {
         rotation::differentiate(model, |dof| qvel[dof] + h * (qacc[dof] - spread[dof]), &mut self.rotations);
     }
 
-    /// Writes the derivatives of the next positions and velocities from those of the next
-    /// velocities. `columns` selects the columns of `velocities` that `result` has: those of A or
-    /// of B.
+    /// Writes the derivatives of the next positions and velocities, given the derivatives of the
+    /// next velocities. `columns` selects the columns of `velocities` that `result` has: the
+    /// columns of A or of B.
     pub(super) fn write(&self, h: f64, velocities: &Matrix, columns: std::ops::Range<usize>, result: &mut Matrix) {
         let nv = velocities.nrows();
         for dof in 0..nv {

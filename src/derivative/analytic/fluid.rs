@@ -79,8 +79,8 @@ impl Drag {
     }
 }
 
-/// Subtracts the derivatives of the forces of the medium from those of the residual, by positions
-/// and velocities.
+/// Subtracts the derivatives of the forces of the medium by positions and velocities from the
+/// derivatives of the residual.
 pub(super) fn differentiate(data: &Data, tree: &Tree, bodies: &RigidBodies, residual: &mut Matrix) {
     let (model, axes) = (data.model(), data.cdof());
     let nv = model.nv();

@@ -1,5 +1,5 @@
-//! Step of the implicit integrator: from the derivatives of the accelerations to those of the next
-//! state.
+//! Step of the implicit integrator: conversion of the derivatives of the accelerations to the
+//! derivatives of the next state.
 //!
 //! The integrator treats the smooth forces τ as linear in the velocity over the step: with
 //! `Q = ∂τ/∂v`, `W = M − h Q` and the accelerations a, `s = W⁻¹ M a` and `v' = v + h s` ("Numerical
@@ -11,8 +11,9 @@
 //!
 //! Q consists of damping, of the velocity gains of actuators, which may depend on controls and
 //! activations, and of −∂c/∂v for the Coriolis and centrifugal forces c. These are quadratic in v,
-//! c(v) = b(v, v) with a symmetric b, so `(∂c/∂v) s = 2 b(v, s)`, and its derivatives are those of
-//! inverse dynamics (`rigid_body.rs`) without accelerations and gravity, at other velocities:
+//! c(v) = b(v, v) with a symmetric b, so `(∂c/∂v) s = 2 b(v, s)`, and its derivatives follow from
+//! the derivatives of inverse dynamics (`rigid_body.rs`) without accelerations and gravity, at
+//! other velocities:
 //!
 //! ```text
 //! ∂q (∂c/∂v s) = ∂q c(v + s) − ∂q c(v) − ∂q c(s),        ∂v (∂c/∂v s) = (∂c/∂v)(s).

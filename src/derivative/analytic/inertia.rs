@@ -41,13 +41,13 @@ pub(super) fn differentiate(data: &Data, tree: &Tree, bodies: &RigidBodies, resu
     }
 }
 
-/// Returns the degrees of freedom of the groups above that of another.
+/// Returns the degrees of freedom of the groups above the group of `dof`.
 fn above(tree: &Tree, dof: usize) -> impl Iterator<Item = usize> {
     tree.chain(tree.parent[tree.groups[tree.group[dof]].first])
 }
 
-/// Writes the derivatives of the elements of row k of the inertia matrix by degree of freedom j
-/// from that of the momentum `I_k S_k`.
+/// Writes the derivatives of the elements of row k of the inertia matrix by degree of freedom j,
+/// given the derivative of the momentum `I_k S_k`.
 fn write(data: &Data, tree: &Tree, (j, k): (usize, usize), change: &Spatial, result: &mut [f64]) {
     let (start, row) = data.inertia_place(k);
     let mut element = |index: usize, l: usize| {

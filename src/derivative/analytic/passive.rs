@@ -23,8 +23,8 @@ pub(super) fn kinks(data: &Data) -> Kinks {
     if has_springs && (0..model.ntendon()).any(is_at_end) { Kinks::SPRINGS } else { Kinks::empty() }
 }
 
-/// Subtracts the derivatives of the passive forces, at constant moment arms, from those of the
-/// residual.
+/// Subtracts the derivatives of the passive forces, at constant moment arms, from the derivatives
+/// of the residual.
 pub(super) fn differentiate(data: &Data, tendons: &Tendons, row: &mut [f64], residual: &mut Matrix) {
     let model = data.model();
     let nv = model.nv();

@@ -159,7 +159,7 @@ impl RigidBodies {
         add(&momentum(&subtree.inertia, acceleration), &subtree.bias.map(|row| dot(&row, velocity)))
     }
 
-    /// Returns the inertia of a subtree. That of the world is unused.
+    /// Returns the inertia of a subtree. The inertia of the world's subtree is unused.
     pub(super) fn subtree_inertia(&self, body: usize) -> &Inertia {
         &self.subtrees[body].inertia
     }

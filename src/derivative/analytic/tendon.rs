@@ -1,9 +1,9 @@
 //! Curvature of spatial tendons: derivatives of their moment arms.
 //!
 //! A spatial tendon is a path of straight segments between sites. A segment from p₁ to p₂ with the
-//! length l, the unit vector n, and the divisor d of a pulley contributes `J = nᵀ (Jp₂ − Jp₁)/d`:
-//! the generalised force of a unit tension is that of the force `φ = n/d` on the second body at p₂,
-//! and −φ on the first at p₁. As for a contact, degree of freedom j changes the force vectors by
+//! length l, the unit vector n, and the divisor d of a pulley contributes `J = nᵀ (Jp₂ − Jp₁)/d`: a
+//! unit tension has the same generalised force as the force `φ = n/d` on the second body at p₂ and
+//! −φ on the first at p₁. As for a contact, degree of freedom j changes the force vectors by
 //!
 //! ```text
 //! ∂(r × φ, φ) = (∂p × φ + r × ∂φ, ∂φ),      ∂φ = (1 − n nᵀ) (∂p₂ − ∂p₁)/(l d),
@@ -69,9 +69,9 @@ impl Tendons {
         self.acceleration.row(tendon)
     }
 
-    /// Computes the derivatives of the moment arms, and subtracts those of the forces of all
-    /// tensions at constant tension from the derivatives of the residual. Those of actuators count
-    /// if the residual contains them. Returns `false` if a tendon has no formula.
+    /// Computes the derivatives of the moment arms. Subtracts the derivatives of the forces of all
+    /// tensions, at constant tension, from the derivatives of the residual. The tensions of
+    /// actuators count if the residual contains them. Returns `false` if a tendon has no formula.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,

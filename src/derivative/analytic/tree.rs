@@ -3,8 +3,8 @@
 //!
 //! A hinge and a slide are a group of one. A ball is a group of three. A free joint has two groups,
 //! translations and rotations. Degree of freedom `j` displaces the axes of `k` if the group of `k`
-//! is that of `j` or comes after it on the way to a leaf. Within a group all pairs count: the axes
-//! of a ball are those of its body, and turn with it.
+//! is the group of `j` or comes after it on the way to a leaf. Within a group all pairs count: the
+//! axes of a ball are the axes of its body, and turn with it.
 
 use std::iter;
 use std::ops::Range;

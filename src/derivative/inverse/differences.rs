@@ -8,7 +8,7 @@ use mujoco_sys::guard;
 
 use super::{InverseForce, InverseOutputs};
 use crate::data::{Data, SensorUpdate, Stage};
-use crate::derivative::implicit::has_kinetic_energy;
+use crate::derivative::transition::has_kinetic_energy;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::matrix::Matrix;
@@ -109,8 +109,8 @@ impl<'a> InversePerturbation<'a> {
         match self.force {
             InverseForce::Total => self.data.inverse_skip(skip, sensors),
             InverseForce::WithoutActuators => {
-                // Inverse dynamics does not compute the forces of actuators, but sensors read them:
-                // those of the previous perturbation.
+                // Inverse dynamics does not compute the forces of actuators, but sensors read them.
+                // Without this copy, they would read the forces of the previous perturbation.
                 let saved = &self.saved[Layout::of(self.data).actuator_force];
                 // SAFETY: the engine allocated the array with this length, and the data is borrowed
                 // exclusively.

@@ -24,9 +24,9 @@ impl Lineariser {
     /// solver affects inverse dynamics, and [`InverseForce::Total`] does not depend on actuators.
     ///
     /// In closed form, the forces of the constraints are explicit functions of positions,
-    /// velocities and accelerations, and those of the bodies have the derivatives of the recursive
-    /// Newton–Euler algorithm (J. Carpentier and N. Mansard, "Analytical derivatives of rigid body
-    /// dynamics algorithms", RSS 2018). Sensors without a formula
+    /// velocities and accelerations, and the forces of the bodies have the derivatives of the
+    /// recursive Newton–Euler algorithm (J. Carpentier and N. Mansard, "Analytical derivatives of
+    /// rigid body dynamics algorithms", RSS 2018). Sensors without a formula
     /// ([`differenced_sensors`](Self::differenced_sensors)) are differenced.
     ///
     /// At a kink, for example where two geoms begin to touch, closed forms are the derivatives of

@@ -116,7 +116,7 @@ pub(super) fn fluid(model: &Model) -> Option<Fallback> {
     analytic::has_fluid_obstacle(model).then_some(Fallback::Fluid)
 }
 
-/// Integrators whose inverse dynamics is that of continuous time.
+/// Integrators with the inverse dynamics of continuous time.
 pub(super) fn integrator_of_forces(model: &Model) -> Option<Fallback> {
     let integrator = Integrator::from_raw(model.raw().opt.integrator);
     let is_understood = matches!(

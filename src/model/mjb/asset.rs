@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use mujoco_sys::{mjTEXTURE_2D, mjTEXTURE_SKYBOX};
 
+use super::invalid::Invalid;
 use super::layout::{Field, field, size};
 use super::rule::{
-    Invalid, all_bytes, all_ids, all_ids_or_none, all_in, is, is_in, optional_partition, partition, piece, size_is,
+    all_bytes, all_ids, all_ids_or_none, all_in, is, is_in, optional_partition, partition, piece, size_is,
 };
 use super::view::View;
 

@@ -1,7 +1,8 @@
 //! Names, and custom fields: numbers, texts and tuples of objects.
 
+use super::invalid::Invalid;
 use super::layout::{Field, field, size};
-use super::rule::{Invalid, ids, is, is_in, partition, piece};
+use super::rule::{ids, is, is_in, partition, piece};
 use super::view::View;
 
 /// The addresses of names, in the order of both the fields and the characters.

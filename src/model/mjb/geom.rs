@@ -3,8 +3,9 @@
 
 use mujoco_sys::{mjCAMLIGHT_TARGETBODYCOM, mjGEOM_BOX, mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_PLANE, mjGEOM_SPHERE};
 
+use super::invalid::Invalid;
 use super::layout::{Field, field, size};
-use super::rule::{Invalid, all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
+use super::rule::{all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
 use super::view::View;
 
 /// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame. Newer

@@ -31,6 +31,7 @@
 mod asset;
 mod custom;
 mod geom;
+mod invalid;
 mod layout;
 #[cfg(engine_since = "3.5.0")]
 mod newer;
@@ -41,7 +42,7 @@ mod transmission;
 mod tree;
 mod view;
 
-pub(crate) use rule::Invalid;
+pub(crate) use invalid::Invalid;
 
 use super::Model;
 use view::View;

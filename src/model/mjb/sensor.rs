@@ -16,8 +16,9 @@ use mujoco_sys::{
 };
 
 use super::custom::count;
+use super::invalid::Invalid;
 use super::layout::{field, size};
-use super::rule::{Invalid, all_in, ids, is, is_in, size_is};
+use super::rule::{all_in, ids, is, is_in, size_is};
 use super::view::View;
 use crate::model::engine_limits::{are_ray_safe_sizes, rays_overrun_grid};
 

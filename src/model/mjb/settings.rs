@@ -10,8 +10,9 @@ use std::ops::RangeInclusive;
 
 use mujoco_sys::{mjCONE_ELLIPTIC, mjJAC_AUTO, mjNDISABLE, mjNENABLE, mjOption, mjSOL_NEWTON};
 
+use super::invalid::Invalid;
 use super::layout::{Array, DATA_ARRAYS, MODEL_ARRAYS, Size, size};
-use super::rule::{Invalid, must_be, size_is};
+use super::rule::{must_be, size_is};
 use super::view::{View, array_bytes};
 
 /// Alignment in bytes of each array in the engine's buffers.

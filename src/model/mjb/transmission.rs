@@ -8,8 +8,9 @@ use mujoco_sys::{
     mjTRN_SLIDERCRANK, mjTRN_TENDON, mjWRAP_CYLINDER, mjWRAP_JOINT, mjWRAP_PULLEY, mjWRAP_SITE, mjWRAP_SPHERE,
 };
 
+use super::invalid::Invalid;
 use super::layout::{Field, field, size};
-use super::rule::{Invalid, all_bytes, all_ids_or_none, all_in, ids, is, is_in, partition, piece, size_is};
+use super::rule::{all_bytes, all_ids_or_none, all_in, ids, is, is_in, partition, piece, size_is};
 use super::view::View;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {

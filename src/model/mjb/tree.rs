@@ -6,8 +6,9 @@
 
 use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
 
+use super::invalid::Invalid;
 use super::layout::{field, size};
-use super::rule::{Invalid, all_bytes, all_in, is, is_in, size_is};
+use super::rule::{all_bytes, all_in, is, is_in, size_is};
 use super::view::View;
 
 /// Limit on the degrees of freedom of one body: the size of the engine's fixed buffers for the

@@ -5,8 +5,8 @@
 
 use mujoco_sys::{mjOption, mjStatistic, mjVisual};
 
+use super::invalid::Invalid;
 use super::layout::{Array, Element, Extent, Field, MODEL_ARRAYS, SIZES, Size};
-use super::rule::Invalid;
 
 /// The integers at the start of the file: a magic number, and parameters of the engine's build
 /// (bytes in an `mjtNum`, the numbers of size fields and of arrays in `mjModel`, the version since
@@ -101,7 +101,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Reads the sizes, after checking that the header is that of this engine version.
+/// Reads the sizes, after checking that the header belongs to this engine version.
 fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
     if bytes.len() < ARRAYS_AT {
         let length = bytes.len();

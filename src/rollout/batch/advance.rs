@@ -15,8 +15,8 @@ use crate::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
 impl Batch<'_> {
     /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all
     /// simulations, and observes them. The controls keep their values from the previous step unless
-    /// the policy changes them; those of a simulation that was reset are zero unless its `start`
-    /// set them. Allocates nothing except the first [`Data`] of each thread.
+    /// the policy changes them; the controls of a simulation that was reset are zero unless its
+    /// `start` set them. Allocates nothing except the first [`Data`] of each thread.
     ///
     /// A simulation that fails is not stepped again until it is reset, and its observations are
     /// NaN: see [`failure`](Self::failure).
@@ -50,7 +50,8 @@ impl Batch<'_> {
     /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that
     /// starts, and the simulation. The first reset of a simulation starts its episode 1. Random
     /// numbers from a seed of both numbers depend neither on the threads nor on the order in which
-    /// the episodes of different simulations end, as those of [`Random`](crate::rollout::Random):
+    /// the episodes of different simulations end, like the numbers of
+    /// [`Random`](crate::rollout::Random):
     ///
     /// ```
     /// use mujoco_safe::rollout::Random;

@@ -15,7 +15,7 @@ pub(super) struct Row {
     pub(super) episode: u64,
     /// Warnings of the engine since the reset.
     pub(super) warnings: WarningCounters,
-    /// Model and callbacks, if they differ from those of a new simulation.
+    /// Model and callbacks, if they differ from a new simulation's.
     pub(super) own: Option<Box<Own>>,
 }
 

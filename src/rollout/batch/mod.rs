@@ -116,7 +116,7 @@ impl<'a> Batch<'a> {
     /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
     ///
     /// The batch calls it after each step, reset and edit. After a step, computed quantities such
-    /// as poses and contacts are those of the state before the step. After a reset or an edit, only
+    /// as poses and contacts belong to the state before the step. After a reset or an edit, only
     /// the quantities that its closure has computed are available.
     /// [`forward_after_step`](Self::forward_after_step) computes all quantities for the present
     /// state first.
@@ -133,7 +133,7 @@ impl<'a> Batch<'a> {
     }
 
     /// Calls [`Data::forward`] after each [`step`](Self::step), each reset and each edit, so that
-    /// all quantities that the closure of [`observe`](Self::observe) reads are those of the present
+    /// all quantities that the closure of [`observe`](Self::observe) reads belong to the present
     /// state. This includes sensor readings, which otherwise lag by one engine step like all
     /// computed quantities.
     ///
@@ -211,7 +211,7 @@ impl<'a> Batch<'a> {
 
     /// Returns the states of all simulations `(n, nstate)`. A row is a state vector of
     /// [`StateSpec::INTEGRATION`]; [`Model::state_range`] finds a part in it. The controls in a
-    /// state are those of the last step.
+    /// state are the controls of the last step.
     ///
     /// ```
     /// use mujoco_safe::{Batch, StateSpec, sample};

@@ -7,15 +7,15 @@ use crate::rollout::Parameters;
 
 /// # Parameters of the model for each simulation
 impl Batch<'_> {
-    /// Gives each simulation its own values of these parameters, at first those of the model.
-    /// Replaces earlier parameters, whose values remain in the simulations.
+    /// Gives each simulation its own values of these parameters, at first the model's. Replaces
+    /// earlier parameters, whose values remain in the simulations.
     ///
     /// A simulation with other values keeps them and the quantities derived from them, a few
     /// kilobytes for a humanoid, instead of a copy of the model. Each thread has one copy, into
     /// which it writes the values of a simulation before a step. This adds about 4 % to the time of
     /// a humanoid's step (`cargo bench --bench batch`).
     ///
-    /// [`set_parameters`](Self::set_parameters) and [`draw_parameters`](Self::draw_parameters)
+    /// [`set_parameters`](Self::set_parameters) and [`sample_parameters`](Self::sample_parameters)
     /// change the values. [`Parameters`] has an example.
     ///
     /// # Errors
@@ -43,8 +43,8 @@ impl Batch<'_> {
     }
 
     /// Calls `set` to change the values `(nparameter)` of the simulations whose index satisfies
-    /// `which`, and observes those that change. The state does not change, also that of failed
-    /// simulations.
+    /// `which`, and observes those that change. The state of a simulation does not change, even if
+    /// it has failed.
     ///
     /// A change of a [`MassFactor`](crate::rollout::Parameter::MassFactor), or of another parameter
     /// that is documented to update the derived constants, costs a call of
@@ -116,7 +116,7 @@ impl Batch<'_> {
     /// # let mut batch = Batch::new(model, 3)?.vary(parameters)?;
     /// # let ended = [true, false, true];
     /// batch.reset_where(|index| ended[index], |_, _, data| data.qpos_mut()[1] = 0.1)?;
-    /// batch.draw_parameters(|index| ended[index], 42)?;
+    /// batch.sample_parameters(|index| ended[index], 42)?;
     /// # assert_eq!(batch.parameters()[(1, 0)], -9.81);
     /// # assert!(batch.parameters()[(0, 0)] != -9.81 && (batch.parameters()[(0, 0)] + 9.81).abs() <= 0.3);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -126,7 +126,7 @@ impl Batch<'_> {
     ///
     /// An error of [`update_constants`](crate::ModelMut::update_constants), as for
     /// [`set_parameters`](Self::set_parameters).
-    pub fn draw_parameters(&mut self, which: impl Fn(usize) -> bool, seed: u64) -> Result<()> {
+    pub fn sample_parameters(&mut self, which: impl Fn(usize) -> bool, seed: u64) -> Result<()> {
         let parameters = self.parameters.clone();
         let numbers: Vec<_> = (0..self.len()).map(|index| (self.random_index(index), self.episode(index))).collect();
         self.set_parameters(which, |index, values| {
@@ -135,7 +135,7 @@ impl Batch<'_> {
         })
     }
 
-    /// Sets the index that [`draw_parameters`](Self::draw_parameters) uses for the first
+    /// Sets the index that [`sample_parameters`](Self::sample_parameters) uses for the first
     /// simulation; zero by default. If a process has only the simulations from `index` on of a
     /// larger batch, it draws the values that one process with all of them would draw.
     ///
@@ -150,8 +150,8 @@ impl Batch<'_> {
     /// let parameters = Parameters::new().with(&model, Parameter::Gravity(2), gravity)?;
     /// let mut all = Batch::new(&model, 8)?.vary(parameters.clone())?;
     /// let mut half = Batch::new(&model, 4)?.vary(parameters)?.first_index(4);
-    /// all.draw_parameters(|_| true, 42)?;
-    /// half.draw_parameters(|_| true, 42)?;
+    /// all.sample_parameters(|_| true, 42)?;
+    /// half.sample_parameters(|_| true, 42)?;
     /// assert_eq!(half.parameters().row(0), all.parameters().row(4));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```

@@ -13,7 +13,7 @@ use crate::rollout::workers::restart;
 pub(super) enum Results {
     /// None: the arrays are zero, as after a reset.
     None,
-    /// Those of steps of the model that the batch shares, perhaps with other parameters. The next
+    /// Results of steps of the model that the batch shares, perhaps with other parameters. The next
     /// such step computes the same quantities, so it overwrites them.
     Steps,
     /// Anything that a closure, another model or a failed call can leave.

@@ -8,7 +8,7 @@ use crate::model::{Model, ModelMut};
 
 /// Quantity of the model with a value for each simulation of a batch. Each is one number.
 ///
-/// All values are those of the model's field, with the exception of
+/// Each value is the value of the model's field, with the exception of
 /// [`MassFactor`](Self::MassFactor). Components count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]

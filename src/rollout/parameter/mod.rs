@@ -5,13 +5,11 @@ mod random;
 
 pub use self::field::Parameter;
 pub use self::random::{Distribution, Random};
-#[cfg(doc)]
-use super::Batch;
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};
 
-/// List of parameters that differ between the simulations of a [`Batch`], each with the
-/// distribution of its values.
+/// List of parameters that differ between the simulations of a
+/// [`Batch`](super::Batch), each with the distribution of its values.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -25,7 +23,7 @@ use crate::model::{Model, ModelMut};
 ///     .with(&model, Parameter::MassFactor(pole), Distribution::LogUniform { low: 0.5, high: 2.0 })?
 ///     .with(&model, Parameter::JointDamping(hinge), Distribution::Uniform { low: 0.0, high: 0.1 })?;
 /// let mut batch = Batch::new(model, 64)?.vary(parameters)?;
-/// batch.draw_parameters(|_| true, 42)?;
+/// batch.sample_parameters(|_| true, 42)?;
 /// batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[1] = 0.2)?;
 /// batch.step(|_, _| ())?;
 ///

@@ -37,7 +37,7 @@ impl Random {
         Self::stream(seed, index, episode, 0)
     }
 
-    /// Creates one of several independent generators of an episode. Stream 0 is that of
+    /// Creates one of several independent generators of an episode. Stream 0 is the stream of
     /// [`new`](Self::new). Parameter `k` of [`Parameters`](super::Parameters) uses stream `k + 1`,
     /// and the noise and delays of a [`VectorEnvironment`](crate::environment::VectorEnvironment)
     /// use stream `u64::MAX`. For others, choose large numbers.
@@ -71,12 +71,12 @@ fn mix(number: u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// Distribution from which [`Batch::draw_parameters`](super::Batch::draw_parameters) draws the
+/// Distribution from which [`Batch::sample_parameters`](super::Batch::sample_parameters) draws the
 /// value of a [`Parameter`](super::Parameter).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Distribution {
-    /// None: draws leave the value unchanged, which is at first that of the model.
+    /// None: draws leave the value unchanged, which is at first the model's.
     Unchanged,
     /// Uniform distribution.
     Uniform {

@@ -1,9 +1,10 @@
-//! Units and conventions of angles in the text of a model.
+//! Conversion of angles to other settings of `compiler`.
 
 use super::super::attributes::{self, Meaning};
+use super::super::names;
 use super::super::tree::{Index, Tree};
-use super::super::value::{self, Value};
-use super::super::{names, paths};
+use super::super::value::Value;
+use super::units::{Angles, parsed};
 use super::{classes, positions};
 use crate::error::{Error, Result};
 use crate::math;
@@ -11,26 +12,7 @@ use crate::math;
 /// Attributes of an orientation. An element has at most one of them.
 pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
-/// Settings of `compiler` on angles.
-#[derive(Clone, PartialEq)]
-pub(super) struct Angles {
-    /// Radians in a unit.
-    unit: f64,
-    /// Order of Euler angles.
-    eulerseq: String,
-}
-
 impl Angles {
-    pub(super) fn of(tree: &Tree) -> Self {
-        let unit = if paths::setting(tree, "angle") == Some("radian") { 1.0 } else { 1_f64.to_radians() };
-        Self { unit, eulerseq: paths::setting(tree, "eulerseq").unwrap_or("xyz").to_owned() }
-    }
-
-    /// Converts a number to the unit of other settings.
-    pub(super) fn in_unit_of(&self, new: &Self, number: f64) -> f64 {
-        number * self.unit / new.unit
-    }
-
     /// Converts the angles of a model to other settings.
     pub(super) fn convert(&self, tree: &mut Tree, new: &Self) -> Result<()> {
         if self == new {
@@ -166,12 +148,4 @@ fn is_default(tree: &Tree, index: Index) -> bool {
 
 fn not_convertible(element: &str) -> Error {
     Error::Unsupported(format!("cannot attach a spec with {element} if 'angle' or 'eulerseq' of <compiler> differs"))
-}
-
-/// Parses the numbers of an attribute.
-pub(super) fn parsed(tree: &Tree, index: Index, attribute: &str, text: &str) -> Result<Vec<f64>> {
-    value::numbers(text).ok_or_else(|| {
-        let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
-        Error::invalid(what, format!("'{text}'"), "a list of numbers")
-    })
 }

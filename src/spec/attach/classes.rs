@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
-use super::super::names::{self, MAIN, Named};
+use super::super::attributes::Named;
+use super::super::names::{self, MAIN};
 use super::super::tree::{Index, Tree};
 use super::has_class;
 use crate::error::{Error, Result};
 use crate::kind::Kind;
 
-/// Tags of actuators. In a class their defaults are those of one actuator.
+/// Tags of actuators. In a class they share the defaults of one actuator.
 pub(super) const ACTUATORS: [&str; 13] = [
     "general",
     "motor",
@@ -25,7 +26,7 @@ pub(super) const ACTUATORS: [&str; 13] = [
     "dcmotor",
 ];
 
-/// Returns an attribute of an element, or that of its class of defaults.
+/// Returns an attribute of an element, or of its class of defaults if the element does not have it.
 pub(super) fn effective<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Option<&'t str> {
     tree.attribute(index, attribute).or_else(|| of_class(tree, index, attribute))
 }
@@ -39,7 +40,7 @@ pub(super) fn of_class<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Opt
 pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Index> {
     let tag = tree.tag(index);
     let own = tree.attribute(index, "class").or_else(|| {
-        // Defaults have those of the classes around theirs.
+        // Defaults inherit the defaults of the classes around their class.
         let class = tree.parent(index).filter(|&parent| tree.tag(parent) == "default");
         class.and_then(|class| names::name(tree, class))
     });
@@ -83,8 +84,9 @@ fn ancestors(tree: &Tree, index: Index) -> impl Iterator<Item = Index> {
 }
 
 /// Gives a tree and one that becomes a part of it separate classes, so that no element gets
-/// defaults of the other one. `body` is the body that will contain the child, and `prefix` that of
-/// the child's names. Returns the new class of the tree's own elements, if `main` had defaults.
+/// defaults of the other one. `body` is the body that will contain the child, and `prefix` the
+/// prefix of the child's names. Returns the new class of the tree's own elements, if `main` had
+/// defaults.
 pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &str) -> Result<Option<Index>> {
     let of_body =
         std::iter::once(body).chain(ancestors(tree, body)).any(|outer| tree.attribute(outer, "childclass").is_some());
@@ -139,8 +141,8 @@ fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -
     let last = contents.pop().unwrap_or_default();
     let mut place = tree.section("default");
     for content in contents.into_iter().map(Some).chain([None]) {
-        // Classes in a section have the defaults of this and of earlier sections, not those of
-        // later ones.
+        // Classes in a section have the defaults of this and of earlier sections, but not of later
+        // ones.
         let class_name = if content.is_some() { unused(&[tree], &format!("{name}_")) } else { name.to_owned() };
         let class = tree.add(place, "default");
         tree.node_mut(class).set("class", class_name);

@@ -5,14 +5,16 @@ mod classes;
 mod pose;
 mod positions;
 mod settings;
+mod units;
 
 use std::path::{Path, PathBuf};
 
-use self::angles::Angles;
 pub(super) use self::classes::{heirs, inseparable, separate_own};
 pub(super) use self::positions::resolved;
+use self::units::Angles;
+use super::attributes::Named;
 use super::key::{ElementId, name_or_create};
-use super::names::{self, Named, Names, WORLD};
+use super::names::{self, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
 use super::value::Value;
@@ -76,27 +78,27 @@ impl Spec {
     /// classes of defaults are copied, angles are converted if the unit or the order of Euler
     /// angles differs, limits become explicit if `autolimits` differs, and names of files become
     /// independent of `meshdir` and `texturedir`. A joint position is an angle or a length by the
-    /// type that the joint has when the text is written, also if the position or the type is that
-    /// of a class, and for joints that are added later. Defaults in `main` of this spec, also later
-    /// ones by [`default_mut`](Self::default_mut) and [`section_mut`](Self::section_mut), move to a
+    /// type that the joint has when the text is written, also if a class sets the position or the
+    /// type, and for joints that are added later. Defaults in `main` of this spec, also later ones
+    /// by [`default_mut`](Self::default_mut) and [`section_mut`](Self::section_mut), move to a
     /// class of their own, which its elements get, also those that are added later.
     ///
     /// References to the world become references to the body, and anchors of constraints in the
     /// world move with the pose. Options, statistics, visualiser settings, sizes and keyframes of
     /// the other spec are not copied. The settings of `compiler` that concern the model as a whole,
-    /// such as `fusestatic`, `discardvisual` and `lengthrange`, are those of this spec.
+    /// such as `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
     ///
     /// The settings of `compiler` that concern inertia and meshes must agree, such as
-    /// `balanceinertia` and `fitaabb`. A spec without bodies and meshes takes those of the first
-    /// one that is attached.
+    /// `balanceinertia` and `fitaabb`. A spec without bodies and meshes takes these settings from
+    /// the first spec that is attached.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings
     /// differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
-    /// element cannot be moved to the pose, or has an attribute that only newer engines than those
-    /// of this crate have, or for a prefix and a skin whose file names bodies. The pose must be
-    /// that of the body for elements that refer to the frame of the world: vertices of flexes,
+    /// element cannot be moved to the pose, or has an attribute that only engines newer than the
+    /// supported ones have, or for a prefix and a skin whose file names bodies. The pose must be
+    /// the pose of the body for elements that refer to the frame of the world: vertices of flexes,
     /// bones of skins, targets of cameras and lights, frames of sensors, and `relpose`.
     ///
     /// # Panics
@@ -259,7 +261,8 @@ fn move_anchors(child: &mut Tree, pose: &Pose) -> Result<()> {
         if is_moved && node.attribute("relpose").is_some() {
             return Err(in_world(child, index, "relpose"));
         }
-        // The anchor is in the frame of the first body, that of a weld in that of the second one.
+        // The anchor is in the frame of the first body, or for a weld in the frame of the second
+        // one.
         let is_in_world = if is_weld { second } else { first };
         if is_moved && is_in_world {
             let anchor = pose::triple(child, index, "anchor")?.or(is_weld.then_some([0.0; 3]));

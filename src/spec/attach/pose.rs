@@ -3,8 +3,9 @@
 use super::super::names;
 use super::super::tree::{Index, Tree};
 use super::super::value::Value;
-use super::angles::{Angles, ORIENTATIONS, parsed};
+use super::angles::ORIENTATIONS;
 use super::classes;
+use super::units::{Angles, parsed};
 use crate::error::{Error, Result};
 use crate::math::{self, Pose};
 
@@ -55,8 +56,8 @@ fn flexes_in_frames(tree: &Tree, index: Index) -> Vec<Index> {
 }
 
 /// Returns `true` if a `flexcomp` at another pose is the same object. The compiler moves the
-/// vertices. The axes of their joints remain those of the body, and radial joints point away from
-/// its origin. The box of the nodes turns in newer engines, but not with pins.
+/// vertices. The axes of their joints remain the axes of the body, and radial joints point away
+/// from its origin. The box of the nodes turns in newer engines, but not with pins.
 fn is_movable(tree: &Tree, flex: Index, pose: &Pose) -> bool {
     let is_turned = pose.quat != Pose::default().quat;
     let is_pinned = || tree.children(flex).iter().any(|&child| tree.tag(child) == "pin");
@@ -158,7 +159,7 @@ fn competes(tree: &Tree, index: Index) -> bool {
     }
 }
 
-/// Returns the orientation of an element, by its attributes or those of its class.
+/// Returns the orientation of an element, by its attributes or the attributes of its class.
 fn orientation(tree: &Tree, index: Index, angles: &Angles) -> Result<[f64; 4]> {
     if competes(tree, index) {
         let element = names::describe(tree, index);

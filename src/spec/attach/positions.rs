@@ -9,8 +9,8 @@ use std::borrow::Cow;
 
 use super::super::names;
 use super::super::tree::{Index, Position, Tree};
-use super::super::value::{self, Value};
-use super::angles::{Angles, parsed};
+use super::super::value::Value;
+use super::units::{Angles, parsed};
 use super::{classes, settings};
 use crate::error::{Error, Result};
 use crate::kind::Kind;
@@ -86,12 +86,6 @@ fn is_limited(tree: &Tree, index: Index) -> bool {
     match classes::effective(tree, index, "limited") {
         Some("true") => true,
         Some("false") => false,
-        _ => settings::are_limits_automatic(tree) && is_range(classes::effective(tree, index, "range")),
+        _ => settings::are_limits_automatic(tree) && settings::is_range(classes::effective(tree, index, "range")),
     }
-}
-
-/// Returns `true` if the compiler makes a range a limit.
-pub(super) fn is_range(text: Option<&str>) -> bool {
-    let numbers = text.and_then(value::numbers);
-    numbers.is_some_and(|numbers| numbers.len() == 2 && numbers[0] < numbers[1])
 }

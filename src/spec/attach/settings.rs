@@ -1,10 +1,11 @@
 //! Settings of `compiler` on which two specs must agree.
 
-use super::super::attributes::{self, Meaning};
-use super::super::names::{self, Named};
+use super::super::attributes::{self, Meaning, Named};
+use super::super::names;
 use super::super::paths;
 use super::super::tree::{Index, Tree};
-use super::{BODY, classes, positions};
+use super::super::value;
+use super::{BODY, classes};
 use crate::error::{Error, Result};
 use crate::kind::Kind;
 use crate::spec::schema::Schema;
@@ -71,8 +72,8 @@ pub(super) fn are_limits_automatic(tree: &Tree) -> bool {
     paths::setting(tree, "autolimits").unwrap_or(AUTOLIMITS) == "true"
 }
 
-/// Removes the inertias that the compiler replaces by those of the geoms. Returns `true` if all
-/// inertias are those of geoms.
+/// Removes the inertias that the compiler replaces by inertias computed from the geoms. Returns
+/// `true` if all inertias are computed from geoms.
 fn compute_inertia(child: &mut Tree) -> bool {
     let inertias: Vec<Index> =
         child.descendants(Tree::ROOT).into_iter().filter(|&index| child.tag(index) == "inertial").collect();
@@ -99,7 +100,7 @@ fn convert_limits(tree: &Tree, child: &mut Tree) -> Result<()> {
             let has_range = classes::effective(child, index, &range).is_some();
             let is_automatic = classes::effective(child, index, limited).is_none_or(|value| value == "auto");
             if has_range && is_automatic && schema.has(child, index, limited) {
-                let is_range = positions::is_range(classes::effective(child, index, &range));
+                let is_range = is_range(classes::effective(child, index, &range));
                 changes.push((index, limited, theirs && is_range));
             }
         }
@@ -108,6 +109,12 @@ fn convert_limits(tree: &Tree, child: &mut Tree) -> Result<()> {
         child.node_mut(index).set(limited, is_limited.to_string());
     }
     Ok(())
+}
+
+/// Returns `true` if the compiler makes a range a limit.
+pub(super) fn is_range(text: Option<&str>) -> bool {
+    let numbers = text.and_then(value::numbers);
+    numbers.is_some_and(|numbers| numbers.len() == 2 && numbers[0] < numbers[1])
 }
 
 #[cfg(test)]

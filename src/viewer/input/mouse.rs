@@ -12,7 +12,7 @@ const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 /// Motion of the pointer, in pixels, beyond which a click becomes a drag.
 const JITTER: f64 = 5.0;
 
-/// Zoom by a notch of the wheel, in units of the picture's height. As in the engine's programs,
+/// Zoom by a notch of the wheel, in units of the image's height. As in the engine's programs,
 /// turning the wheel away from the user moves the camera away from the scene.
 const NOTCH: f64 = -0.05;
 
@@ -20,7 +20,7 @@ const NOTCH: f64 = -0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Gesture {
     None,
-    /// Moves the camera, in units of the picture's height.
+    /// Moves the camera, in units of the image's height.
     Camera(MouseAction, [f64; 2]),
     /// Sends a request to the physics.
     Send(Request),
@@ -56,9 +56,9 @@ impl From<Duration> for EventTime {
 #[derive(Debug)]
 pub(crate) struct Mouse {
     position: [f64; 2],
-    /// Upper left corner of the picture.
+    /// Upper left corner of the image.
     origin: [f64; 2],
-    /// Size of the picture.
+    /// Size of the image.
     size: [f64; 2],
     /// Held button, and `true` if it perturbs a body.
     held: Option<(MouseButton, bool)>,
@@ -89,7 +89,7 @@ impl Mouse {
         self.size = size.map(|pixels| pixels.max(1.0));
     }
 
-    /// Returns the position of the pointer in the picture.
+    /// Returns the position of the pointer in the image.
     fn point(&self) -> ViewportPoint {
         let [x, y] = [0, 1].map(|axis| self.position[axis] - self.origin[axis]);
         let [width, height] = self.size;

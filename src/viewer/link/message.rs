@@ -86,7 +86,7 @@ pub(crate) enum EndpointRequest {
     Track(ViewportPoint),
     /// Starts to pull or rotate the selected body.
     StartPerturbation(PerturbationFlags),
-    /// Moves the target of the perturbation, in units of the picture's height.
+    /// Moves the target of the perturbation, in units of the image's height.
     MovePerturbation(MouseAction, [f64; 2]),
     StopPerturbation,
     /// Sets the control of an actuator with this number, counted from the actuator's first.
@@ -158,10 +158,10 @@ impl PartialEq for SharedModel {
     }
 }
 
-/// Point of the picture: from 0 to 1, from the left and from the bottom.
+/// Point of the image: from 0 to 1, from the left and from the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ViewportPoint {
-    /// Width of the picture divided by its height.
+    /// Width of the image divided by its height.
     pub aspectratio: f64,
     pub position: [f64; 2],
 }

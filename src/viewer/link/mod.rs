@@ -4,6 +4,7 @@
 //! through a triple buffer, events through a list. Each lock is held only to move values in or out.
 
 mod message;
+mod playback;
 mod prediction;
 mod snapshot;
 
@@ -16,6 +17,7 @@ use std::{fmt, mem};
 pub(crate) use self::message::{
     Asset, EndpointRequest, Event, PlaybackRequest, Request, SavedFile, SharedModel, SimulationRequest, ViewportPoint,
 };
+pub(crate) use self::playback::{Burst, PlaybackState, Sampling};
 pub(crate) use self::prediction::PredictedState;
 pub(crate) use self::snapshot::{
     Appearance, ControlNoise, InfoLine, InfoLines, Mode, SelectedBody, SimulationSpeed, Snapshot, Status,
@@ -114,8 +116,8 @@ pub(crate) fn link(wake: impl Fn() + Send + Sync + 'static) -> (WindowEnd, Physi
 }
 
 impl WindowEnd {
-    /// Queues a request. Returns its number, which is that of the previous request if both are
-    /// merged, or `None` if the queue is full.
+    /// Queues a request. Returns its number, which is the number of the previous request if both
+    /// are merged, or `None` if the queue is full.
     pub fn send(&self, request: impl Into<Request>) -> Option<u64> {
         let request = request.into();
         let number = {

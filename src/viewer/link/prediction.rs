@@ -3,16 +3,16 @@
 use std::collections::VecDeque;
 
 use super::{
-    Appearance, ControlNoise, EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest, Snapshot, Status,
+    Appearance, Burst, ControlNoise, EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest, Snapshot,
+    Status,
 };
 use crate::id::{ActuatorId, EqualityId, JointId};
 use crate::model::Options;
-use crate::viewer::simulation::Burst;
 
 /// Predicted state after the pending requests. The window interprets keys, buttons and edits by it,
 /// because the newest snapshot may be older than the last request while the simulation is busy.
 ///
-/// Panels base every edit on a predicted value, never on that of the snapshot. A text field
+/// Panels base every edit on a predicted value, never on the value of the snapshot. A text field
 /// discards its text if its number changes while the user types: with the number of an older
 /// snapshot, all digits but the last would be lost. A toggle or a difference would be computed from
 /// the previous value twice.

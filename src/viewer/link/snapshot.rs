@@ -3,6 +3,7 @@
 use std::fmt::{self, Arguments, Write};
 use std::sync::Arc;
 
+use super::playback::PlaybackState;
 use crate::data::{Data, SolverIteration, Timer, TimerCount};
 use crate::error::Result;
 use crate::id::{BodyId, GeomId};
@@ -10,7 +11,6 @@ use crate::model::{Model, Statistics, Visual};
 use crate::scene::{Camera, Scene};
 use crate::viewer::endpoint::CapturedKey;
 use crate::viewer::instruments::{Parameter, PlottedValue};
-use crate::viewer::simulation::PlaybackState;
 
 /// Capacity of a scene, in geoms.
 const MAX_GEOMS: usize = 10_000;

@@ -1,5 +1,5 @@
-//! Layout of the panels. The side panels lie beside the picture of the scene, the others over it.
-//! All are in layers above the background layer, so that the overlay can always determine if the
+//! Layout of the panels. The side panels lie beside the image of the scene, the others over it. All
+//! are in layers above the background layer, so that the overlay can always determine if the
 //! pointer is over a panel.
 
 use std::borrow::Cow;
@@ -17,7 +17,7 @@ use crate::viewer::view::View;
 const SIDE_WIDTH: f32 = 286.0;
 /// Minimum width of a side panel, points.
 const MIN_SIDE_WIDTH: f32 = 100.0;
-/// Minimum width of the picture between the side panels, points. The info panel fits into it.
+/// Minimum width of the image between the side panels, points. The info panel fits into it.
 const MIN_PICTURE_WIDTH: f32 = 264.0;
 /// Gap around the panels, points.
 pub(super) const GAP: f32 = 8.0;
@@ -33,8 +33,7 @@ pub fn side_widths(view: &View, has_instruments: bool, window: f32) -> [f32; 2] 
     open.map(|open| if open { width } else { 0.0 })
 }
 
-/// Returns whether a window of this width, in points, has place for both side panels and the
-/// picture.
+/// Returns whether a window of this width, in points, has place for both side panels and the image.
 pub fn has_place_for_sides(window: f32) -> bool {
     window >= 2.0 * SIDE_WIDTH + MIN_PICTURE_WIDTH
 }
@@ -69,7 +68,7 @@ pub(super) fn right(context: &Context, width: f32, content: impl FnOnce(&mut Ui)
     side(context, "right", Align2::RIGHT_TOP, width, content);
 }
 
-/// Shows a panel in the lower left corner of the picture, whose left edge is at this position.
+/// Shows a panel in the lower left corner of the image, whose left edge is at this position.
 pub(super) fn lower_left(context: &Context, left: f32, content: impl FnOnce(&mut Ui)) {
     Area::new(Id::unique("info"))
         .anchor(Align2::LEFT_BOTTOM, [left + GAP, -GAP])

@@ -50,7 +50,7 @@ impl PlotPanel {
         let room = 0.6 * ui.ctx().content_rect().height();
         let height = (room / plots.len().max(1) as f32 - TITLE_HEIGHT).clamp(MIN_HEIGHT, MAX_HEIGHT);
         for (index, plot) in plots.iter().enumerate() {
-            // A title may equal that of a plot of the viewer, or that of a plot in another panel.
+            // A title may equal the title of a plot of the viewer, or of a plot in another panel.
             ui.push_id(("instruments", index), |ui| show_plot(ui, &plot.title, "", &plot.curves, height));
         }
         #[cfg(feature = "test-hooks")]

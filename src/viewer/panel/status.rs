@@ -121,7 +121,7 @@ impl Messages {
         self.messages.iter_mut().map(time_left).min()
     }
 
-    /// Shows the messages in the picture between side panels of these widths.
+    /// Shows the messages over the image between side panels of these widths.
     pub fn show(&mut self, context: &Context, cx: &PanelContext<'_>, [left, right]: [f32; 2]) {
         if let Some(next) = self.update(Instant::now()) {
             context.request_repaint_after(next);

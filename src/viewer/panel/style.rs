@@ -3,7 +3,7 @@
 use egui::{Color32, Context, FontFamily, FontId, Shadow, Stroke, Style, TextStyle, Ui, Visuals};
 
 use super::layout;
-use crate::viewer::launch::Theme;
+use crate::viewer::options::Theme;
 
 /// Range of the scale of the panels.
 const SCALES: std::ops::RangeInclusive<f64> = 0.25..=4.0;
@@ -93,7 +93,7 @@ fn theme(context: &Context) -> Theme {
     }
 }
 
-/// Applies the style of the panels, at a scale relative to that of the display.
+/// Applies the style of the panels, at a scale relative to the scale of the display.
 pub fn apply_style(context: &Context, theme: Theme, scale: f64) {
     let (theme, colours): (_, fn(&mut Visuals)) = match theme {
         Theme::Dark => (egui::Theme::Dark, dark),

@@ -19,7 +19,6 @@ pub(super) use self::clock::SpeedMeter;
 use self::history::History;
 use self::noise::NoiseSource;
 use self::playback::Player;
-pub(crate) use self::playback::{Burst, PlaybackState};
 use self::step::StepTiming;
 use super::endpoint::SimulationEndpoint;
 use super::instruments::InstrumentedController;
@@ -80,7 +79,7 @@ impl Simulation {
         link: PhysicsEnd,
     ) -> Result<Self> {
         let player = if trajectories.is_empty() { None } else { Some(Player::new(trajectories, data.model())?) };
-        let endpoint = SimulationEndpoint::new(link, &data);
+        let endpoint = SimulationEndpoint::new(Arc::new(link), &data);
         let history = History::new(data.model());
         let mut simulation = Self {
             data,

@@ -1,7 +1,7 @@
 //! Execution of requests by the simulation.
 
-use super::{Burst, MAX_FACTOR, MIN_FACTOR, Player, Simulation};
-use crate::viewer::link::{Event, Mode, PlaybackRequest, Request, SimulationRequest};
+use super::{MAX_FACTOR, MIN_FACTOR, Player, Simulation};
+use crate::viewer::link::{Burst, Event, Mode, PlaybackRequest, Request, SimulationRequest};
 
 /// Maximum number of steps of a single request.
 const MAX_STEPS: u32 = 10_000;

@@ -8,8 +8,8 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
-use super::event_loop::{CONNECTION_LOST, Wake, WindowToken, connection_is_lost};
 use super::session::Session;
+use super::wake::{CONNECTION_LOST, Wake, WindowToken, connection_is_lost};
 use crate::error::catch_panic;
 use crate::viewer::error::ViewerError;
 

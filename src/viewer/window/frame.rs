@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::canvas::{Canvas, CanvasLayout};
 use super::overlay::Overlay;
 use super::pixel_rect::PixelRect;
-use super::session::Session;
+use super::session::{PanelContent, Session};
 use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
 use crate::viewer::link::{Event, Snapshot};
@@ -28,19 +28,6 @@ const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 /// Minimum time between passes of the panels while the simulation runs or the camera moves. Numbers
 /// that change faster cannot be read.
 const PANEL_SPACING: Duration = Duration::from_millis(100);
-
-/// Values that the panels show, except the window's.
-pub(super) struct PanelContent {
-    /// Generation and number of the snapshot.
-    snapshot: (u64, u64),
-    view: View,
-}
-
-impl PanelContent {
-    fn shows(&self, snapshot: &Snapshot, view: &View) -> bool {
-        self.snapshot == (snapshot.generation, snapshot.number) && self.view == *view
-    }
-}
 
 impl Session {
     /// Draws a frame if the window is visible.
@@ -150,7 +137,7 @@ impl Session {
     fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<(), RenderError> {
         let gpu = self.surface.gpu().clone();
         // Another snapshot may have arrived since `handle_physics_events`. Its instruments
-        // determine the area of the picture.
+        // determine the area of the image.
         self.update_model();
         let area = self.picture_area();
         self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));

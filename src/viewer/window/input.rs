@@ -6,15 +6,14 @@ use std::time::{Duration, Instant};
 
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton as WinitButton, MouseScrollDelta, WindowEvent};
-use winit::keyboard::{Key as WinitKey, ModifiersState, NamedKey};
+use winit::keyboard::{Key as WinitKey, NamedKey};
 use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::Fullscreen;
 
 use super::model_loader::ModelLoader;
+use super::overlay::viewer_modifiers;
 use super::session::Session;
-use crate::viewer::input::{
-    Action, Gesture, Key, KeyPress, Modifiers, MouseButton, WindowAction, find_action, help_text,
-};
+use crate::viewer::input::{Action, Gesture, Key, KeyPress, MouseButton, WindowAction, find_action, help_text};
 use crate::viewer::link::{EndpointRequest, Mode, Request, SharedModel, SimulationRequest};
 
 /// Columns of the terminal if `COLUMNS` is not set.
@@ -51,7 +50,7 @@ impl Session {
             WindowEvent::MouseWheel { delta, .. } => {
                 if !self.overlay.is_over(self.pointer) {
                     let mode = self.mode();
-                    let gesture = self.mouse.scroll(notches(*delta), modifiers(self.modifiers), mode);
+                    let gesture = self.mouse.scroll(notches(*delta), viewer_modifiers(self.modifiers), mode);
                     self.perform(gesture);
                 }
                 true
@@ -88,7 +87,7 @@ impl Session {
         let Some(key) = translate_key(event) else { return };
         #[cfg(feature = "test-hooks")]
         crate::viewer::test_hooks::count_marker(key);
-        let press = KeyPress { key, modifiers: modifiers(self.modifiers), repeat: event.repeat };
+        let press = KeyPress { key, modifiers: viewer_modifiers(self.modifiers), repeat: event.repeat };
         match find_action(press, self.mode()) {
             Some(action) => self.act(action),
             None => self.send(EndpointRequest::ForwardKey(press).into()),
@@ -208,7 +207,7 @@ impl Session {
             self.scene_pressed = true;
             self.overlay.stop_editing();
             let selected = self.link.current().is_some_and(|snapshot| self.predicted.may_be_selected(snapshot));
-            self.mouse.press(button, modifiers(self.modifiers), self.event_time(), selected)
+            self.mouse.press(button, viewer_modifiers(self.modifiers), self.event_time(), selected)
         };
         self.perform(gesture);
     }
@@ -218,7 +217,7 @@ impl Session {
     /// determine if they do.
     fn move_pointer(&mut self, position: [f64; 2]) -> bool {
         self.pointer = position;
-        let gesture = self.mouse.moved(position, modifiers(self.modifiers));
+        let gesture = self.mouse.moved(position, viewer_modifiers(self.modifiers));
         let moves = gesture != Gesture::None;
         self.perform(gesture);
         if moves || self.overlay.is_dragging() {
@@ -308,10 +307,6 @@ fn character(text: &str) -> Option<Key> {
         (character, None) => Some(Key::Character(character)),
         _ => None,
     }
-}
-
-pub(super) fn modifiers(state: ModifiersState) -> Modifiers {
-    Modifiers::held(state.shift_key(), state.control_key(), state.alt_key(), state.super_key())
 }
 
 fn translate_button(button: WinitButton) -> Option<MouseButton> {

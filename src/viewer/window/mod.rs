@@ -2,6 +2,7 @@
 
 mod app;
 mod canvas;
+mod capture;
 mod event_loop;
 mod frame;
 mod input;
@@ -15,15 +16,17 @@ mod scheduler;
 mod session;
 mod shape_changes;
 mod surface;
+mod wake;
 
 use std::sync::mpsc;
 
 use winit::event_loop::{EventLoop, EventLoopProxy};
 
-use self::event_loop::{EventLoopAccess, Wake, Waker, WindowToken};
+use self::event_loop::EventLoopAccess;
+use self::wake::{Wake, Waker, WindowToken};
 use super::error::ViewerError;
-use super::launch::ViewerOptions;
 use super::link::{PhysicsEnd, WindowEnd, link};
+use super::options::ViewerOptions;
 use crate::engine::enable_timers;
 
 /// Message that opens a window.

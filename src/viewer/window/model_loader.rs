@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, TryRecvError};
 use std::{io, thread};
 
-use super::event_loop::Waker;
+use super::wake::Waker;
 use crate::error::Result;
 use crate::model::Model;
 

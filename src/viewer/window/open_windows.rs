@@ -4,12 +4,12 @@ use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use winit::event_loop::EventLoopProxy;
 
-use super::event_loop::Wake;
+use super::wake::Wake;
 use crate::render::DriverUse;
 use crate::viewer::error::ViewerError;
 
-/// Exit status of a program that a signal has ended. The number is that of SIGINT by the convention
-/// of shells, because the handler does not receive the signal.
+/// Exit status of a program that a signal has ended. The number means SIGINT by the convention of
+/// shells, because the handler does not receive the signal.
 const INTERRUPTED: i32 = 130;
 
 struct OpenWindows {

@@ -1,16 +1,15 @@
-//! Screenshots and recordings of a session.
+//! Files of screenshots and recordings.
 
 use std::path::{Path, PathBuf};
 
 use super::scene_renderer::SceneRenderer;
-use super::session::Session;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::file::free_path;
 use crate::record::{Recorder, RecorderOptions, Summary};
 use crate::render::{Gpu, RenderError, RgbImage};
 use crate::viewer::error::ViewerError;
-use crate::viewer::launch::ViewerOptions;
 use crate::viewer::link::Snapshot;
+use crate::viewer::options::ViewerOptions;
 
 /// Screenshots and recordings of a session.
 pub(super) struct Output {
@@ -19,7 +18,7 @@ pub(super) struct Output {
     options: RecorderOptions,
     recording: Option<Recording>,
     /// The next frame is saved as a screenshot.
-    screenshot_requested: bool,
+    pub screenshot_requested: bool,
 }
 
 /// Messages for the user about the outputs of a frame.
@@ -50,7 +49,7 @@ impl Output {
     }
 
     /// Starts a recording with frames of this size. Returns the path of the file.
-    fn start(&mut self, size: [u32; 2]) -> Result<PathBuf> {
+    pub fn start(&mut self, size: [u32; 2]) -> Result<PathBuf> {
         let recorder = match &self.recordings {
             Some(path) => Recorder::create(free_path(path), self.options.clone())?,
             None => {
@@ -98,7 +97,7 @@ impl Output {
 
     /// Records a snapshot if a recording runs and a frame is due. An error ends the recording and
     /// is returned as a message.
-    fn record(&mut self, renderer: &mut SceneRenderer, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
+    pub fn record(&mut self, renderer: &mut SceneRenderer, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
         if let Some(recording) = &mut self.recording
             && let Err(error) = recording.add(snapshot.time, |size| renderer.picture(gpu, snapshot, size))
         {
@@ -118,60 +117,6 @@ impl Output {
         let path = free_path(&self.screenshots);
         renderer.picture(gpu, snapshot, size)?.save_png(&path)?;
         Ok(path)
-    }
-}
-
-impl Session {
-    /// Requests a screenshot of the next frame.
-    pub(super) fn request_screenshot(&mut self) {
-        self.output.screenshot_requested = true;
-    }
-
-    pub(super) fn toggle_recording(&mut self) {
-        if self.output.is_recording() {
-            let finished = self.finish_recording();
-            self.window.set_resizable(true);
-            self.report(finished.map(Option::unwrap_or_default));
-        } else {
-            let size = self.picture_area().size;
-            let started = self.output.start(size);
-            self.window.set_resizable(started.is_err());
-            self.report(started.map(|path| format!("recording to {}", path.display())));
-            // The recording starts now, even if the next frame is drawn much later.
-            self.record_newest();
-        }
-    }
-
-    /// Finishes the running recording with the newest snapshot, so that it includes the time since
-    /// the last frame.
-    pub(super) fn finish_recording(&mut self) -> Result<Option<String>> {
-        self.record_newest();
-        let time = self.link.current().map(|snapshot| snapshot.time);
-        self.output.finish(time)
-    }
-
-    /// Records the newest snapshot, even if the window is hidden.
-    fn record_newest(&mut self) {
-        if !self.output.is_recording() {
-            return;
-        }
-        self.update_model();
-        let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else { return };
-        let gpu = self.surface.gpu().clone();
-        let problem = match view.update_snapshot(snapshot) {
-            Ok(()) => self.output.record(&mut self.renderer, &gpu, snapshot),
-            Err(error) => Some(error.to_string()),
-        };
-        if let Some(problem) = problem {
-            self.panels.warn(problem);
-        }
-    }
-
-    fn report(&mut self, result: Result<String, Error>) {
-        match result {
-            Ok(notice) => self.panels.notice(notice),
-            Err(error) => self.panels.warn(error.to_string()),
-        }
     }
 }
 

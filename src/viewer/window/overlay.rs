@@ -13,12 +13,11 @@ use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
 use super::canvas::begin_pass;
-use super::input::modifiers as viewer_modifiers;
 use super::pixel_rect::PixelRect;
 use super::shape_changes::{changed_rects, clip, covered_pixels};
 use crate::render::Gpu;
 use crate::viewer::input::Modifiers;
-use crate::viewer::launch::ViewerOptions;
+use crate::viewer::options::ViewerOptions;
 use crate::viewer::panel::apply_style;
 
 /// Result of a pass of the panels.
@@ -258,8 +257,8 @@ impl Overlay {
         })
     }
 
-    /// Draws parts of the panels of the last pass over the scene. Returns commands that precede
-    /// those of the encoder.
+    /// Draws parts of the panels of the last pass over the scene. Returns commands that precede the
+    /// encoder's.
     pub fn paint(
         &mut self,
         gpu: &Gpu,
@@ -312,4 +311,9 @@ impl Drop for Overlay {
         // updates are dropped without this call.
         self.textures.clear();
     }
+}
+
+/// Returns the modifiers that are held.
+pub(super) fn viewer_modifiers(state: ModifiersState) -> Modifiers {
+    Modifiers::held(state.shift_key(), state.control_key(), state.alt_key(), state.super_key())
 }

@@ -10,8 +10,8 @@ pub(super) struct PixelRect {
 }
 
 impl PixelRect {
-    /// Returns the rectangle between two corners. It is empty unless both coordinates of `end`
-    /// exceed those of `start`.
+    /// Returns the rectangle between two corners. It is empty unless `end` exceeds `start` in both
+    /// coordinates.
     pub fn between(start: [u32; 2], end: [u32; 2]) -> Self {
         Self { origin: start, size: [0, 1].map(|axis| end[axis].saturating_sub(start[axis])) }
     }

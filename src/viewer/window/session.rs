@@ -11,8 +11,6 @@ use winit::window::{Window, WindowId};
 
 use super::Opening;
 use super::canvas::Canvas;
-use super::event_loop::{Waker, WindowToken, connection_is_lost, message_of};
-use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
 use super::open_windows::OpenWindow;
 use super::output::Output;
@@ -20,11 +18,12 @@ use super::overlay::Overlay;
 use super::scene_renderer::SceneRenderer;
 use super::scheduler::FrameScheduler;
 use super::surface::WindowSurface;
+use super::wake::{Waker, WindowToken, connection_is_lost, message_of};
 use crate::error::catch_panic;
 use crate::viewer::error::ViewerError;
 use crate::viewer::input::{EventTime, Mouse};
-use crate::viewer::launch::ViewerOptions;
-use crate::viewer::link::{PredictedState, WindowEnd};
+use crate::viewer::link::{PredictedState, Snapshot, WindowEnd};
+use crate::viewer::options::ViewerOptions;
 use crate::viewer::panel::Panels;
 use crate::viewer::view::View;
 
@@ -78,6 +77,19 @@ pub(super) struct Session {
     pub closed: bool,
     /// Dropped last, because the process may end then.
     pub _registration: OpenWindow,
+}
+
+/// Values that the panels show, except the window's.
+pub(super) struct PanelContent {
+    /// Generation and number of the snapshot.
+    pub snapshot: (u64, u64),
+    pub view: View,
+}
+
+impl PanelContent {
+    pub fn shows(&self, snapshot: &Snapshot, view: &View) -> bool {
+        self.snapshot == (snapshot.generation, snapshot.number) && self.view == *view
+    }
 }
 
 impl Session {

@@ -2,6 +2,7 @@
 
 mod calls;
 mod engine_cfg;
+mod imports;
 mod lines;
 mod promises;
 mod test_list;
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub fn run(root: &Path) -> Result<(), String> {
     let root = &root.canonicalize().map_err(|error| format!("{}: {error}", root.display()))?;
     let tests = test_list::all(root)?;
-    let found = [lines::check(root), calls::check(root), promises::check(root, &tests)].concat();
+    let found = [lines::check(root), calls::check(root), imports::check(root), promises::check(root, &tests)].concat();
     if found.is_empty() { Ok(()) } else { Err(found.join("\n")) }
 }
 

@@ -30,15 +30,15 @@ use crate::model::IntoModel;
 ///   the new plan: predictive sampling (T. Howell et al., *Predictive Sampling: Real-time Behaviour
 ///   Synthesis with MuJoCo*, 2022). The previous plan is one of the candidates, so an iteration
 ///   never increases the cost.
-/// - With a temperature λ above zero, the knots of the new plan are the mean of those of the
-///   candidates with the weights `exp(−(J − J_min) / λ)` for costs J: model predictive path
-///   integral control (MPPI; G. Williams et al., *Information theoretic MPC for model-based
-///   reinforcement learning*, ICRA 2017). The cost of the mean can exceed that of the best
-///   candidate. If its simulation is unstable, the best candidate is the plan. Costs of the noise,
-///   which the paper adds, are absent.
+/// - With a temperature λ above zero, the knots of the new plan are the mean of the candidates'
+///   knots with the weights `exp(−(J − J_min) / λ)` for costs J: model predictive path integral
+///   control (MPPI; G. Williams et al., *Information theoretic MPC for model-based reinforcement
+///   learning*, ICRA 2017). The cost of the mean can exceed the cost of the best candidate. If its
+///   simulation is unstable, the best candidate is the plan. Costs of the noise, which the paper
+///   adds, are absent.
 ///
 /// The previous plan is moved forward to the present time without interpolation, because the times
-/// of the knots do not change. The gains of the plan are zero, or those of the
+/// of the knots do not change. The gains of the plan are zero, or the gains of the
 /// [regulator](Self::with_regulator).
 ///
 /// The cost needs no derivatives, and is evaluated as for [`Ilqr`](crate::control::ilqr::Ilqr). The
@@ -138,9 +138,9 @@ impl SamplingPlanner {
     }
 
     /// Adds the controls of a regulator to the spline of each candidate. The regulator alone is the
-    /// second candidate of each iteration. The gains of the plan are those of the regulator, so
-    /// they correct deviations between two plans. Sampling about a regulator stabilises simulations
-    /// that fall within the horizon under controls without feedback.
+    /// second candidate of each iteration. The plan has the gains of the regulator, so it corrects
+    /// deviations between two plans. Sampling about a regulator stabilises simulations that fall
+    /// within the horizon under controls without feedback.
     ///
     /// # Errors
     ///

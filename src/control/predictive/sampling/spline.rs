@@ -10,7 +10,7 @@ pub enum Interpolation {
     /// A straight line.
     #[default]
     Linear,
-    /// Cubic Hermite polynomial whose slope at a knot is that of the line through its two
+    /// Cubic Hermite polynomial whose slope at a knot is the slope of the line through its two
     /// neighbours (Catmull and Rom, *A class of local interpolating splines*, 1974), and zero at
     /// the first and the last knot. It can exceed the values of the knots.
     Cubic,

@@ -51,13 +51,13 @@ fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
 }
 
-/// Returns `true` if the velocities of actuators follow those of the joints. Since 3.2 they are
-/// constant without actuation.
+/// Returns `true` if the velocities of actuators follow the velocities of the joints. Since 3.2
+/// they are constant without actuation.
 pub(super) fn has_velocities(model: &Model) -> bool {
     cfg!(not(engine_since = "3.2.0")) || !actuation_is_disabled(model)
 }
 
-/// Returns `true` if the moment arms of an actuator are constant or those of a tendon, and if its
+/// Returns `true` if the moment arms of an actuator are constant or belong to a tendon, and if its
 /// length depends on the position only by them.
 fn has_known_moment(model: &Model, actuator: usize) -> bool {
     let object = ffi::size(model.actuator_trnid()[actuator][0]);
@@ -80,8 +80,8 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns `true` if the moment arms of an actuator are the derivatives of its length, which is
-/// that of a hinge, a slide or a tendon.
+/// Returns `true` if the moment arms of an actuator are the derivatives of its length, that is, if
+/// it acts on a hinge, a slide or a tendon.
 pub(super) fn has_differentiable_length(model: &Model, actuator: usize) -> bool {
     match TransmissionType::from_raw(model.actuator_trntype()[actuator]) {
         Some(TransmissionType::Tendon) => true,
@@ -252,9 +252,9 @@ pub(super) struct NextActivation {
     pub(super) by_control: f64,
 }
 
-/// Subtracts the derivatives of the actuator forces, at constant moment arms of tendons, from those
-/// of the residual, by positions, velocities, activations and controls, and writes those of the
-/// next activations, `(na)`. Returns the kinks of actuators.
+/// Subtracts the derivatives of the actuator forces by positions, velocities, activations and
+/// controls, at constant moment arms of tendons, from the derivatives of the residual. Writes the
+/// derivatives of the next activations, `(na)`. Returns the kinks of actuators.
 pub(super) fn differentiate(
     data: &Data,
     tree: &Tree,

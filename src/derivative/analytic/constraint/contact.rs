@@ -2,7 +2,7 @@
 //!
 //! The base rows of a contact are the relative velocities of the bodies at its position p, in its
 //! frame E (rows n, t₁, t₂): three of translation, three of rotation, of which the first `dim`
-//! exist. The rows of an elliptic cone are the base rows; those of a pyramid are
+//! exist. The rows of an elliptic cone are the base rows; the rows of a pyramid are
 //! `normal ± friction · tangent`, so their derivatives are the same combinations.
 //!
 //! Degree of freedom j changes the contact by the twist of the bodies that it moves: if it moves
@@ -41,8 +41,8 @@ pub(super) fn dimension(data: &Data, contact: usize) -> usize {
     ffi::size(contacts(data)[contact].dim)
 }
 
-/// Adds the derivatives of a contact to those of the rows, and of its Jacobian to the residual.
-/// Returns `false` if the tangents of the contact are not differentiable.
+/// Adds the derivatives of a contact to the derivatives of the rows, and the derivatives of its
+/// Jacobian to the residual. Returns `false` if the tangents of the contact are not differentiable.
 pub(super) fn differentiate(
     constraints: &mut Constraints,
     data: &Data,
@@ -215,8 +215,8 @@ impl Cone<'_> {
         if self.dim == 1 || !self.is_pyramidal { self.dim } else { 2 * (self.dim - 1) }
     }
 
-    /// Writes a column of the derivatives of the rows' residuals from those of the base rows and of
-    /// the reference.
+    /// Writes a column of the derivatives of the rows' residuals, given the derivatives of the base
+    /// rows and of the reference.
     fn write_column(&self, rows: &mut Rows, dof: usize, &[linear, angular]: &[Vec3; 2], reference: f64) {
         let base = spatial(&linear, &angular);
         if self.dim == 1 || !self.is_pyramidal {

@@ -1,15 +1,16 @@
-//! Differences of a collision function, for pairs of geoms without a formula.
+//! Derivatives of contacts by the pose of a geom: in closed form, or by differences of a collision
+//! function for pairs of geoms without a formula.
 //!
 //! Only the collision function of the pair is called, with a perturbed pose of its second geom. The
-//! functions for boxes, and those of a plane with any shape, are exact, so their central
-//! differences are good to ten digits. Functions that iterate to a tolerance are not differenced:
-//! their error would be divided by the step.
+//! functions for boxes, and for a plane with any shape, are exact, so their central differences are
+//! good to ten digits. Functions that iterate to a tolerance are not differenced: their error would
+//! be divided by the step.
 
 use mujoco_sys::mjContact;
 
 use super::contact_geometry::{ContactGeometry, world_axis};
 use crate::data::{CollisionFunction, Data, FoundContact};
-use crate::derivative::method::Kinks;
+use crate::derivative::method::{DifferencedTerms, Kinks};
 use crate::enums::GeomType;
 use crate::error::Result;
 use crate::ffi;
@@ -22,15 +23,29 @@ const STEPS: [f64; 3] = [1e-6, 1e-7, 1e-8];
 /// Largest deviation of the quotients of a step and of its double, relative to the largest
 /// quotient. A larger one shows a kink.
 const MAX_DEVIATION: f64 = 1e-5;
-/// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
+/// Excess over the margin of the contact, so that a shallow contact does not vanish, m.
 const MARGIN: f64 = 1e-3;
 /// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found
 /// other contacts.
 const MAX_SHIFT: f64 = 1e-4;
 
+/// Returns the derivatives, in closed form or else by differences of the collision function,
+/// the terms that were differenced, and the kinks that the differences have found. Returns
+/// `None` for pairs of geoms whose collision function iterates.
+pub(super) fn geometry(
+    data: &mut Data,
+    contact: &mjContact,
+) -> Result<Option<(ContactGeometry, DifferencedTerms, Kinks)>> {
+    if let Some(geometry) = ContactGeometry::in_closed_form(data, contact) {
+        return Ok(Some((geometry, DifferencedTerms::empty(), Kinks::empty())));
+    }
+    let geometry = differentiate(data, contact)?;
+    Ok(geometry.map(|(geometry, kinks)| (geometry, DifferencedTerms::CONTACTS, kinks)))
+}
+
 /// Returns the derivatives of a contact by a twist of its second geom, and the kinks, or `None` if
 /// they cannot be differenced.
-pub(super) fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<(ContactGeometry, Kinks)>> {
+fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<(ContactGeometry, Kinks)>> {
     let geoms = [contact.geom1, contact.geom2].map(ffi::size);
     let types = geoms.map(|geom| GeomType::of_field(data.model().geom_type()[geom]));
     let is_exact =
@@ -98,7 +113,8 @@ fn difference(
 }
 
 /// Returns the central difference quotients of the position, the normal and the distance of a
-/// contact, or `None` if they are not near those of the base point. Leaves the second geom moved.
+/// contact, or `None` if a perturbed contact is not near the contact at the base point. Leaves the
+/// second geom moved.
 fn quotient(
     data: &mut Data,
     contact: &mjContact,

@@ -8,11 +8,8 @@
 
 use mujoco_sys::mjContact;
 
-use super::contact_differences;
 use crate::data::Data;
-use crate::derivative::method::{DifferencedTerms, Kinks};
 use crate::enums::GeomType;
-use crate::error::Result;
 use crate::ffi;
 use crate::numerics::spatial::{Spatial, Vec3, add_scaled, cross, dot, scale, sub};
 
@@ -36,18 +33,8 @@ pub(super) struct ContactGeometry {
 }
 
 impl ContactGeometry {
-    /// Returns the derivatives, in closed form or else by differences of the collision function,
-    /// the terms that were differenced, and the kinks that the differences have found. Returns
-    /// `None` for pairs of geoms whose collision function iterates.
-    pub(super) fn new(data: &mut Data, contact: &mjContact) -> Result<Option<(Self, DifferencedTerms, Kinks)>> {
-        if let Some(geometry) = Self::in_closed_form(data, contact) {
-            return Ok(Some((geometry, DifferencedTerms::empty(), Kinks::empty())));
-        }
-        let geometry = contact_differences::differentiate(data, contact)?;
-        Ok(geometry.map(|(geometry, kinks)| (geometry, DifferencedTerms::CONTACTS, kinks)))
-    }
-
-    fn in_closed_form(data: &Data, contact: &mjContact) -> Option<Self> {
+    /// Returns the derivatives in closed form, or `None` for pairs of geoms without a formula.
+    pub(super) fn in_closed_form(data: &Data, contact: &mjContact) -> Option<Self> {
         let model = data.model();
         let geoms = [contact.geom1, contact.geom2].map(ffi::size);
         let types = geoms.map(|geom| GeomType::of_field(model.geom_type()[geom]));
@@ -190,7 +177,7 @@ fn turning_vector(vector: &Vec3) -> [Spatial; 3] {
     rows
 }
 
-/// Returns the derivative of `vector · x` from that of x.
+/// Returns the derivative of `vector · x`, given the derivative of x.
 fn combine(vector: &Vec3, rows: &[Spatial; 3]) -> Spatial {
     let mut result = [0.0; 6];
     for (row, &factor) in rows.iter().zip(vector) {

@@ -38,8 +38,8 @@ pub(super) fn row_count(model: &Model, equality: usize) -> usize {
     }
 }
 
-/// Adds the derivatives of an equality constraint to those of the rows, and of its Jacobian to the
-/// residual. Returns `false` for a type without a formula.
+/// Adds the derivatives of an equality constraint to the derivatives of the rows, and the
+/// derivatives of its Jacobian to the residual. Returns `false` for a type without a formula.
 pub(super) fn differentiate(
     constraints: &mut Constraints,
     data: &Data,
@@ -103,8 +103,8 @@ fn differentiate_polynomial(
     }
 }
 
-/// Adds the derivatives of the reference and of the impedance, from those of the positions.
-/// `torque_scale` is the scale of the Jacobian of rotations relative to their positions.
+/// Adds the derivatives of the reference and of the impedance, given the derivatives of the
+/// positions. `torque_scale` is the scale of the Jacobian of rotations relative to their positions.
 fn finish(rows: &mut Rows, data: &Data, torque_scale: f64) {
     let [stiffness, _, impedance, slope] = data.efc_KBIP()[rows.first];
     let positions = &data.efc_pos()[rows.first..rows.first + rows.count];

@@ -1,8 +1,8 @@
 //! Derivatives of sensors of constraint forces: touch sensors, and forces of limits of joints and
 //! tendons.
 //!
-//! The value is a force f of a row, or the sum of the normal forces of several contacts, so its
-//! derivatives are those of `rows.rs`. A contact counts if it is between the sensor's body and
+//! The value is a force f of a row, or the sum of the normal forces of several contacts, so
+//! `rows.rs` computes its derivatives. A contact counts if it is between the sensor's body and
 //! another, and if the normal force through it meets the shape of the sensor's site. Both count as
 //! they are at present.
 
@@ -47,8 +47,8 @@ impl ForceSensors {
         self.derivatives.row(index.expect("Bug: a sensor of another kind"))
     }
 
-    /// Adds the derivatives of the forces of a constraint, whose rows are loaded, to those of the
-    /// sensors that measure it.
+    /// Adds the derivatives of the forces of a constraint, whose rows are loaded, to the
+    /// derivatives of the sensors that measure it.
     pub(super) fn add(&mut self, data: &Data, rows: &mut Rows) {
         let model = data.model();
         let (row, id) = (rows.first, data.efc_id()[rows.first]);

@@ -2,9 +2,9 @@
 //! its parent.
 //!
 //! Contacts, `connect` and `weld` constraints between a subtree and the rest of the model exert a
-//! force vector `X = ±Σ f_r D_r` on it, where D_r is that of a unit force of row r on the body
-//! inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r ∂f_r)`, with ∂f from
-//! `rows.rs`. Forces between two bodies of the subtree cancel.
+//! force vector `X = ±Σ f_r D_r` on it, where D_r is the force vector of a unit force of row r on
+//! the body inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r ∂f_r)`, with
+//! ∂f from `rows.rs`. Forces between two bodies of the subtree cancel.
 
 use super::rows::{MAX_ROWS, Rows};
 use crate::data::Data;
@@ -149,7 +149,7 @@ impl Interactions {
         std::array::from_fn(|component| self.derivatives[(first + component, input)])
     }
 
-    /// Returns `true` if a body is in the subtree of another, that of a sensor.
+    /// Returns `true` if a body is in the subtree of `root`, the body of a sensor.
     pub(in crate::derivative::analytic) fn is_inside(&self, body: usize, root: usize) -> bool {
         let nbody = self.contains.len() / self.roots.len();
         self.contains[self.index(root) * nbody + body]

@@ -78,8 +78,8 @@ fn is_at_impedance_kink(data: &Data, row: usize, count: usize) -> bool {
     if power > 1.0 || start == end || width <= mjMINVAL {
         return false;
     }
-    // The rows of an equality constraint share the impedance of the norm. Those of a contact have
-    // the violation of the first.
+    // The rows of an equality constraint share the impedance of the norm. The rows of a contact
+    // have the violation of the first row.
     let rows = row..row + if kind == mjCNSTR_EQUALITY { count } else { 1 };
     let squares = rows.map(|row| (data.efc_pos()[row] - data.efc_margin()[row]).powi(2));
     let violation = squares.sum::<f64>().sqrt();

@@ -1,8 +1,9 @@
 //! Derivatives of the constraint forces `Jᵀ f`, one constraint after another.
 //!
 //! Each kind of constraint contributes the derivatives of its Jacobian and its position
-//! (`contact.rs`, `limit.rs`, `equality.rs`); `rows.rs` converts them to those of the forces. At a
-//! kink, for example when two geoms begin to touch, the derivatives are those of the present side.
+//! (`contact.rs`, `limit.rs`, `equality.rs`); `rows.rs` converts them to the derivatives of the
+//! forces. At a kink, for example when two geoms begin to touch, the derivatives are taken on the
+//! present side.
 
 mod chains;
 mod contact;
@@ -23,7 +24,6 @@ use mujoco_sys::{
 };
 
 pub(super) use self::chains::Chains;
-use self::contact_geometry::ContactGeometry;
 pub(super) use self::force_sensors::ForceSensors;
 pub(super) use self::interactions::Interactions;
 pub(super) use self::kinks::of_state as kinks_of_state;
@@ -56,10 +56,10 @@ impl Constraints {
         Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv], force_sensors, interactions }
     }
 
-    /// Subtracts the derivatives of the constraint forces from those of the residual, by positions
-    /// and velocities. Returns the terms that were differenced, or `None` if an active constraint
-    /// has no formula. Adds the kinks, for residuals `jar` of the rows. Also differentiates sensors
-    /// of constraint forces, if they are wanted.
+    /// Subtracts the derivatives of the constraint forces by positions and velocities from the
+    /// derivatives of the residual. Returns the terms that were differenced, or `None` if an active
+    /// constraint has no formula. Adds the kinks, for residuals `jar` of the rows. Also
+    /// differentiates sensors of constraint forces, if they are wanted.
     pub(super) fn differentiate(
         &mut self,
         data: &mut Data,
@@ -97,7 +97,7 @@ impl Constraints {
                     }
                     _ => {
                         let contact = contacts(data)[ffi::size(data.efc_id()[row])];
-                        let Some((geometry, terms, found)) = ContactGeometry::new(data, &contact)? else {
+                        let Some((geometry, terms, found)) = contact_differences::geometry(data, &contact)? else {
                             return Ok(None);
                         };
                         differenced |= terms;

@@ -1,5 +1,5 @@
-//! Rows of one constraint: from the derivatives of their residuals to those of the constraint
-//! forces.
+//! Rows of one constraint: conversion of the derivatives of their residuals to the derivatives of
+//! the constraint forces.
 //!
 //! A row has the residual `jar = J a − aref`, `aref = −B J v − K I (pos − margin)`, and the force
 //! f(jar) of inertia D, which also depends on the position: `D = 1/R`, `R = (1 − I)/I · constant`,
@@ -63,8 +63,8 @@ impl Rows {
         }
     }
 
-    /// Loads the Jacobian of a constraint, and clears the derivatives. Without a span, it is that
-    /// of the Jacobian.
+    /// Loads the Jacobian of a constraint, and clears the derivatives. Without a span, the span of
+    /// the Jacobian is used.
     pub(super) fn load(&mut self, data: &Data, first: usize, count: usize, span: Option<Range<usize>>) {
         (self.first, self.count) = (first, count);
         for row in 0..count {

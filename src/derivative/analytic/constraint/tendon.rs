@@ -2,7 +2,7 @@
 //! friction loss.
 //!
 //! The moment arms J of a tendon change by `∂J`, so the residual of a row changes by
-//! `±(∂J) (a + B v)`. The change `(∂J)ᵀ f` of the force is a part of that of all tensions
+//! `±(∂J) (a + B v)`. The change `(∂J)ᵀ f` of the force is a part of the change for all tensions
 //! (`../tendon.rs`).
 
 use mujoco_sys::{mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_TENDON};
@@ -13,7 +13,7 @@ use crate::derivative::analytic::tendon::{Tendons, is_fixed};
 use crate::ffi;
 use crate::numerics::linear_algebra::add;
 
-/// Adds the change of the moment arms to the derivatives of a row, if it is that of a spatial
+/// Adds the change of the moment arms to the derivatives of a row, if the row belongs to a spatial
 /// tendon.
 pub(super) fn differentiate(rows: &mut Rows, data: &Data, tendons: &mut Tendons, row: usize) {
     if ![mjCNSTR_LIMIT_TENDON, mjCNSTR_FRICTION_TENDON].contains(&(data.efc_type()[row] as u32)) {

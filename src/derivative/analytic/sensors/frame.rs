@@ -27,7 +27,7 @@ struct Change {
     shift: Vec3,
     angular_velocity: Vec3,
     velocity: Vec3,
-    /// Derivative of the velocity by that of the degree of freedom.
+    /// Derivative of the velocity by the velocity of the degree of freedom.
     by_velocity: Spatial,
 }
 

@@ -1,9 +1,9 @@
 //! Derivatives of force and torque sensors.
 //!
 //! They measure the force vector `W = F − X − A` that the parent exerts on a body, in the axes and
-//! about the origin of a site. F is that of inverse dynamics for the bodies of its subtree
-//! (`../rigid_body.rs`), X that of the constraints between them and the others
-//! (`../constraint/interactions.rs`), and A that of the forces of `xfrc_applied` on them. With I, B
+//! about the origin of a site. F is the force vector of inverse dynamics for the bodies of its
+//! subtree (`../rigid_body.rs`), X the force vector of the constraints between them and the others
+//! (`../constraint/interactions.rs`), and A the force vector of `xfrc_applied` on them. With I, B
 //! and F of the bodies that degree of freedom j moves within the subtree,
 //!
 //! ```text

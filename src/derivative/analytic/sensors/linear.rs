@@ -1,8 +1,9 @@
 //! Derivatives of sensors of joints, tendons and actuators.
 //!
-//! The derivatives of scalar joints, tendons and their limits are rows of Jacobians. Those of the
-//! velocities of a spatial tendon also have the change of its moment arms (`../tendon.rs`). The
-//! orientation of a ball joint has the derivative `q e/2` by a turn about its own axis e.
+//! The derivatives of scalar joints, tendons and their limits are rows of Jacobians. The
+//! derivatives of the velocities of a spatial tendon also contain the change of its moment arms
+//! (`../tendon.rs`). The orientation of a ball joint has the derivative `q e/2` by a turn about its
+//! own axis e.
 
 use mujoco_sys::{mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON};
 

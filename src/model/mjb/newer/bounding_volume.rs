@@ -5,8 +5,9 @@
 //! node, the nodes below its first child and the nodes below its second child. A leaf has no
 //! children, and refers to a geom or to a face.
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field, size};
-use super::super::rule::{Invalid, is, is_in, size_is};
+use super::super::rule::{is, is_in, size_is};
 use super::super::view::View;
 
 /// Checks all hierarchies, after geoms and faces.

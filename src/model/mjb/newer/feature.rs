@@ -5,8 +5,8 @@ use std::mem::offset_of;
 
 use mujoco_sys::{mjENBL_MULTICCD, mjGEOM_SDF, mjOption, mjSENS_PLUGIN, mjSENS_TACTILE};
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Size, field, size};
-use super::super::rule::Invalid;
 use super::super::view::View;
 use crate::model::engine_limits::MOST_SAFE_POLYGON;
 

@@ -1,8 +1,9 @@
 //! Buffers of the past values of controls and sensors, for delays. A buffer has a reserved number,
 //! the index of the newest sample, the times of the samples and their values.
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field, size};
-use super::super::rule::{Invalid, is, is_in, size_is};
+use super::super::rule::{is, is_in, size_is};
 use super::super::view::View;
 
 /// Largest number of samples, which is the limit of the compiler.

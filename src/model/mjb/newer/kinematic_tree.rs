@@ -6,8 +6,9 @@ use mujoco_sys::{
     mjWRAP_SITE,
 };
 
+use super::super::invalid::Invalid;
 use super::super::layout::{field, size};
-use super::super::rule::{Invalid, all_in, is, piece, size_is};
+use super::super::rule::{all_in, is, piece, size_is};
 use super::super::view::View;
 use super::sparsity;
 

@@ -1,7 +1,8 @@
 //! Meshes: vertices, normals, texture coordinates, faces, and the polygons of convex hulls.
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field, size};
-use super::super::rule::{Invalid, ids, is, is_in, optional_partition, partition, piece};
+use super::super::rule::{ids, is, is_in, optional_partition, partition, piece};
 use super::super::view::View;
 
 /// Checks all arrays of meshes except convex hulls, bounding volumes and paths.

@@ -2,8 +2,9 @@
 
 use std::ffi::c_char;
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field, size};
-use super::super::rule::{Invalid, is, size_is};
+use super::super::rule::{is, size_is};
 use super::super::view::View;
 
 /// Number of slots for each element.

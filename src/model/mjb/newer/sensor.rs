@@ -12,8 +12,9 @@ use mujoco_sys::{
 };
 
 use super::super::custom::count;
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field};
-use super::super::rule::{Invalid, ids, is, is_in};
+use super::super::rule::{ids, is, is_in};
 use super::super::view::View;
 
 /// Types of elements with a frame, to which a sensor can be attached.

@@ -9,8 +9,9 @@
 //! - The maps contain positions in one matrix for each element of another: of the inertia matrix in
 //!   its older form (`qM`), *M* and *D*.
 
+use super::super::invalid::Invalid;
 use super::super::layout::{Field, field, size};
-use super::super::rule::{Invalid, is, size_is};
+use super::super::rule::{is, size_is};
 use super::super::view::View;
 
 const FOLLOWS: &str = "which follows from the kinematic tree";
@@ -82,7 +83,7 @@ fn matrix(view: &View<'_>, fields: [Field<i32>; 3], rows: &[Vec<usize>]) -> Resu
 /// Checks the maps between matrices.
 fn maps(view: &View<'_>, parents: &[Option<usize>], full: &[Vec<usize>], lower: &[Vec<usize>]) -> Result<(), Invalid> {
     let (starts_full, starts_lower) = (starts(full), starts(lower));
-    // The position of an element of M, which exists unless the row is that of a simple body.
+    // The position of an element of M, which exists unless the row belongs to a simple body.
     let in_lower = |i: usize, j: usize| {
         let (row, column) = (i.max(j), i.min(j));
         lower[row].binary_search(&column).map_or(-1, |at| (starts_lower[row] + at) as i64)
@@ -118,11 +119,12 @@ fn starts(rows: &[Vec<usize>]) -> Vec<usize> {
     ends.collect()
 }
 
-/// Checks *B*. The row of a body with degrees of freedom is that of the same elements in *D*.
+/// Checks *B*. The row of a body with degrees of freedom has the same elements as their rows in
+/// *D*.
 fn bodies(view: &View<'_>, full: &[Vec<usize>]) -> Result<(), Invalid> {
     let nbody = view.size(size::nbody);
-    // Degrees of freedom are in the depth-first order of the bodies, so those of a subtree are a
-    // range.
+    // Degrees of freedom are in the depth-first order of the bodies, so the degrees of freedom of a
+    // subtree are a range.
     let mut first = vec![view.size(size::nv); nbody];
     let mut end = vec![0; nbody];
     for body in (0..nbody).rev() {
