@@ -1,9 +1,12 @@
 //! Errors of unsolvable equations, and their contents.
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiSolution};
+use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, Lqr, Model};
 use nalgebra::{DMatrix, Matrix2, Matrix4, dmatrix, matrix};
 
 use super::{Generator, assert_close, assert_close_matrix, scalar, solve};
+use crate::weights;
 
 #[test]
 fn a_wrong_shape_is_an_error_with_the_expected_shape() {
@@ -215,6 +218,41 @@ fn overflowing_entries_are_an_error() {
         let (b, r) = (DMatrix::from_element(2, controls, 1.0), DMatrix::identity(controls, controls));
         let got = solve(&twisted, &b, &DMatrix::identity(2, 2), &r);
         assert!(got.is_err(), "{got:?}");
+    }
+}
+
+/// A motor moves a cart; nothing holds the other body.
+#[test]
+fn a_regulator_names_the_mode_that_no_actuator_of_a_model_reaches() {
+    const DT: f64 = 0.01;
+    let (mass, height, radius, gravity) = (2.0, 0.5, 0.1, 9.81);
+    let pendulum =
+        format!(r#"<joint axis="0 1 0"/><geom type="sphere" size="{radius}" pos="0 0 {height}" mass="{mass}"/>"#);
+    let inertia = mass * height * height + 0.4 * mass * radius * radius;
+    // Euler steps with the new velocity: λ² − (2 + (Δt)² m g h / I) λ + 1 = 0.
+    let half = 1.0 + 0.5 * DT * DT * mass * gravity * height / inertia;
+    let falls = half + (half * half - 1.0).sqrt();
+    let slider = r#"<joint type="slide" axis="1 0 0"/><geom size="0.1"/>"#.to_owned();
+    for (body, expected) in [(pendulum, falls), (slider, 1.0)] {
+        let model = Model::from_xml_str(&format!(
+            r#"<mujoco><option timestep="{DT}" gravity="0 0 -{gravity}"/><worldbody>
+                 <body><joint name="cart" type="slide" axis="1 0 0"/><geom size="0.1"/></body>
+                 <body pos="0 1 0">{body}</body></worldbody>
+               <actuator><motor joint="cart"/></actuator></mujoco>"#
+        ));
+        let mut data = Data::new(model.unwrap()).unwrap();
+        let check = |found: Option<&RiccatiError>, what: &str| {
+            let Some(RiccatiError::UncontrollableMode { eigenvalue, .. }) = found else { panic!("{what}: {found:?}") };
+            assert!((eigenvalue.re - expected).abs() < 1e-5 && eigenvalue.im.abs() < 1e-5, "{what}: {eigenvalue}");
+            assert!(found.unwrap().to_string().contains("actuator"), "{what}");
+        };
+        let error = Lqr::at_present_state(&mut data, &weights()).unwrap_err();
+        check(error.solver(), "the default method");
+        for method in [TransitionMethod::Analytic, TransitionMethod::Columns, TransitionMethod::Engine] {
+            let options = TransitionOptions::default().with_method(method);
+            let (system, _) = Lineariser::new(data.model(), options).unwrap().linear_system(&mut data).unwrap();
+            check(Lqr::solve(&system, &weights()).err().as_ref(), &format!("{method:?}, {expected}"));
+        }
     }
 }
 

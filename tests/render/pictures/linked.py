@@ -30,7 +30,7 @@ RECORDED = (
     "camera_ortho_2.0 camera_ortho_free_3.0 camera_intrinsic_principal camera_intrinsic_square texture_2d_sphere_false_2.5_3 texture_2d_box_true_2.5_3 "
     "texture_2d_ellipsoid_false_2.5_3 texture_2d_capsule_false_2.5_3 texture_2d_cylinder_false_2.5_3 texture_2d_plane_true_2.5_3 texture_2d_mesh_uv_false_2.5_3 texture_skin_3 "
     "texture_flex_3 texture_layer_rgba texture_srgb visual_frustum_behind islands flex_3_edges shadow_in_transparent visual_many light_type_point_false light_point_first "
-    "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog wireframe_hfield texture_2d_skin_plain "
+    "light_shadows_7 shadow_off_geoms coincident_2_0 coincident_1_2 coincident_decor lines_shadows_2 lines_fog decor_in_shadow wireframe_hfield texture_2d_skin_plain "
     "texture_cube_skin_plain transform_small tendon_active_0.3 "
     "haze_0 haze_coarse camera_default_ortho distant_plates fog_reversed light_attenuation_negative"
 ).split()
@@ -571,6 +571,10 @@ def surfaces():
     for count in (0, 1, 2, 6):
         lamps = "".join(f'<light pos="{k / 2 - 1} -1 3" dir="{(1 - k / 2) / 3} .3 -1" diffuse=".3 .3 .3"/>' for k in range(count))
         scene(f"lines_shadows_{count}", xml(lamps + FLOOR + BODIES + '<geom type="box" size=".4 .4 .02" pos="0 0 .8"/>'), decor=[line(-0.6, -0.2), line(0, 0.5), line(0.4, -0.3)])
+    # Opaque decoration casts no shadow, and receives the plate's.
+    thick = [{"kind": "ARROW", "size": [0.12], "from": [-0.8, -0.5, -0.3], "to": [0.6, -0.2, -0.1], "rgba": [0.9, 0.5, 0.2, 1.0]},
+             {"kind": "CAPSULE", "size": [0.15], "from": [-0.5, 0.4, -0.3], "to": [0.7, 0.3, 0.1], "rgba": [0.3, 0.7, 0.9, 1.0]}]
+    scene("decor_in_shadow", xml(LIGHT + FLOOR + '<geom type="box" size=".5 .6 .02" pos=".3 -.4 .9"/>'), decor=thick)
     scene("lines_fog", xml(LIGHT + FLOOR + BODIES, visual='<map fogstart="1" fogend="4"/><rgba fog=".2 .3 .5 1"/>'), decor=[line(-0.6, -0.2), line(0, 0.5)], render="FOG")
     scene("shadow_transparent", xml(LIGHT + FLOOR + '<geom size=".3" rgba=".3 .9 .3 .4"/><geom type="box" size=".2 .2 .2" pos=".7 0 0" rgba=".9 .2 .2 .99"/>'))
     scene("shadow_skin", skin_xml().replace("castshadow", 'name="l2" castshadow').replace('name="lamp" ', ""))
