@@ -4,7 +4,6 @@
 //! Tests that take minutes are ignored by default:
 //! `cargo test --release --test control -- --ignored`.
 
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
@@ -12,7 +11,7 @@ use mujoco_safe::{Data, Model, Trajectory, sample};
 
 use crate::robot::{NEWTONS, Robot};
 use crate::simulate::Push;
-use crate::{attempt, planner, robot, swing_up};
+use crate::{attempt, example, planner, robot, swing_up};
 
 /// Swings a pole up, and checks the plan and the trajectory.
 fn swing_up(model: &Arc<Model>, seed: u64) {
@@ -96,15 +95,7 @@ fn the_planner_survives_every_push() {
 
 /// Runs an example in the profile of this test.
 pub(crate) fn program(name: &str, arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().unwrap();
-    let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
-    let program = examples.join(name);
-    if !program.exists() {
-        // `cargo test --test control` alone does not build the examples.
-        let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", name]).status();
-        assert!(built.expect("cargo runs").success(), "the example does not build");
-    }
-    Command::new(program).args(arguments).output().unwrap()
+    Command::new(example::build(name)).args(arguments).output().unwrap()
 }
 
 pub(crate) fn text(bytes: &[u8]) -> String {

@@ -193,7 +193,7 @@ fn controls_stay_within_their_ranges() {
 fn a_table_that_exceeds_the_memory_is_an_error() {
     let data = Data::new(sample::cartpole()).unwrap();
     for steps in [0, 1 << 40, usize::MAX] {
-        let error = TimeVaryingLqr::at_present_state(&data, steps).unwrap_err();
+        let error = TimeVaryingLqr::hold_controls(&data, steps).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
     }
 }

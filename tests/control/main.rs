@@ -6,6 +6,8 @@
 mod attempt;
 #[path = "../../examples/humanoid_predictive/cost.rs"]
 mod cost;
+#[path = "../common/example.rs"]
+mod example;
 #[path = "../common/installed.rs"]
 mod installed;
 #[path = "../../examples/humanoid_predictive/planner.rs"]

@@ -75,7 +75,7 @@ fn a_plan_starts_from_the_previous_one_moved_to_the_present_time() {
     let (mut data, shift) = (cartpole(), 3);
     let cost = hold(&data);
     let mut planner = planner(&data, HORIZON, 50);
-    let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
     let first = planner.plan(&data, &cost, &mut policy).unwrap();
     assert!(first.cost < first.initial_cost, "{first:?}");
     for _ in 0..shift {
@@ -116,7 +116,7 @@ fn a_plan_without_an_iteration_is_the_initial_controls() {
     let data = cartpole();
     let controls = Matrix::from_row_major(5, 1, vec![0.1, 0.2, 3.0, -3.0, 0.0]);
     let mut planner = planner(&data, 5, 0).with_initial_controls(controls).unwrap();
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 5).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 5).unwrap();
     let report = planner.plan(&data, &hold(&data), &mut policy).unwrap();
     assert_eq!(policy.controls().as_slice(), [0.1, 0.2, 1.0, -1.0, 0.0]);
     assert_eq!(report.cost, report.initial_cost);
@@ -149,7 +149,7 @@ fn a_plan_does_not_foresee_applied_forces_unless_asked() {
         if let Some(foreseen) = foreseen {
             planner = planner.with_foreseen(foreseen);
         }
-        let mut policy = TimeVaryingLqr::at_present_state(data, 10).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(data, 10).unwrap();
         planner.plan(data, &cost, &mut policy).unwrap();
         policy.controls().row(0).to_vec()
     };
@@ -184,7 +184,7 @@ fn a_planner_follows_edits_of_the_model() {
     let mut data = cartpole();
     let cost = hold(&data);
     let mut edited = planner(&data, 30, 2);
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 30).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 30).unwrap();
     edited.plan(&data, &cost, &mut policy).unwrap();
     assert!(policy.controls().as_slice().iter().any(|ctrl| ctrl.abs() > 0.05));
     data.edit_model(|model| model.actuator_ctrlrange_mut()[0] = [-0.05, 0.05]).unwrap();
@@ -201,7 +201,7 @@ fn a_planner_follows_edits_of_the_model() {
 fn a_planner_is_usable_after_an_unstable_start() {
     let (mut data, cost, _) = displaced();
     let mut planner = planner(&data, 10, 1);
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 10).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 10).unwrap();
     let expected = planner.plan(&data, &cost, &mut policy).unwrap();
     let controls = policy.controls().clone();
     let state = data.physics_state();
@@ -225,8 +225,8 @@ fn invalid_arguments_are_errors() {
         let controller = PredictiveController::new(&data, planner(&data, 5, 1), hold(&data), interval);
         assert!(matches!(controller, Err(Error::Invalid { .. })), "{interval}");
     }
-    assert!(matches!(TimeVaryingLqr::at_present_state(&data, 0), Err(Error::Invalid { .. })));
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 5).unwrap();
+    assert!(matches!(TimeVaryingLqr::hold_controls(&data, 0), Err(Error::Invalid { .. })));
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 5).unwrap();
     let other = planner(&cartpole(), 5, 1).plan(&data, &hold(&data), &mut policy);
     assert!(matches!(other, Err(Error::OtherModel { .. })));
 }
@@ -238,7 +238,7 @@ fn overwriting_a_table_equals_creating_it_and_leaves_clones_unchanged() {
     let controls = Matrix::from_row_major(3, 1, vec![0.1, 0.2, 0.3]);
     let gains = vec![Matrix::from_row_major(1, 4, vec![1.0, 2.0, 3.0, 4.0]); 3];
     for (steps, keep) in [(3, false), (3, true), (7, false)] {
-        let mut policy = TimeVaryingLqr::at_present_state(&data, steps).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(&data, steps).unwrap();
         let clone = keep.then(|| policy.clone());
         data.set_time(1.5);
         policy.overwrite(&data, &states, &controls, &gains).unwrap();

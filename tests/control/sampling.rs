@@ -45,7 +45,7 @@ fn planner(data: &Data, options: SamplingOptions) -> SamplingPlanner {
 /// Plans repeatedly, every third step. Returns the plans with the controls and the final states.
 fn plans(mut planner: SamplingPlanner, count: usize) -> Vec<(PlanReport, Vec<f64>)> {
     let mut data = tilted();
-    let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
     let mut plan = || {
         let report = planner.plan(&data, &Upright, &mut policy).unwrap();
         for _ in 0..3 {
@@ -81,7 +81,7 @@ fn iterations_of_predictive_sampling_never_increase_the_cost() {
         let cost = |iterations| {
             let mut planner = planner(&tilted(), options.clone().with_iterations(iterations));
             let data = tilted();
-            let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+            let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
             planner.plan(&data, &Upright, &mut policy).unwrap().cost
         };
         let costs: Vec<f64> = (1..=8).map(cost).collect();
@@ -95,7 +95,7 @@ fn the_cost_of_the_plan_is_that_of_its_trajectory() {
     for temperature in [0.0, 0.2] {
         let mut data = tilted();
         let mut planner = planner(&data, SamplingOptions::default().with_temperature(temperature));
-        let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
         let report = planner.plan(&data, &Upright, &mut policy).unwrap();
         let mut states = Matrix::zeros(HORIZON + 1, 4);
         for step in 0..=HORIZON {
@@ -123,7 +123,7 @@ fn an_optimal_plan_is_kept_without_interpolation() {
     for interpolation in [Interpolation::Zero, Interpolation::Linear] {
         let options = SamplingOptions::default().with_samples(1).with_interpolation(interpolation);
         let (mut data, deviations) = (tilted(), SamplingOptions::default().with_interpolation(interpolation));
-        let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
         let mut noisy = planner(&data, deviations.with_samples(16));
         noisy.plan(&data, &Upright, &mut policy).unwrap();
         let before = policy.controls().clone();
@@ -147,7 +147,7 @@ fn controls_stay_within_their_ranges() {
     let mut data = tilted();
     let options = SamplingOptions::default().with_deviations([5.0]).with_interpolation(Interpolation::Cubic);
     let mut wild = planner(&data, options);
-    let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
     wild.plan(&data, &Upright, &mut policy).unwrap();
     assert!(policy.controls().as_slice().iter().all(|ctrl| ctrl.abs() <= 1.0));
     assert!(policy.controls().as_slice().iter().any(|ctrl| ctrl.abs() == 1.0));
@@ -178,7 +178,7 @@ fn a_high_temperature_averages_and_a_low_one_selects_the_best_candidate() {
             .with_deviations([1.0])
             .with_temperature(temperature);
         let mut planner = SamplingPlanner::new(data.model(), 1, options).unwrap();
-        let mut policy = TimeVaryingLqr::at_present_state(&data, 1).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(&data, 1).unwrap();
         let report = planner.plan(&data, &FirstControl(target), &mut policy).unwrap();
         (policy.controls().row(0)[0], report)
     };
@@ -236,7 +236,7 @@ fn the_pole_is_swung_up_by_sampling() {
 fn a_reset_repeats_the_plans() {
     let mut repeated = planner(&tilted(), SamplingOptions::default());
     let mut run = |data: &Data| {
-        let mut policy = TimeVaryingLqr::at_present_state(data, HORIZON).unwrap();
+        let mut policy = TimeVaryingLqr::hold_controls(data, HORIZON).unwrap();
         let first = repeated.plan(data, &Upright, &mut policy).unwrap();
         let second = repeated.plan(data, &Upright, &mut policy).unwrap();
         repeated.reset();
@@ -258,7 +258,7 @@ fn errors_are_reported_and_the_planner_is_usable_after_them() {
     }
     let mut data = tilted();
     let mut planner = planner(&data, SamplingOptions::default());
-    let mut policy = TimeVaryingLqr::at_present_state(&data, HORIZON).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, HORIZON).unwrap();
     let expected = planner.plan(&data, &Upright, &mut policy).unwrap();
     assert!(matches!(planner.plan(&data, &Faulty(true), &mut policy), Err(Error::Unsupported(_))));
     assert!(matches!(planner.plan(&data, &Faulty(false), &mut policy), Err(Error::Invalid { .. })));

@@ -92,7 +92,7 @@ fn plans_are_those_of_the_planner_for_the_states_at_their_request() {
     let planner = || IlqrPlanner::new(data.model(), 20, options.clone()).unwrap();
     let (mut direct, direct_cost) = (planner(), cost(&data));
     let mut controller = ThreadedPredictiveController::new(&data, planner(), cost(&data)).unwrap();
-    let mut expected = TimeVaryingLqr::at_present_state(&data, 20).unwrap();
+    let mut expected = TimeVaryingLqr::hold_controls(&data, 20).unwrap();
     let mut report = direct.plan(&data, &direct_cost, &mut expected).unwrap();
     for step in 0..10 {
         assert_eq!(controller.report(), report, "step {step}");

@@ -1,10 +1,11 @@
 //! Windows of the examples.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
 use crate::display::Screen;
+use crate::example;
 use crate::input::{Input, wait_until};
 
 pub fn windows() {
@@ -37,13 +38,7 @@ pub fn windows() {
 
 /// Returns a command that runs an example.
 fn command(name: &str, arguments: &[&str]) -> Command {
-    let test: PathBuf = std::env::current_exe().unwrap();
-    let program = test.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples").join(name);
-    // `cargo test --test viewer` alone does not build the examples, and those of an earlier build
-    // may have no viewer.
-    let build = ["build", "--quiet", "--features", "viewer,npz,serde", "--example", name];
-    assert!(Command::new(env!("CARGO")).args(build).status().unwrap().success(), "the example does not build");
-    let mut command = Command::new(program);
+    let mut command = Command::new(example::build(name));
     command.args(arguments);
     command
 }

@@ -14,6 +14,8 @@
 mod contents;
 mod display;
 mod errors;
+#[path = "../common/example.rs"]
+mod example;
 mod examples;
 mod harness;
 mod input;
