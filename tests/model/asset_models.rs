@@ -76,7 +76,7 @@ mod supported {
         );
         for (model, world, nbody) in [
             (ONE, ATTACH.to_owned(), 2),
-            (ONE, format!(r#"{ATTACH}{}"#, ATTACH.replace("left_", "right_")), 3),
+            (ONE, format!("{ATTACH}{}", ATTACH.replace("left_", "right_")), 3),
             (ONE, format!(r#"<replicate count="3" offset="1 0 0">{ATTACH}</replicate>"#), 4),
             (r#"<model name="arm" file="arm" content_type="text/xml"/>"#, ATTACH.to_owned(), 2),
             (r#"<model name="arm" file="key.xml"/>"#, ATTACH.to_owned(), 2),
@@ -177,8 +177,9 @@ mod supported {
                 body(name, &(attach("p") + &attach("q")))
             })
             .collect();
-        let inside_itself: String = (0..30).map(|name| format!(r#"<attach body="b0" prefix="p{name}"/>"#)).collect();
-        for world in [body(0, "") + &doubled, body(0, &inside_itself)] {
+        let inside_itself: Vec<String> =
+            (0..30).map(|name| format!(r#"<attach body="b0" prefix="p{name}"/>"#)).collect();
+        for world in [body(0, "") + &doubled, body(0, &inside_itself.concat())] {
             let error = error(folder.path(), &parent("", &world));
             assert!(error.contains("more than 1000000 elements"), "{error}");
         }

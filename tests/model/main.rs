@@ -11,6 +11,7 @@ mod installed;
 mod mutate;
 #[path = "../common/parameter_edits.rs"]
 mod parameter_edits;
+#[cfg(validates_binaries)]
 #[path = "../common/print_all.rs"]
 mod print_all;
 #[macro_use]
@@ -20,6 +21,7 @@ mod fields;
 mod random_text;
 #[path = "../common/same_models.rs"]
 mod same_models;
+#[cfg(validates_binaries)]
 #[path = "../common/scene_options.rs"]
 mod scene_options;
 #[path = "../common/schema_models/mod.rs"]

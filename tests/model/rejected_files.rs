@@ -201,7 +201,8 @@ fn files_are_checked_wherever_the_compiler_finds_them() {
         (&[absolute.to_str().unwrap()], "a height field is too large"),
         (&["parts/x.xml", "parts/X.xml"], "a height field is too large"),
     ] {
-        let includes: String = includes.iter().map(|file| format!(r#"<include file="{file}"/>"#)).collect();
+        let includes: Vec<String> = includes.iter().map(|file| format!(r#"<include file="{file}"/>"#)).collect();
+        let includes = includes.concat();
         write("main.xml", &format!("<mujoco>{includes}</mujoco>"));
         let error = Model::from_xml_path(folder.path().join("main.xml")).unwrap_err().to_string();
         assert!(error.contains(expected), "{includes}: {error}");

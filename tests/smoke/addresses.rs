@@ -80,8 +80,8 @@ fn the_cell_of_a_strain_constraint_stays_inside_its_flex() {
             continue; // the joints
         }
         let cells = cells[compiled.eq_obj1id()[equality] as usize];
-        for axis in 0..3 {
-            for value in [-1.0, cells[axis], 0.5, 1e6, f64::NAN, f64::INFINITY, -1e300] {
+        for (axis, count) in cells.into_iter().enumerate() {
+            for value in [-1.0, count, 0.5, 1e6, f64::NAN, f64::INFINITY, -1e300] {
                 is_rejected(STRAIN, |model| model.eq_data_mut()[equality][axis] = value, "a whole number from 0 to");
             }
         }
@@ -198,7 +198,7 @@ fn parameters_of_a_batch_do_not_add_activations() {
         .with(&model, Parameter::ActuatorGain(slew, 0), Distribution::Uniform { low: 1.0, high: 2.0 })
         .unwrap();
     let mut batch = Batch::new(model, 4).unwrap().vary(parameters).unwrap();
-    let error = batch.draw_parameters(|_| true, 1).unwrap_err();
+    let error = batch.sample_parameters(|_| true, 1).unwrap_err();
     assert!(error.to_string().contains("activations"), "{error}");
     batch.step(|_, _| ()).unwrap();
 }

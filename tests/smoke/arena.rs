@@ -286,7 +286,7 @@ fn arrays_of_constraints_are_empty_until_they_are_computed() {
 #[test]
 #[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
 fn errors_are_still_found_after_constraints_without_room_for_an_adhesive_body() {
-    let balls: String = (0..30)
+    let balls: Vec<String> = (0..30)
         .map(|i| {
             format!(
                 "<body name='b{i}' pos='{} {} 1.09'><freejoint/><geom size='.1'/></body>",
@@ -295,6 +295,7 @@ fn errors_are_still_found_after_constraints_without_room_for_an_adhesive_body() 
             )
         })
         .collect();
+    let balls = balls.concat();
     let model = |memory: &str| {
         Model::from_xml_str(&format!(
             "<mujoco><size {memory}/><option jacobian='dense'/><worldbody><geom type='plane' size='9 9 .1'/>{balls}</worldbody>

@@ -137,16 +137,13 @@ fn several_rays_hit_what_the_function_of_the_engine_finds() {
     ));
     let (mut found, mut missed) = (0, 0);
     for ((hit, geom), distance) in hits.iter().zip(&geoms).zip(&distances) {
-        match hit {
-            Some(hit) => {
-                assert_eq!((hit.geom.index() as i32, hit.distance), (*geom, *distance));
-                found += 1;
-            }
+        if let Some(hit) = hit {
+            assert_eq!((hit.geom.index() as i32, hit.distance), (*geom, *distance));
+            found += 1;
+        } else {
             // The engine also returns some hits beyond the cutoff, for example those of planes.
-            None => {
-                assert!(*geom == -1 || *distance > 4.0, "{geom} {distance}");
-                missed += 1;
-            }
+            assert!(*geom == -1 || *distance > 4.0, "{geom} {distance}");
+            missed += 1;
         }
     }
     assert!(found > 20 && missed > 20, "{found} {missed}");

@@ -53,7 +53,7 @@ impl Memory for MatrixView<'_> {
 }
 
 macro_rules! regions {
-    ($owner:ident: $($name:ident)*) => { [$($owner.$name().region(stringify!($name))),*] };
+    ($owner:ident: $($name:ident)*) => { vec![$($owner.$name().region(stringify!($name))),*] };
 }
 
 /// Alignment of arrays in a buffer, in bytes: an upper bound of the versions.
