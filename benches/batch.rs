@@ -142,7 +142,7 @@ fn compare_parameters(model: &Arc<Model>, pool: &ThreadPool) -> Result<()> {
     let mut varied = Batch::new(model, COUNT)?.vary(parameters(model)?)?;
     let before = resident();
     let drawing = Instant::now();
-    pool.install(|| varied.draw_parameters(|_| true, 1))?;
+    pool.install(|| varied.sample_parameters(|_| true, 1))?;
     let drawing = drawing.elapsed().as_secs_f64() * 1e6 * THREADS as f64 / COUNT as f64;
     println!(
         "{} parameters: {:.1} MB more, {drawing:.0} µs per draw",

@@ -174,7 +174,7 @@ fn sampled(data: &mut Data, weights: &LqrWeights, threads: usize) -> Result<()> 
     let mut lqr = Lqr::at_present_state(data, weights)?;
     let options = SamplingOptions::default().with_samples(SAMPLES).with_threads(threads);
     let mut planner = SamplingPlanner::new(data.model(), HORIZON, options)?.with_regulator(lqr.clone())?;
-    let mut policy = TimeVaryingLqr::at_present_state(data, HORIZON)?;
+    let mut policy = TimeVaryingLqr::hold_controls(data, HORIZON)?;
     let torso = data.model().body("torso")?.index();
     let mut times = Vec::new();
     for step in 0..=SAMPLED_PLANS * INTERVAL {

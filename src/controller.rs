@@ -149,8 +149,8 @@ impl Controller for RandomController {
 /// `ctrl = kp (target − length) − kd velocity`.
 ///
 /// The length of an actuator on a joint is the joint position times the gear, so this is the usual
-/// PD controller of a robot with motors on its joints; it works the same way for tendons. Lengths
-/// and velocities are those of the present state.
+/// PD controller of a robot with motors on its joints; it works the same way for tendons. It uses
+/// the lengths and velocities of the present state.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, PdController, sample};
@@ -200,7 +200,7 @@ impl Controller for PdController {
             return Err(Error::Unsupported(message.to_owned()));
         }
         Error::check_length("the targets of a PD controller", self.target.len(), data.model().nu())?;
-        // After a step, actuator lengths are those of the previous state.
+        // After a step, actuator lengths still belong to the previous state.
         data.forward()?;
         for (index, target) in self.target.iter().enumerate() {
             let ctrl = self.kp * (target - data.actuator_length()[index]) - self.kd * data.actuator_velocity()[index];

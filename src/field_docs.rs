@@ -1,6 +1,6 @@
 //! Documentation of the engine's fields at run time:
 //! [`Model::field_docs`](crate::Model::field_docs), [`Model::fields`](crate::Model::fields) and the
-//! same functions of the other structs. The texts are those of the engine's headers, in the
+//! same functions of the other structs. The texts are taken from the engine's headers, in the
 //! engine's spelling.
 
 use std::fmt;

@@ -337,7 +337,7 @@ impl Model {
         usize::try_from(unsafe { adapted::material_texture(self.as_ptr(), material as c_int) }).ok()
     }
 
-    /// Returns the texture of a material that a renderer draws: that of the base colour.
+    /// Returns the texture of a material that a renderer draws: the texture of the base colour.
     pub(crate) fn drawn_texture(&self, material: usize) -> Option<usize> {
         assert!(material < self.nmat(), "Bug: material {material} of {}", self.nmat());
         // SAFETY: a material of the model.

@@ -1,4 +1,4 @@
-//! Sample models: four bundled with the crate, and those of the engine's package.
+//! Sample models: four bundled with the crate, and the models of the engine's package.
 
 use std::path::{Path, PathBuf};
 

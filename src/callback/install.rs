@@ -47,9 +47,9 @@ impl Data {
     }
 
     /// Sets the closures that every later call on this simulation runs, in any thread, until they
-    /// are replaced. They replace those of an earlier call; an empty set, `Callbacks::new()`,
-    /// removes them. Within [`with_callbacks`](Self::with_callbacks), they take effect after the
-    /// scope.
+    /// are replaced. They replace the closures of an earlier call; an empty set,
+    /// `Callbacks::new()`, removes them. Within [`with_callbacks`](Self::with_callbacks), they take
+    /// effect after the scope.
     ///
     /// The closures stay with the simulation when it is moved, reset, or given an edited model.
     /// After an error of a closure, a [`reset`](Self::reset) makes the simulation usable, with the

@@ -1,4 +1,5 @@
-//! Callbacks of a simulation: those of the enclosing scopes, and those that the simulation owns.
+//! Callbacks of a simulation: callbacks of the enclosing scopes, and callbacks that the simulation
+//! owns.
 
 use std::ffi::c_int;
 use std::panic::AssertUnwindSafe;
@@ -30,8 +31,8 @@ pub(crate) trait EngineCallbacks: Send {
     ) -> (c_int, Option<Error>);
 }
 
-/// Callbacks of a simulation. If it is within a scope, only those of the innermost scope are
-/// called.
+/// Callbacks of a simulation. If it is within a scope, only the callbacks of the innermost scope
+/// are called.
 #[derive(Default)]
 pub(super) struct ActiveCallbacks {
     /// Callbacks of the innermost [`Data::with_callbacks`].

@@ -140,10 +140,10 @@ impl Data {
     }
 
     /// Returns the statistics of each solver iteration of the last forward dynamics. The iterations
-    /// of the no-slip solver follow those of the main solver. Their number is at most 1000, which
-    /// is the limit of 2.2.2. Engines from 3.0 can solve each island of constraints by itself
-    /// ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)); these are the iterations of
-    /// the first one.
+    /// of the no-slip solver follow the iterations of the main solver. Their number is at most
+    /// 1000, which is the limit of 2.2.2. Engines from 3.0 can solve each island of constraints by
+    /// itself ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)); these are the
+    /// iterations of the first one.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};

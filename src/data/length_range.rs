@@ -34,7 +34,7 @@ pub enum LengthRangeMode {
     All,
 }
 
-/// Options of [`ModelMut::set_length_range`]. The defaults are those of the engine.
+/// Options of [`ModelMut::set_length_range`]. The defaults are the engine's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LengthRangeOptions {
@@ -161,11 +161,11 @@ impl ModelMut<'_> {
     /// to `actuator_lengthrange`, and returns it. If the options exclude the actuator, returns the
     /// existing range.
     ///
-    /// The algorithm is that of the engine. The engine's own function is not called, because in
-    /// 2.2.2 it does not return for some models whose simulation is unstable, and before 4.0 it
-    /// uses the limits of the wrong joint for all actuators except the first. When the compiler
-    /// computes length ranges, it disables contacts, friction loss, passive forces, gravity and
-    /// actuation; this function uses the options of the model.
+    /// The algorithm is the engine's. The engine's own function is not called, because in 2.2.2 it
+    /// does not return for some models whose simulation is unstable, and before 4.0 it uses the
+    /// limits of the wrong joint for all actuators except the first. When the compiler computes
+    /// length ranges, it disables contacts, friction loss, passive forces, gravity and actuation;
+    /// this function uses the options of the model.
     ///
     /// # Errors
     ///
@@ -282,7 +282,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MuscleSimulation {
     pub(crate) options: LengthRangeOptions,
-    /// Time step, s; that of the model if it is not positive.
+    /// Time step, s. If it is not positive, the model's time step applies.
     pub(crate) timestep: f64,
 }
 
@@ -315,8 +315,8 @@ impl MuscleSimulation {
         if actuators.is_empty() {
             return Ok(());
         }
-        // Recompute the statistics: at this point the compiler has not yet replaced them by those
-        // of the user.
+        // Recompute the statistics: at this point the compiler has not yet replaced them by the
+        // user's values.
         model.edit().update_constants().map_err(|error| error.to_string())?;
         // Bypass the check of `ModelMut::edit_options`, because the other options of the text are
         // irrelevant here.

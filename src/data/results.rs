@@ -30,8 +30,8 @@ impl Data {
         self.computed.stage()
     }
 
-    /// Returns an error unless these results have been computed for the present model: those of a
-    /// [`Stage`], or of a constant of [`MissingResults`].
+    /// Returns an error unless these results have been computed for the present model: the results
+    /// of a [`Stage`], or of a constant of [`MissingResults`].
     ///
     /// The getters of plain arrays such as [`xpos`](Self::xpos) and
     /// [`sensordata`](Self::sensordata) return slices of the engine's memory without a check.

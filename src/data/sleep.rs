@@ -42,8 +42,8 @@ impl Data {
     /// bodies that the call needs.
     #[inline]
     pub(super) fn wake_before(&mut self, results: PipelineFlags) {
-        // The position stage of forward dynamics wakes them; that of inverse dynamics and its
-        // single parts do not.
+        // The position stage of forward dynamics wakes them; the position stage of inverse dynamics
+        // and its single parts do not.
         let starts_single_parts = results.contains(C::KINEMATICS) && !results.contains(C::PROJECTION);
         if starts_single_parts || results == C::CONSTRAINT {
             self.wake();

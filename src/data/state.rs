@@ -11,7 +11,7 @@ use crate::model::Model;
 
 bitflags! {
     /// Parts of a simulation that a state vector contains, concatenated in the order of the flags.
-    /// Meaning, order and values are those of `mjtState` in MuJoCo 3.0, except for the active
+    /// Meaning, order and values are the same as in `mjtState` of MuJoCo 3.0, except for the active
     /// equality constraints, which 2.2.2 keeps in the model and which only a reset changes here,
     /// and for [`PLASTIC`](Self::PLASTIC) and [`HISTORY`](Self::HISTORY). Newer versions of MuJoCo
     /// number them differently.
@@ -104,7 +104,8 @@ impl Model {
     ///
     /// # Panics
     ///
-    /// If `spec` does not contain `part`, or contains other components between those of `part`.
+    /// If `spec` does not contain `part`, or contains other components between the components of
+    /// `part`.
     ///
     /// ```
     /// use mujoco_safe::{StateSpec, sample};

@@ -12,7 +12,7 @@ impl Data {
     /// Advances the simulation by one time step: computes all quantities from the present state and
     /// inputs, then integrates.
     ///
-    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities
+    /// Afterwards `qpos`, `qvel`, `act` and `time` belong to the new state; all other quantities
     /// belong to the old state. Call [`forward`](Self::forward) to update them. (With the
     /// integrator [`Rk4`](crate::enums::Integrator::Rk4) only sensor readings and energies belong
     /// to the old state, the rest to the last of the four states in which the engine evaluates the
@@ -73,9 +73,9 @@ impl Data {
     ///
     /// As for [`step`](Self::step), and [`Error::NotComputed`] without a preceding
     /// [`step1`](Self::step1) or [`forward`](Self::forward), or if the state was advanced or the
-    /// model changed in between. (The engine would continue with stale results: after a step those
-    /// of the previous state, and after [`inverse`](Self::inverse) without the matrices that the
-    /// dual solvers need.)
+    /// model changed in between. (The engine would continue with stale results: after a step with
+    /// the results of the previous state, and after [`inverse`](Self::inverse) without the matrices
+    /// that the dual solvers need.)
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {

@@ -155,7 +155,7 @@ pub(super) enum CounterChange {
 }
 
 impl SavedCounters {
-    /// Saves the counters, and sets those of the engine to [`BASE`].
+    /// Saves the engine's counters, and sets them to [`BASE`].
     #[inline]
     pub(super) fn replace(data: &mut mjData) -> Self {
         // Replacing the complete array takes a few vector instructions.
@@ -224,7 +224,7 @@ pub(super) fn with_full_constraints(
     unsafe { guard::begin_full(data, c_int::from(is_fatal), outer.as_mut_ptr()) };
     let mut status = call(model, data);
     let mut count = 0;
-    // SAFETY: written above, and the data is that of the setting.
+    // SAFETY: written above, and the setting refers to this data.
     if unsafe { guard::end_full(outer.as_ptr(), &raw mut count) } != 0 && status == guard::OK {
         status = guard::ERROR;
     }

@@ -44,10 +44,10 @@ fields!(Equality on Model {
     /// Solver impedance parameters.
     solimp: [f64; 5] = eq_solimp, solimp_mut in eq_solimp_mut;
     /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body,
-    /// then in that of the second, m. Weld: the anchor in the frame of the second body, then in
-    /// that of the first, the relative orientation as a unit quaternion `[w, x, y, z]`, the scale
-    /// of torques, and with newer engines 1 if the compiler computed the relative pose. Joint and
-    /// tendon: the five coefficients of the polynomial.
+    /// then in the frame of the second, m. Weld: the anchor in the frame of the second body, then
+    /// in the frame of the first, the relative orientation as a unit quaternion `[w, x, y, z]`, the
+    /// scale of torques, and with newer engines 1 if the compiler computed the relative pose. Joint
+    /// and tendon: the five coefficients of the polynomial.
     data: {&'a [f64; DATA]} = |equality| &equality.owner.eq_data()[equality.index()];
 });
 

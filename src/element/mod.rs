@@ -145,8 +145,8 @@ with_aliases! {
 /// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of
 /// each kind are methods.
 ///
-/// This page has the methods of all kinds. The page of an alias, such as [`JointData`], has those
-/// of one kind.
+/// This page has the methods of all kinds. The page of an alias, such as [`JointData`], has the
+/// methods of one kind.
 pub struct View<'a, Owner, K> {
     owner: &'a Owner,
     id: Id<K>,
@@ -154,8 +154,8 @@ pub struct View<'a, Owner, K> {
 
 /// Mutable view of one element.
 ///
-/// This page has the methods of all kinds. The page of an alias, such as [`JointDataMut`], has
-/// those of one kind.
+/// This page has the methods of all kinds. The page of an alias, such as [`JointDataMut`], has the
+/// methods of one kind.
 pub struct ViewMut<'a, Owner, K> {
     owner: &'a mut Owner,
     id: Id<K>,

@@ -28,7 +28,7 @@
 //! | [`Hopper`] | one leg with a torso, 3 motors | [`Hopper-v5`](https://gymnasium.farama.org/environments/mujoco/hopper/) |
 //! | [`HalfCheetah`] | two legs with a torso, in a plane, 6 motors | [`HalfCheetah-v5`](https://gymnasium.farama.org/environments/mujoco/half_cheetah/) |
 //!
-//! The models have other dimensions, masses and strengths than those of Gymnasium, so returns
+//! The models have other dimensions, masses and strengths than Gymnasium's models, so returns
 //! cannot be compared.
 //!
 //! # A task of your own
@@ -110,8 +110,8 @@ pub trait Task: Send + Sync {
 
     /// Writes the observation of a simulation to a row of zeros.
     ///
-    /// Poses, contacts and sensor readings are those of the state before the last engine step,
-    /// unless the environment was created with
+    /// Poses, contacts and sensor readings belong to the state before the last engine step, unless
+    /// the environment was created with
     /// [`forward_after_step`](VectorEnvironment::forward_after_step).
     fn observe(&self, data: &Data, observation: &mut [f64]);
 

@@ -241,8 +241,8 @@ pub enum Error {
         what: &'static str,
     },
 
-    /// The XML of the model can no longer be saved, because the engine keeps that of the last
-    /// loaded model only.
+    /// The XML of the model can no longer be saved, because the engine keeps only the XML of the
+    /// last loaded model.
     #[error(
         "the engine keeps the XML of the last loaded model only, and another one was loaded since: save before loading the next, or save as a binary model"
     )]

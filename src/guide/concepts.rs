@@ -78,7 +78,7 @@
 //!
 //! # Age of results
 //!
-//! After a [`step`](Data::step), `qpos`, `qvel`, `act` and `time` are those of the new state. **All
+//! After a [`step`](Data::step), `qpos`, `qvel`, `act` and `time` belong to the new state. **All
 //! other quantities still belong to the state before the step**, because the engine computes them
 //! before it integrates. (With the integrator [`Rk4`](crate::enums::Integrator::Rk4) this is so for
 //! sensor readings and energies; the rest belongs to the last state in which the engine evaluates

@@ -331,8 +331,8 @@
 //!
 //! Programs can also simulate candidates themselves from the present state and apply the best.
 //! [`Workers`](crate::rollout::Workers) keeps the simulations of the
-//! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is
-//! that of the linear-quadratic regulator:
+//! [rollouts](crate::rollout::Rollout) between decisions. Here the linear-quadratic regulator gives
+//! the cost to go after the horizon:
 //!
 //! ```
 //! use mujoco_safe::nalgebra::{DMatrix, DVectorView};

@@ -109,8 +109,8 @@
 //! Debian's library. It has the same name and the same version, so nothing fails; speed and last
 //! bits of the results change. `/proc/PID/maps` or `ldd` show the library that a program uses.
 //!
-//! The first call that loads a model compares the version of the running library with that of the
-//! headers and returns [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
+//! The first call that loads a model compares the version of the running library with the version
+//! of the headers and returns [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
 //!
 //! ```
 //! use mujoco_safe::{built_against, engine_version};
@@ -204,7 +204,7 @@
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | MJCF and URDF files, which pass the checks of the main file. Other formats are rejected |
 //! | sleeping bodies (the option `sleep`) | 3.4 | simulated, except with `sleep="init"`, which is rejected. [`BodyData::is_asleep`](crate::element::BodyData::is_asleep) tells which bodies sleep. State vectors do not contain that: [`Data::set_state`](crate::Data::set_state) with positions or velocities wakes all bodies, as do changes of the model and inverse dynamics. With 3.5.0 a mocap body that touches a sleeping body does not wake it, as in C. Linearisations and [`Batch`](crate::Batch) are [`Error::Unsupported`](crate::Error::Unsupported) |
 //! | delays of actuators and sensors | 3.5 | simulated. State vectors with [`StateSpec::HISTORY`](crate::StateSpec::HISTORY) contain their buffers, which `set_state` checks. Linearisations are `Error::Unsupported`, as in C |
-//! | actuators with several controls, forces or activations (`pid`, `orientation`, `dcmotor` with temperature) | 3.11 | simulated. [`Actuator::controls`](crate::element::Actuator::controls), `outputs` and `activations` are their places in the arrays. Linearisations are those of the engine, by differences; [`PdController`](crate::PdController) is `Error::Unsupported` |
+//! | actuators with several controls, forces or activations (`pid`, `orientation`, `dcmotor` with temperature) | 3.11 | simulated. [`Actuator::controls`](crate::element::Actuator::controls), `outputs` and `activations` are their places in the arrays. Linearisations are the engine's, by differences; [`PdController`](crate::PdController) is `Error::Unsupported` |
 //! | IPC contacts of flexes | 4.0 | rejected: no state vector contains the state of these contacts |
 //!
 //! A rejected model is an [`Error::Load`](crate::Error::Load) that names the feature.

@@ -119,7 +119,7 @@
 //! The engine's warnings (too many contacts, a nearly singular inertia matrix) are not errors.
 //! [`Data::warning`] counts them, and the first of each type is logged under the target `mujoco` of
 //! the [`log`](https://docs.rs/log) crate: install a logger to see it.
-//! [`Model::compile_warnings`](crate::Model::compile_warnings) returns those of the compiler.
+//! [`Model::compile_warnings`](crate::Model::compile_warnings) returns the compiler's warnings.
 //!
 //! # Panics
 //!

@@ -9,8 +9,8 @@
 //! [`dofs()`](crate::element::Joint::dofs) in `qvel`, and
 //! [`qpos_range()`](crate::element::Joint::qpos_range) in `qpos`.
 //!
-//! Names are those of the engine. The short names of MuJoCo.jl's views are spelled out here: `jnt`
-//! is `joint`, `cam` is `camera`, `com` of a body is `subtree_com`. The [table of element
+//! Names are the engine's. The short names of MuJoCo.jl's views are spelled out here: `jnt` is
+//! `joint`, `cam` is `camera`, `com` of a body is `subtree_com`. The [table of element
 //! kinds](crate::guide::coverage::kinds) lists every field of MuJoCo.jl's named access with its
 //! name here.
 //!

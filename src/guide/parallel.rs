@@ -64,8 +64,8 @@
 //! | [`sensordata`](crate::rollout::RolloutResult::sensordata) | `(nroll, nstep, nsensordata)` | the readings in the state of row `k` |
 //! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
 //!
-//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that
-//! of row `k + 1`; poses, contacts and forces are those of row `k`, because [a step does not update
+//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads belongs
+//! to row `k + 1`; poses, contacts and forces belong to row `k`, because [a step does not update
 //! them](super::concepts#age-of-results). [`forward_after_step`](Rollout::forward_after_step)
 //! updates them before the closure runs, at the cost of one more evaluation of forward dynamics per
 //! step.
@@ -125,14 +125,14 @@
 //!     .with(&model, Parameter::MassFactor(torso), Distribution::LogUniform { low: 0.8, high: 1.25 })?
 //!     .with(&model, Parameter::GeomFriction(floor, 0), Distribution::Uniform { low: 0.4, high: 1.0 })?;
 //! let mut batch = Batch::new(model, 16)?.vary(parameters)?;
-//! batch.draw_parameters(|_| true, 42)?;
+//! batch.sample_parameters(|_| true, 42)?;
 //! batch.step(|_, _| ())?;
 //! # assert!(batch.failures().next().is_none());
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A step is that of a model with these values, bit for bit. Values that other constants of the
-//! model depend on, such as masses, cost a call of
+//! A step equals a step of a model with these values, bit for bit. Values that other constants of
+//! the model depend on, such as masses, cost a call of
 //! [`update_constants`](crate::ModelMut::update_constants) for each draw, not for each step. For
 //! quantities that are no [`Parameter`], call [`Data::edit_model`] in
 //! [`reset_where`](Batch::reset_where) or [`edit_where`](Batch::edit_where): the batch keeps only

@@ -145,7 +145,7 @@
 //! has cached its compiled shaders on disk.
 //!
 //! `scripts/compare` measures this crate, the engine called from C, the official Python bindings,
-//! SciPy, NumPy and SLICOT in one run: steps, rollouts, batches (from 3.17 also those of
+//! SciPy, NumPy and SLICOT in one run: steps, rollouts, batches (from 3.17 also with
 //! `mujoco.batch`), linearisations, Riccati equations and control laws. `MUJOCO_PYTHON` is an
 //! interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one
 //! if it finds a Python 3.7 to 3.10.

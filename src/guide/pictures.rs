@@ -1,4 +1,4 @@
-//! Pictures and the viewer: images, depth, segmentation, animations, windows.
+//! Images and the viewer: colour, depth, segmentation, animations, windows.
 //!
 //! The feature `renderer` adds rendering without a window or a display, the feature `viewer` also
 //! the window. Both need a Vulkan, Metal, Direct3D 12 or OpenGL driver; a software driver suffices.
@@ -137,9 +137,9 @@
 //! | [`viewer::run`][run] | the program, in a new thread | the calling thread |
 //! | [`viewer::launch`][launch] | the program, in the calling thread | a background thread; not on macOS |
 //!
-//! F1 lists all keys and mouse gestures. They are those of the engine's `simulate`. A double-click
-//! selects a body, Ctrl with the right button pulls it, Tab and Shift+Tab open the side panels, and
-//! Ctrl+Q closes the window.
+//! F1 lists all keys and mouse gestures. They are the same as in the engine's `simulate`. A
+//! double-click selects a body, Ctrl with the right button pulls it, Tab and Shift+Tab open the
+//! side panels, and Ctrl+Q closes the window.
 //!
 #![cfg_attr(feature = "viewer", doc = "```no_run")]
 #![cfg_attr(not(feature = "viewer"), doc = "```ignore")]

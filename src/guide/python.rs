@@ -1,9 +1,9 @@
 //! Coming from the `mujoco` package for Python: a table of calls, idioms, and differences.
 //!
-//! The names are those of the engine, without `mj_` and in snake case. Fields are methods:
-//! `data.qpos` is [`data.qpos()`](Data::qpos), and [`data.qpos_mut()`](Data::qpos_mut) for writing.
-//! The search of this documentation finds functions by their C names. The tables use `m` for a
-//! [`Model`], `d` for a [`Data`], and `edit` for a [`ModelMut`].
+//! The names are the engine's, without `mj_` and in snake case. Fields are methods: `data.qpos` is
+//! [`data.qpos()`](Data::qpos), and [`data.qpos_mut()`](Data::qpos_mut) for writing. The search of
+//! this documentation finds functions by their C names. The tables use `m` for a [`Model`], `d` for
+//! a [`Data`], and `edit` for a [`ModelMut`].
 //!
 //! # Models
 //!
@@ -83,7 +83,7 @@
 //! | `mujoco.MjSpec.from_file(path)`, `from_string(xml)` | [`Spec::from_xml_path(path)?`](crate::spec::Spec::from_xml_path), [`Spec::from_xml_str(xml)?`](crate::spec::Spec::from_xml_str) |
 //! | `body = spec.worldbody.add_body(name='arm', pos=p)` | [`let body = spec.add_body(spec.world()).set_name("arm").set_pos(p).id();`](crate::spec::Spec::add_body) |
 //! | `body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])` | [`spec.add_geom(body).set_type(GeomType::Sphere).set_size(&[0.1]);`](crate::spec::Spec::add_geom) |
-//! | `spec.add_actuator(target='elbow', trntype=…)` | [`spec.add_motor().set_joint("elbow");`](crate::spec::Spec::add_motor) |
+//! | `spec.add_actuator(target='elbow', trntype=…)` | [`spec.add_actuator(ActuatorElement::Motor).set_joint("elbow");`](crate::spec::Spec::add_actuator) |
 //! | `spec.option.timestep = 0.001` | [`spec.section_mut("option")?.set("timestep", 0.001)?;`](crate::spec::Spec::section_mut) |
 //! | `spec.default.geom.rgba = …` | [`spec.default_mut("main", "geom")?.set("rgba", …)?;`](crate::spec::Spec::default_mut) |
 //! | `spec.body('arm').pos`, `spec.geoms` | [`spec.body("arm")?.numbers("pos")?`](crate::spec::Element::numbers), [`spec.ids::<Geom>()`](crate::spec::Spec::ids) |
@@ -133,7 +133,7 @@
 //! | `np.savez(path, qpos=…)` | `npz::save(path, &[Array::new("qpos", &[n, nq], &qpos)])?`, feature `npz` |
 //! | the same for results | [`trajectory.save_npz(path)?`](crate::Trajectory), [`rollouts.save_npz(path)?`](crate::rollout::RolloutResult); [`save_csv`](crate::Trajectory::save_csv) |
 //!
-//! # Pictures and the viewer
+//! # Images and the viewer
 //!
 //! | Python | here |
 //! |---|---|

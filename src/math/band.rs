@@ -134,7 +134,7 @@ fn dot(vec1: &[f64], vec2: &[f64]) -> f64 {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape.
+/// [`Error::Shape`] unless the length of `mat` is `shape.len()`.
 ///
 /// ```
 /// use mujoco_safe::math::{self, BandShape};
@@ -179,8 +179,8 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of both vectors
-/// is `ntotal`.
+/// [`Error::Shape`] unless the length of `mat` is `shape.len()`, and the length of both vectors is
+/// `ntotal`.
 pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandShape) -> Result<()> {
     Error::check_length("the result of chol_solve_band", res.len(), shape.ntotal)?;
     Error::check_length("vec of chol_solve_band", vec.len(), shape.ntotal)?;
@@ -193,7 +193,7 @@ pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandSha
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of `vec` is
+/// [`Error::Shape`] unless the length of `mat` is `shape.len()`, and the length of `vec` is
 /// `ntotal`.
 pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) -> Result<()> {
     shape.check_matrix("mat of chol_solve_band_in_place", mat)?;
@@ -225,7 +225,7 @@ pub enum BandKind {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape
+/// [`Error::Shape`] unless the length of `mat` is `shape.len()`, and `res` has the shape
 /// `(ntotal, ntotal)`.
 pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, kind: BandKind) -> Result<()> {
     let mut res = res.into();
@@ -251,7 +251,7 @@ pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: Ban
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `res` is that of the shape, and `mat` has the shape
+/// [`Error::Shape`] unless the length of `res` is `shape.len()`, and `mat` has the shape
 /// `(ntotal, ntotal)`.
 pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: BandShape) -> Result<()> {
     let mat = mat.into();
@@ -269,8 +269,8 @@ pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: Ba
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `mat` is that of the shape, `vec` has `ntotal` columns,
-/// and `res` has the shape of `vec`.
+/// [`Error::Shape`] unless the length of `mat` is `shape.len()`, `vec` has `ntotal` columns, and
+/// `res` has the shape of `vec`.
 pub fn band_mul_mat_vec<'a, 'b>(
     res: impl Into<MatrixViewMut<'a>>,
     mat: &[f64],

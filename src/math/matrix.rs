@@ -16,8 +16,8 @@ use crate::matrix::{MatrixView, MatrixViewMut};
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `vec` is the number of columns of `mat`, and that of `res`
-/// its number of rows.
+/// [`Error::Shape`] unless the length of `vec` is the number of columns of `mat`, and the length of
+/// `res` is its number of rows.
 ///
 /// ```
 /// use mujoco_safe::{Matrix, math};
@@ -42,8 +42,8 @@ pub fn mul_mat_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `vec` is the number of rows of `mat`, and that of `res`
-/// its number of columns.
+/// [`Error::Shape`] unless the length of `vec` is the number of rows of `mat`, and the length of
+/// `res` is its number of columns.
 pub fn mul_mat_t_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f64]) -> Result<()> {
     let mat = mat.into();
     Error::check_length("the result of mul_mat_t_vec", res.len(), mat.ncols())?;
@@ -308,8 +308,8 @@ pub enum RankOneUpdate {
     Subtract,
 }
 
-/// Updates the factor of A to that of `A + x xᵀ` or `A − x xᵀ` in O(n²). Returns the rank: the
-/// number of pivots that were not raised to `1e-15`. `x` is overwritten.
+/// Updates the factor of A to the factor of `A + x xᵀ` or `A − x xᵀ` in O(n²). Returns the rank:
+/// the number of pivots that were not raised to `1e-15`. `x` is overwritten.
 ///
 /// # Errors
 ///

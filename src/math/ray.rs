@@ -90,7 +90,7 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
         ));
     }
     let mut vertex = -1;
-    // SAFETY: the counts are those of the slices, and every index is in bounds.
+    // SAFETY: the counts are the lengths of `face` and `vert`, and every index is in bounds.
     let distance = unsafe {
         sys::mju_raySkin(
             face.len() as c_int,

@@ -2,10 +2,10 @@
 //! model.
 //!
 //! The muscle model is described in MuJoCo's documentation, "Modeling", "Muscles". Its nine
-//! parameters `prm` are those of a muscle's `actuator_gainprm`: `[range[0], range[1], force, scale,
-//! lmin, lmax, vmax, fpmax, fvmax]`. `lengthrange` (m) is that of the actuator, and `acc0` its
-//! acceleration from unit force in the reference configuration. With a negative `force` the peak
-//! force is `scale / acc0`.
+//! parameters `prm` are the same as in a muscle's `actuator_gainprm`: `[range[0], range[1], force,
+//! scale, lmin, lmax, vmax, fpmax, fvmax]`. `lengthrange` (m) is the length range of the actuator,
+//! and `acc0` its acceleration from unit force in the reference configuration. With a negative
+//! `force` the peak force is `scale / acc0`.
 
 use std::ffi::c_int;
 

@@ -150,7 +150,7 @@ pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
     res
 }
 
-/// Returns the inverse pose: that of the outer frame in the inner frame.
+/// Returns the inverse pose: the pose of the outer frame in the inner frame.
 pub fn neg_pose(pose: &Pose) -> Pose {
     let mut res = Pose::default();
     // SAFETY: as in `mul_pose`.
@@ -172,8 +172,8 @@ pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of
-/// `pyramid` twice that of `mu` (one if `mu` is empty).
+/// [`Error::Shape`] unless `force` has one more element than `mu`, and `pyramid` has twice as many
+/// as `mu` (one if `mu` is empty).
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -205,8 +205,8 @@ pub fn encode_pyramid(pyramid: &mut [f64], force: &[f64], mu: &[f64]) -> Result<
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of
-/// `pyramid` twice that of `mu` (one if `mu` is empty).
+/// [`Error::Shape`] unless `force` has one more element than `mu`, and `pyramid` has twice as many
+/// as `mu` (one if `mu` is empty).
 pub fn decode_pyramid(force: &mut [f64], pyramid: &[f64], mu: &[f64]) -> Result<()> {
     Error::check_length("the pyramid of decode_pyramid", pyramid.len(), edges(mu))?;
     Error::check_length("the force of decode_pyramid", force.len(), mu.len().saturating_add(1))?;

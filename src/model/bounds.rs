@@ -4,9 +4,9 @@
 //! The compiler computes the bounds, and the engine detects no contact outside of them, even if the
 //! values that they depend on have changed. Mutable access to such values therefore makes the
 //! bounds [loose](ModelMut::loosen_bounds), which hides no contact and is slower. (Collision
-//! functions can find contacts outside of the bounds: that of two boxes takes a lower bound for the
-//! distance of edges.) [`update_bounds`](ModelMut::update_bounds) computes the bounds of the
-//! present values.
+//! functions can find contacts outside of the bounds: the function for two boxes takes a lower
+//! bound for the distance of edges.) [`update_bounds`](ModelMut::update_bounds) computes the bounds
+//! of the present values.
 
 use super::{Model, ModelMut};
 use crate::enums::GeomType;
@@ -95,7 +95,7 @@ impl ModelMut<'_> {
         self.inner().has_loose_bounds = false;
     }
 
-    /// Computes the masks of bodies from those of their geoms.
+    /// Computes the masks of bodies from the masks of their geoms.
     #[cfg_attr(not(engine_since = "2.3.3"), allow(clippy::unused_self, reason = "bodies have no masks"))]
     pub(crate) fn update_masks(&mut self) {
         #[cfg(engine_since = "3.0.0")]

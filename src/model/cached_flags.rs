@@ -1,6 +1,6 @@
 //! Cached flags by which the engine skips computations: the flags of coinciding frames
-//! (`*_sameframe`), and those of bodies that move independently, whose part of the inertia matrix
-//! is diagonal and constant (`body_simple`, `dof_simplenum`, `dof_M0`).
+//! (`*_sameframe`), and the flags of bodies that move independently, whose part of the inertia
+//! matrix is diagonal and constant (`body_simple`, `dof_simplenum`, `dof_M0`).
 //!
 //! The compiler computes the flags, and the engine trusts them even if the values that they depend
 //! on have changed. It would then keep a geom at its old pose, or combine the old inertia of a body

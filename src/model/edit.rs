@@ -146,7 +146,7 @@ impl<'m> ModelMut<'m> {
     /// Recomputes the quantities that the compiler derived from masses, inertias, positions and
     /// `qpos0`: subtree masses, inverse weights, reference lengths, statistics and all fields with
     /// a `0` in their names. Also recomputes the flags of coinciding frames (`body_sameframe` and
-    /// the like), and with 2.2.2 those of bodies that move independently (`body_simple`), which
+    /// the like), and with 2.2.2 the flags of bodies that move independently (`body_simple`), which
     /// speed up the engine. With engines from 2.3 to 3.10 an edit clears the flags of frames for
     /// good, which is correct and a little slower. Since 3.17 the engine leaves the statistics to
     /// the compiler. With these engines the call recomputes `meanmass` and `meaninertia`, except
@@ -298,7 +298,7 @@ impl<'m> ModelMut<'m> {
     }
 
     /// Recomputes the means of masses and inertias, because newer engines leave the statistics to
-    /// the compiler. A statistic that was not the mean before is that of the user, or contains the
+    /// the compiler. A statistic that was not the mean before was set by the user, or contains the
     /// armature of tendons, and stays.
     #[cfg(engine_since = "3.17.0")]
     fn update_means(&mut self, before: [Option<f64>; 2]) {

@@ -43,8 +43,8 @@ impl Model {
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
         self.coupled_slides().map_or(Ok(()), unsupported)?;
-        // The engine reads the length of a crank at the index of the force instead of that of the
-        // actuator.
+        // The engine reads the length of a crank at the index of the force instead of the index of
+        // the actuator.
         let is_misread = |&actuator: &usize| {
             let is_crank = self.actuator_trntype()[actuator] as u32 == mjTRN_SLIDERCRANK;
             is_crank && self.outputs_of(actuator).start != actuator

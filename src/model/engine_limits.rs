@@ -56,7 +56,7 @@ impl Model {
     }
 
     /// Returns `true` if the engine reads constraints of this model without checking that there was
-    /// room for them: those of an adhesive actuator, and since 2.3 equality constraints.
+    /// room for them: the constraints of an adhesive actuator, and since 2.3 equality constraints.
     #[inline]
     pub(crate) fn needs_constraints(&self) -> bool {
         self.has_adhesion() || (cfg!(engine_since = "2.3.0") && self.raw().neq > 0)
@@ -93,7 +93,7 @@ impl Model {
     }
 
     /// Returns a copy of the engine's struct with the same arrays, for calls that read the model
-    /// with another value of a field. The arrays are those of this model, which must outlive the
+    /// with another value of a field. The arrays belong to this model, which must outlive the
     /// calls.
     fn copy_of_struct(&self) -> mjModel {
         // SAFETY: a valid model, and plain data: numbers, and pointers that nothing frees with the

@@ -94,7 +94,7 @@ with_aliases! {
 ///        </mujoco>"#,
 /// )?;
 /// assert_eq!((model.nq(), model.nv()), (7, 6));
-/// assert_eq!(format!("{model:?}"), "Model: 2 bodies, 1 joint, 1 geom (nq 7, nv 6, nu 0)");
+/// assert_eq!(model.to_string(), "2 bodies, 1 joint, 1 geom (nq 7, nv 6, nu 0)");
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "mjModel")]
@@ -241,12 +241,13 @@ impl Drop for Model {
     }
 }
 
-impl fmt::Debug for Model {
+/// Numbers of elements.
+impl fmt::Display for Model {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |number: usize, one: &str, many: &str| format!("{number} {}", if number == 1 { one } else { many });
         write!(
             f,
-            "Model: {}, {}, {}",
+            "{}, {}, {}",
             count(self.nbody(), "body", "bodies"),
             count(self.njnt(), "joint", "joints"),
             count(self.ngeom(), "geom", "geoms")
@@ -262,6 +263,12 @@ impl fmt::Debug for Model {
             }
         }
         write!(f, " (nq {}, nv {}, nu {})", self.nq(), self.nv(), self.nu())
+    }
+}
+
+impl fmt::Debug for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Model: {self}")
     }
 }
 

@@ -14,7 +14,7 @@ use crate::kind::{ElementKind, Kind};
 /// # Names and counts
 impl Model {
     /// Returns the number of actuators. It is the number of controls [`nu`](Self::nu) unless
-    /// actuators have several controls, which those of the types `pid` and `orientation` have in
+    /// actuators have several controls, as actuators of the types `pid` and `orientation` do in
     /// newer engines.
     #[cfg(not(engine_since = "3.17.0"))]
     #[inline]

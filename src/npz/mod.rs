@@ -74,8 +74,7 @@ pub struct Array<'a> {
 
 impl<'a> Array<'a> {
     /// Creates an array from its values in row-major order, of one of the types that implement
-    /// [`Element`]. An empty shape is that of a single number. [`save`] checks the name and the
-    /// shape.
+    /// [`Element`]. An empty shape means a single number. [`save`] checks the name and the shape.
     pub fn new<T: Element>(name: &'a str, shape: &[usize], values: &'a [T]) -> Self {
         Self { name, shape: shape.to_vec(), values: T::values(values) }
     }

@@ -60,8 +60,8 @@
 //!
 //! # Differences from the engine's renderer
 //!
-//! Images are equal to those of the engine up to rounding and the positions of MSAA samples at
-//! edges, except for these deliberate differences:
+//! Images are equal to the engine's up to rounding and the positions of MSAA samples at edges,
+//! except for these deliberate differences:
 //!
 //! - A single pass computes all lights, and shaders are specialised at run time for the lights of
 //!   the scene. The engine draws everything once more for each shadow-casting light.
@@ -69,8 +69,8 @@
 //!   which [`max_lights`](RendererOptions::max_lights) imitates.
 //! - Labels have another font, Noto Sans Mono, which covers ASCII, Latin-1 and Latin Extended-A;
 //!   other characters are boxes. The engine draws each byte of a label as a character of its own
-//!   font, also those of letters beyond ASCII. In images of 320 × 240 pixels with a dozen labels, 1
-//!   to 5 % of the pixels differ.
+//!   font, also the bytes of letters beyond ASCII. In images of 320 × 240 pixels with a dozen
+//!   labels, 1 to 5 % of the pixels differ.
 //! - Round shapes that cover few pixels have fewer vertices. So have meshes without texture
 //!   coordinates: vertices that are less than a pixel apart are merged, except in wireframes, depth
 //!   and segmentation images. In images of an arm of 215,000 small triangles at most 0.3 % of the
@@ -99,22 +99,22 @@
 //!   of the geom before it. Here the shininess is clamped.
 //! - OpenGL rejects a spot exponent outside of 0 to 128 and negative attenuation. Here they have
 //!   their initial values, as in the first image of the engine. In later images of the engine they
-//!   have those of the light that was drawn before with the same number.
+//!   have the values of the light that was drawn before with the same number.
 //! - If all coefficients of attenuation are zero, OpenGL divides by zero. Here the light is as
 //!   bright as possible.
 //! - Round shapes have at least 3 slices and 2 stacks, and boxes and planes at least one quad
 //!   (`numslices`, `numstacks`, `numquads`).
 //! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
-//! - In wireframe mode the lines are those of the engine, and are one pixel wide on every adapter.
-//!   Without shadows at most 0.2 % of the pixels differ by more than 8 of 255 (bench `render`,
-//!   argument `pictures`). A light that casts shadows is brighter in the engine's images, which add
-//!   it once for each of the polygons that share an edge: 4 to 9 % of the pixels differ in most
-//!   scenes, and more if lines fill the image (23 % in the scene `skin` of the bench, 37 % in
-//!   `terrain`). Diagonals are visible in round shapes with an odd number of slices.
+//! - In wireframe mode the lines are the same as in the engine, and are one pixel wide on every
+//!   adapter. Without shadows at most 0.2 % of the pixels differ by more than 8 of 255 (bench
+//!   `render`, argument `pictures`). A light that casts shadows is brighter in the engine's images,
+//!   which add it once for each of the polygons that share an edge: 4 to 9 % of the pixels differ
+//!   in most scenes, and more if lines fill the image (23 % in the scene `skin` of the bench, 37 %
+//!   in `terrain`). Diagonals are visible in round shapes with an odd number of slices.
 //!
 //! # Engine versions
 //!
-//! Images equal those of the renderer of the linked engine. With engines from 3.0, a camera has its
+//! Images equal the images of the linked engine's renderer. With engines from 3.0, a camera has its
 //! own width of the image (`focal`, `sensorsize`); from 3.0.1, decoration casts no shadows; from
 //! 3.2, cameras can be orthographic, and a headlight remains where the last update of the scene has
 //! put it; from 3.3, all faces cast shadows; from 3.3.3, textures in the sRGB colour space are

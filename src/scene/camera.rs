@@ -45,7 +45,7 @@ engine_enum! {
 }
 
 /// Abstract camera. The numeric fields apply to the free and the tracking mode, whose field of view
-/// and projection are those of the model: `fovy` and, with engines from 3.2, `orthographic` of
+/// and projection are the model's: `fovy` and, with engines from 3.2, `orthographic` of
 /// `visual/global` in MJCF.
 ///
 /// ```

@@ -235,8 +235,8 @@ impl<'s> SceneGeom<'s> {
         usize::try_from(unsafe { adapted::scene_geom_texture(self.raw) }.material).ok()
     }
 
-    /// Returns the texture that the engine's OpenGL renderer draws: with engines from 3.2.1 that of
-    /// the material's base colour.
+    /// Returns the texture that the engine's OpenGL renderer draws: with engines from 3.2.1 the
+    /// texture of the material's base colour.
     #[doc(alias = "texid")]
     pub fn texture(self) -> Option<TextureId> {
         self.material_texture().texture.map(|texture| Id::new(texture, self.lineage))

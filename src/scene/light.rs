@@ -42,7 +42,7 @@ pub struct SceneLight {
 }
 
 /// The engine's renderer draws point and image lights, without setting their places and directions:
-/// those of OpenGL's initial state remain.
+/// the values of OpenGL's initial state remain.
 const DRAWS_UNPLACED_LIGHTS: bool = cfg!(all(engine_since = "3.5.0", not(engine_since = "3.17.0")));
 
 impl SceneLight {
@@ -70,7 +70,7 @@ impl SceneLight {
 }
 
 impl Scene {
-    /// Iterates over the active lights: first the headlight if it is active, then those of the
+    /// Iterates over the active lights: first the headlight if it is active, then the lights of the
     /// model.
     ///
     /// ```

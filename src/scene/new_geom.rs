@@ -28,7 +28,7 @@ engine_enum! {
         /// Arrow with two heads. It is centred at the *first* point and extends [half its length to
         /// either side](SceneGeomType::Arrow2).
         Arrow2 = mjGEOM_ARROW2,
-        /// Line. Its width is that of the model's visual settings.
+        /// Line. The model's visual settings define its width.
         Line = mjGEOM_LINE,
     }
 }

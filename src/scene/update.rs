@@ -95,7 +95,8 @@ impl Scene {
     }
 
     /// Appends the geoms of a simulation to the scene and returns their indices. The state may
-    /// differ from that of the last [`update`](Self::update), so one image can show several poses.
+    /// differ from the state of the last [`update`](Self::update), so one image can show several
+    /// poses.
     ///
     /// # Errors
     ///

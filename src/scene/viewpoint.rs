@@ -33,7 +33,7 @@ pub struct Viewpoint {
     pub frustum_near: f32,
     /// Distance of the far plane, m.
     pub frustum_far: f32,
-    /// Marks an orthographic projection, in which the edges of the near plane are those of the
+    /// Marks an orthographic projection, in which the edges of the near plane are the edges of the
     /// image at every depth. With engines from 3.2.
     pub orthographic: bool,
 }
@@ -314,7 +314,7 @@ impl Scene {
 }
 
 /// Rotates a vector about z by the angle from y to the horizontal component of `forward`. This maps
-/// the forward direction of a mouse to that of the camera.
+/// the forward direction of a mouse to the forward direction of the camera.
 ///
 /// ```
 /// use mujoco_safe::scene::align_to_camera;

@@ -187,9 +187,9 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// Errors of the controller and of [`Data::step`], and those of [`push`](Self::push) except for
-    /// [`Error::NotComputed`]. Earlier records are kept, and the sensor readings of a failed step
-    /// are NaN.
+    /// Errors of the controller and of [`Data::step`], and errors of [`push`](Self::push) except
+    /// for [`Error::NotComputed`]. Earlier records are kept, and the sensor readings of a failed
+    /// step are NaN.
     pub fn record(&mut self, data: &mut Data, controller: &mut (impl Controller + ?Sized), steps: usize) -> Result<()> {
         for _ in 0..steps {
             controller.control(data)?;
@@ -302,7 +302,7 @@ impl Trajectory {
         assert!(record < self.len(), "index out of range: record {record} of a trajectory of {} records", self.len());
     }
 
-    /// Sets the time, state and controls of a simulation to those of a record.
+    /// Sets the time, state and controls of a simulation to the values of a record.
     ///
     /// # Errors
     ///

@@ -151,7 +151,7 @@ fn plans_do_not_allocate() {
     let mut data = squatting();
     let cost = quadratic(&data);
     let mut planner = IlqrPlanner::new(data.model(), 3, IlqrOptions::default().with_iterations(2)).unwrap();
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 3).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 3).unwrap();
     allocates_nothing("IlqrPlanner::plan", || {
         data.qvel_mut()[0] += 0.1;
         let report = planner.plan(&data, &cost, &mut policy).unwrap();
@@ -171,7 +171,7 @@ fn plans_by_sampling_do_not_allocate() {
     let _lock = lock_process();
     let mut data = squatting();
     let cost = quadratic(&data);
-    let mut policy = TimeVaryingLqr::at_present_state(&data, 3).unwrap();
+    let mut policy = TimeVaryingLqr::hold_controls(&data, 3).unwrap();
     for temperature in [0.0, 1.0] {
         let options = SamplingOptions::default().with_samples(5).with_iterations(2).with_temperature(temperature);
         let mut planner = SamplingPlanner::new(data.model(), 3, options).unwrap();
@@ -239,7 +239,7 @@ fn steps_of_a_batch_do_not_allocate() {
         let factors = Distribution::Uniform { low: 0.5, high: 2.0 };
         let parameters = Parameters::new().with(batch.model(), torso, factors).unwrap();
         let mut batch = batch.vary(parameters).unwrap();
-        batch.draw_parameters(|_| true, 1).unwrap();
+        batch.sample_parameters(|_| true, 1).unwrap();
         batch
     };
     for mut batch in [batch(), batch().forward_after_step(), edited(), varied()] {

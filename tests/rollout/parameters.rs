@@ -27,7 +27,7 @@ fn draws_have_the_moments_and_the_bounds_of_their_distributions() {
         .and_then(|list| list.with(&model, Parameter::JointFrictionLoss(hinge), Distribution::Unchanged))
         .unwrap();
     let mut batch = Batch::new(model, count).unwrap().vary(parameters).unwrap();
-    batch.draw_parameters(|_| true, 1).unwrap();
+    batch.sample_parameters(|_| true, 1).unwrap();
     let column = |at: usize, f: fn(f64) -> f64| batch.parameters().rows().map(|row| f(row[at])).collect::<Vec<_>>();
     // A normal distribution truncated at three standard deviations has 0.9866 of the deviation.
     let expected = [
@@ -58,10 +58,10 @@ fn draws_depend_on_seed_simulation_episode_and_column_only() {
             parameters.with(&model, parameter, distribution).unwrap()
         });
         let mut batch = Batch::new(&model, count).unwrap().chunk(1).vary(parameters).unwrap();
-        pool(threads).install(|| batch.draw_parameters(|_| true, seed)).unwrap();
+        pool(threads).install(|| batch.sample_parameters(|_| true, seed)).unwrap();
         batch.reset(1).unwrap();
         let before = batch.parameters().to_matrix();
-        pool(threads).install(|| batch.draw_parameters(|index| index == 1, seed)).unwrap();
+        pool(threads).install(|| batch.sample_parameters(|index| index == 1, seed)).unwrap();
         assert_eq!(batch.parameters().row(0), before.row(0));
         assert_ne!(batch.parameters().row(1), before.row(1), "the episodes differ");
         batch.parameters().to_matrix()
@@ -88,9 +88,9 @@ fn parts_of_a_batch_draw_the_values_of_the_whole() {
     let draw = |first: usize, count: usize| {
         let batch = Batch::new(&model, count).unwrap().vary(parameters.clone()).unwrap();
         let mut batch = if first == 0 { batch } else { batch.first_index(first) };
-        batch.draw_parameters(|_| true, 3).unwrap();
+        batch.sample_parameters(|_| true, 3).unwrap();
         batch.reset_where(|_| true, |_, _, _| ()).unwrap();
-        batch.draw_parameters(|index| first.wrapping_add(index) % 2 == 0, 3).unwrap();
+        batch.sample_parameters(|index| first.wrapping_add(index) % 2 == 0, 3).unwrap();
         bits(batch.parameters().as_slice())
     };
     let whole = draw(0, 7);

@@ -99,7 +99,7 @@ fn simulate(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) -> m
     };
     let mut batch = Batch::new(model, which.len())?.vary(parameters(model)?)?.first_index(first);
     batch.reset_where(|_| true, start)?;
-    batch.draw_parameters(|_| true, seed)?;
+    batch.sample_parameters(|_| true, seed)?;
     for step in 0..arguments.steps as u64 {
         batch.step(|_, controls| {
             for (index, controls) in controls.as_mut_slice().chunks_exact_mut(model.nu()).enumerate() {
@@ -109,7 +109,7 @@ fn simulate(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) -> m
         })?;
         let fallen: Vec<bool> = batch.observations().rows().map(|observation| observation[2] < FALLEN).collect();
         batch.reset_where(|index| fallen[index], start)?;
-        batch.draw_parameters(|index| fallen[index], seed)?;
+        batch.sample_parameters(|index| fallen[index], seed)?;
     }
     if let Some((index, error)) = batch.failures().next() {
         eprintln!("simulation {} failed: {error}", first + index);

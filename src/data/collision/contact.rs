@@ -281,9 +281,10 @@ impl NewContact {
 
 /// # Additional contacts
 impl Data {
-    /// Adds a contact to those of the last [`collision`](Self::collision). The constraint rows
-    /// count as not computed afterwards: continue with [`make_constraint`](Self::make_constraint).
-    /// The next collision detection, for example of a step, removes the contact.
+    /// Adds a contact to the contacts of the last [`collision`](Self::collision). The constraint
+    /// rows count as not computed afterwards: continue with
+    /// [`make_constraint`](Self::make_constraint). The next collision detection, for example of a
+    /// step, removes the contact.
     ///
     /// # Errors
     ///

@@ -130,8 +130,8 @@ impl Data {
         if let Some(nearest) = self.nearest(pair, function, 0.0)? {
             return Ok(Some(nearest));
         }
-        // The distance of convex shapes is at most that of their centres. A height field is not
-        // convex.
+        // The distance of convex shapes is at most the distance of their centres. A height field is
+        // not convex.
         let [a, b] = pair.map(|geom| self.geom_xpos()[geom]);
         let mut farthest = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt() * (1.0 + 1e-9);
         if types[0] == mjGEOM_HFIELD {

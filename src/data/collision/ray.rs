@@ -226,7 +226,7 @@ impl Data {
     /// converts these coordinates to indices. (NaN does not reach that conversion.)
     #[cold]
     pub(crate) fn check_field_poses(&self) -> Result<()> {
-        /// Limit of the elements, far above those of rotations and their squares.
+        /// Limit of the elements, far above the elements of rotations and their squares.
         const LARGEST: f64 = 1e20;
         let model = self.model();
         let is_field = |&geom: &usize| model.geom_type()[geom] == mjGEOM_HFIELD as i32;

@@ -247,8 +247,9 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and
-    /// `rowadr` have length nv and `colind` has that of `values`, [`Error::Invalid`] for an invalid
-    /// row or one with too little space, [`Error::Engine`] if the engine's stack is too small.
+    /// `rowadr` have length nv and `colind` has the length of `values`, [`Error::Invalid`] for an
+    /// invalid row or one with too little space, [`Error::Engine`] if the engine's stack is too
+    /// small.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};

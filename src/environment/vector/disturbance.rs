@@ -14,9 +14,10 @@ pub(super) const STREAM: u64 = u64::MAX;
 
 /// # Noise and delays
 ///
-/// A policy that is learnt with noise and delays tolerates those of a robot. An episode draws them
-/// from [`Random::stream`]`(seed, index, episode, u64::MAX)`: the delay, the noise of the first
-/// observation, and for each step the noise of the actions and that of the observation.
+/// A policy that is learnt with noise and delays tolerates the noise and delays of a robot. An
+/// episode draws them from [`Random::stream`]`(seed, index, episode, u64::MAX)`: the delay, the
+/// noise of the first observation, and for each step the noise of the actions and the noise of the
+/// observation.
 ///
 /// ```
 /// use mujoco_safe::environment::{Hopper, VectorEnvironment};
@@ -37,8 +38,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `nu` deviations, and [`Error::Invalid`] if one is negative
-    /// or not finite. Those of [`reset`](Self::reset).
+    /// [`Error::Shape`] if there are not `nu` deviations, [`Error::Invalid`] if one is negative or
+    /// not finite, and the errors of [`reset`](Self::reset).
     pub fn action_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nu = self.batch.model().nu();
         Error::check_length("the standard deviations of the action noise (nu)", deviations.len(), nu)?;
@@ -53,8 +54,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `nobs` deviations, and [`Error::Invalid`] if one is
-    /// negative or not finite. Those of [`reset`](Self::reset).
+    /// [`Error::Shape`] if there are not `nobs` deviations, [`Error::Invalid`] if one is negative
+    /// or not finite, and the errors of [`reset`](Self::reset).
     pub fn observation_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nobs = self.final_observations.ncols();
         Error::check_length("the standard deviations of the observation noise (nobs)", deviations.len(), nobs)?;
@@ -70,7 +71,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     /// # Errors
     ///
     /// [`Error::Invalid`] if the range is empty, or if memory does not suffice for the actions of
-    /// the longest delay. Those of [`reset`](Self::reset).
+    /// the longest delay, and the errors of [`reset`](Self::reset).
     pub fn action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
         if steps.is_empty() {
             return Err(Error::invalid("the range of the delay", format!("{steps:?}"), "not empty"));

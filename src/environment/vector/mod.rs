@@ -47,7 +47,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// Those of [`Batch::new`], and the error of [`Task::start`] with the smallest index.
+    /// The errors of [`Batch::new`], and the error of [`Task::start`] with the smallest index.
     ///
     /// # Panics
     ///
@@ -102,7 +102,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// Those of [`Batch::vary`], [`Batch::draw_parameters`] and [`reset`](Self::reset).
+    /// The errors of [`Batch::vary`], [`Batch::sample_parameters`] and [`reset`](Self::reset).
     pub fn vary(mut self, parameters: Parameters) -> Result<Self> {
         self.batch = self.batch.vary(parameters)?;
         self.has_parameters = true;
@@ -117,7 +117,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// Those of [`reset`](Self::reset).
+    /// The errors of [`reset`](Self::reset).
     pub fn first_index(mut self, index: usize) -> Result<Self> {
         self.batch = self.batch.first_index(index);
         self.reset()?;
@@ -188,7 +188,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
             return Ok(());
         }
         if self.has_parameters {
-            self.batch.draw_parameters(ended, self.seed)?;
+            self.batch.sample_parameters(ended, self.seed)?;
         }
         let (task, seed) = (&*self.task, self.seed);
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {

@@ -249,7 +249,7 @@ impl Model {
     }
 
     /// Compiles a variant of a text, if there is one, and checks the result. The warnings of the
-    /// check are those of the compiler, or concern the variant only.
+    /// check are the compiler's, or concern the variant only.
     fn check_variant(
         text: Option<Vec<u8>>,
         name: &CString,
@@ -333,7 +333,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the engine rejects the bytes, such as those of another version,
+    /// [`Error::InvalidBinary`] if the engine rejects the bytes, such as bytes of another version,
     /// or if the model has a feature that this crate does not support.
     ///
     /// ```

@@ -25,8 +25,8 @@ use crate::field_docs::field_docs;
 /// Physics options of a model.
 ///
 /// The struct is a copy of the engine's values: [`Model::options`] reads them,
-/// [`ModelMut::edit_options`](super::ModelMut::edit_options) changes them. The defaults are those
-/// of the engine, for a model whose XML has no `<option>`.
+/// [`ModelMut::edit_options`](super::ModelMut::edit_options) changes them. The defaults are the
+/// engine's, for a model whose XML has no `<option>`.
 ///
 /// ```
 /// use mujoco_safe::enums::Integrator;
@@ -51,7 +51,7 @@ pub struct Options {
     /// Update rate for remote clients, Hz. The engine stores the value and does not use it; engines
     /// from 3.3.7 do not have it. Not negative.
     pub apirate: f64,
-    /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
+    /// Ratio of the frictional to the normal impedance in contacts. Positive.
     pub impratio: f64,
     /// Tolerance of the main solver, which stops when an iteration improves the scaled cost by less
     /// than this. Not negative.
@@ -92,8 +92,8 @@ pub struct Options {
     pub cone: Cone,
     /// Storage of the constraint Jacobian. With engines from 3.0 to 3.10 it is always dense in a
     /// model with flexes in which a geom or a flex has contacts with torsional or rolling friction
-    /// (`condim` 4 or 6): their rows in a sparse one would be those of memory that the engine has
-    /// not written.
+    /// (`condim` 4 or 6): their rows in a sparse one would contain memory that the engine has not
+    /// written.
     pub jacobian: JacobianStorage,
     /// Constraint solver.
     pub solver: Solver,
@@ -198,7 +198,7 @@ bitflags! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
     pub struct EnableFlags: u32 {
-        /// Override of the contact parameters of the geoms by those of the options.
+        /// Override of the contact parameters of the geoms by the parameters in the options.
         const OVERRIDE = sys::mjENBL_OVERRIDE;
         /// Computation of potential and kinetic energy.
         const ENERGY = sys::mjENBL_ENERGY;
@@ -436,7 +436,7 @@ impl Model {
         self.raw().opt.timestep
     }
 
-    /// Disables islands if the engine writes out of bounds for those of this model: see
+    /// Disables islands if the engine writes out of bounds for the islands of this model: see
     /// [`DisableFlags::ISLAND`].
     pub(super) fn disable_unsafe_islands(&mut self) {
         // SAFETY: a valid model that is borrowed exclusively. The function changes its flags.

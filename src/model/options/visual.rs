@@ -13,8 +13,8 @@ use crate::model::{Model, ModelMut};
 /// Visualiser settings of a model.
 ///
 /// The struct is a copy of the engine's values: [`Model::visual`] reads them,
-/// [`ModelMut::edit_visual`] changes them. They do not affect the simulation. The defaults are
-/// those of the engine, for a model whose XML has no `<visual>`.
+/// [`ModelMut::edit_visual`] changes them. They do not affect the simulation. The defaults are the
+/// engine's, for a model whose XML has no `<visual>`.
 ///
 /// ```
 /// use mujoco_safe::model::Visual;

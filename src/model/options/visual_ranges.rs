@@ -12,7 +12,7 @@ use crate::error::Result;
 /// Limit on image sizes: twice the largest texture size of graphics cards.
 const LARGEST_IMAGE: usize = 32_768;
 
-/// Limit on samples per pixel, above that of graphics cards.
+/// Limit on samples per pixel, above the limit of graphics cards.
 const MOST_SAMPLES: usize = 64;
 
 /// Limit on the subdivision of the built-in geoms, far finer than visible on a sphere. The number

@@ -181,11 +181,11 @@ impl Model {
 
     /// Writes the model as MJCF after a check of the text.
     ///
-    /// The engine keeps one XML tree per process, that of the model that was loaded last, and
-    /// copies values of the given model into that tree. This function therefore works only if no
-    /// other XML was loaded after this model, or after the model from which it was cloned. The text
-    /// is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
-    /// textures, height fields and skins remain references to their files.
+    /// The engine keeps one XML tree per process, for the model that was loaded last, and copies
+    /// values of the given model into that tree. This function therefore works only if no other XML
+    /// was loaded after this model, or after the model from which it was cloned. The text is the
+    /// compiled tree: includes, composites and fused bodies are expanded, and meshes, textures,
+    /// height fields and skins remain references to their files.
     ///
     /// The tree cannot represent some values, for example the mass of a body whose mass comes from
     /// its geoms, or the vertices of a mesh. The check finds these values: it loads the text as if
@@ -202,7 +202,7 @@ impl Model {
     /// `site_sameframe`, and with 2.2.2 also `body_simple` and `dof_simplenum`), and the paths of
     /// the files of meshes, textures, height fields and skins, but not the contents of these files.
     /// Pairs and exclusions of contacts are compared as sets, because each load sorts them, and
-    /// some builds of 2.2.2 change the order of those of the same bodies.
+    /// some builds of 2.2.2 change the order of entries for the same bodies.
     ///
     /// The comparison includes derived fields. After an edit that they depend on, call
     /// [`update_constants`](super::ModelMut::update_constants) first. Otherwise the check reports

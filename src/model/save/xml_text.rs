@@ -39,16 +39,16 @@ const SINGLE: [&str; 12] = [
     "bindpos",
     "bindquat",
 ];
-/// Elements whose real attributes are all in single precision: those of `<visual>`.
+/// Elements whose real attributes are all in single precision: the elements of `<visual>`.
 const SINGLE_ELEMENTS: [&str; 5] = ["global", "headlight", "map", "scale", "rgba"];
 
 impl Model {
     /// Returns the text of the model. If the options require the check, also loads the text as if
     /// from `path` and returns the loaded model.
     ///
-    /// Loading replaces the engine's tree with that of the text. The tree still fits this model if
-    /// all numbers of elements agree, so the model can be saved again. One lock covers writing and
-    /// loading, because another load in between would replace the tree.
+    /// Loading replaces the engine's tree with the tree of the text. The tree still fits this model
+    /// if all numbers of elements agree, so the model can be saved again. One lock covers writing
+    /// and loading, because another load in between would replace the tree.
     pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {

@@ -94,8 +94,8 @@ mod tests {
         Mirror { reflection: IDENTITY, plane: [0.0; 4], reflectance: 1.0, stencil_mark: Some((0, instance)) }
     }
 
-    /// Returns a frustum with this last row of the projection, whose other rows are those of the
-    /// identity.
+    /// Returns a frustum with this last row of the projection, whose other rows are the same as in
+    /// the identity.
     fn frustum(w: [f64; 4]) -> ViewFrustum {
         let mut clip = IDENTITY;
         for (column, w) in clip.iter_mut().zip(w) {

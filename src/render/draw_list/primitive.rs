@@ -60,8 +60,8 @@ impl Part {
         Self { texture_shift, ..self }
     }
 
-    /// Rotates a disk by 180° about x, before the translation. Its texture coordinates remain those
-    /// of its points.
+    /// Rotates a disk by 180° about x, before the translation. Its points keep their texture
+    /// coordinates.
     fn flipped(self) -> Self {
         let flipped = |[x, y, z]: [f32; 3]| [x, -y, -z];
         Self {

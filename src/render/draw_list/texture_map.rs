@@ -18,7 +18,7 @@ pub(super) struct TextureMap {
     pub(super) kind: TextureKind,
     /// Index of the texture, unless the kind is [`TextureKind::None`].
     pub(super) texture: u32,
-    /// The texture coordinates are those of the vertices instead of their local positions.
+    /// The texture coordinates of the vertices are used instead of their local positions.
     is_explicit: bool,
     /// Scale of the source of the texture coordinates, and offset.
     scale: [f32; 3],
@@ -90,13 +90,13 @@ impl TextureMap {
 
 /// Returns `true` for a skin with engines from 3.12, which draw even one without texture
 /// coordinates as if it had some. They are zero, unless the image has shadow maps: then they are
-/// those of what the engine drew before.
+/// left over from what the engine drew before.
 fn is_skin_with_texcoords(geom_type: SceneGeomType) -> bool {
     SHAPES_HAVE_TEXCOORDS && geom_type == SceneGeomType::Skin
 }
 
 /// Returns `true` if the unit shapes of a geom type have texture coordinates that the engine uses.
-/// Those of planes follow from their positions.
+/// The texture coordinates of planes follow from their positions.
 fn has_texcoords(geom_type: SceneGeomType) -> bool {
     use SceneGeomType as Type;
     is_skin_with_texcoords(geom_type)

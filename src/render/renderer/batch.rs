@@ -16,10 +16,10 @@ impl Renderer {
     /// from the length of `rgb`.
     ///
     /// `update` is called for each image, in order, and updates the scene to the simulation of this
-    /// index. The scene initially is that of the previous image.
+    /// index. The scene initially is the scene of the previous image.
     ///
-    /// The images equal those of [`rgb`](Self::rgb) up to rounding, which can change single pixels
-    /// at edges.
+    /// The images equal the results of [`rgb`](Self::rgb) up to rounding, which can change single
+    /// pixels at edges.
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8

@@ -23,7 +23,7 @@ impl Renderer {
     /// one pass, so that the three images take about 1.2 to 1.3 times the processor time of the
     /// colour image alone, with a software rasteriser and the scenes of the benchmark.
     ///
-    /// The images equal those of [`rgb`](Self::rgb), [`depth`](Self::depth) and
+    /// The images equal the results of [`rgb`](Self::rgb), [`depth`](Self::depth) and
     /// [`segmentation`](Self::segmentation), except where faces of an opaque and a transparent geom
     /// coincide.
     ///

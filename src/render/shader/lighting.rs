@@ -98,7 +98,8 @@ impl LightingCode {
         }
         let lit = format!("clamp(light_{light}(point), vec3f(0.0), vec3f(1.0))");
         let lit = if shading == Shading::Vertex {
-            // The free locations before those of the shadows, then those after, or theirs.
+            // The free locations before the shadows' locations, then the free ones after, or the
+            // shadows' own.
             let after = if has_varying { SHADOW_LOCATION + count } else { SHADOW_LOCATION };
             let location = if index < 3 { index + 1 } else { after + index - 3 };
             let _ = writeln!(self.varyings, "    @location({location}) lit_{index}: vec3f,");

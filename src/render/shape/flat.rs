@@ -46,7 +46,7 @@ pub(crate) fn longest_block(lines: &[f32]) -> f32 {
 
 /// Generates the triangles of a range of columns and rows of a plane with `width` grid lines in x,
 /// in blocks of five by five cells. All grid points on the border of the range are vertices, so
-/// that the triangles fit to those of adjacent cells. `None` for a range of one block.
+/// that the triangles fit to the triangles of adjacent cells. `None` for a range of one block.
 pub(crate) fn blocks(columns: Range<usize>, rows: Range<usize>, width: usize) -> Option<Vec<u32>> {
     if columns.len() <= BLOCK || rows.len() <= BLOCK {
         return None;
@@ -116,8 +116,8 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
 
 /// Appends a subdivided square with grid lines at these u and v. `at` maps (u, v) from -1 to 1 to a
 /// position; seen from the front, u increases to the right and v upwards. The texture coordinates
-/// are those of the engine from 3.12: along the first of `axes`, and against the second, from 0
-/// to 1.
+/// are the same as in the engine from 3.12: along the first of `axes`, and against the second, from
+/// 0 to 1.
 fn grid(
     triangles: &mut Triangles,
     lines: [&[f32]; 2],

@@ -36,9 +36,9 @@ impl ShadowRegion {
     }
 
     /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer
-    /// than that of the previous frame by a factor of two. Depths of previous frames in the map are
-    /// thus behind everything in this frame, which has the same effect as clearing the map. Powers
-    /// of two are exact, so all frames of a scene are equal.
+    /// than the range of the previous frame by a factor of two. Depths of previous frames in the
+    /// map are thus behind everything in this frame, which has the same effect as clearing the map.
+    /// Powers of two are exact, so all frames of a scene are equal.
     pub(crate) fn depth_range(&self) -> [f32; 2] {
         let far = 0.5_f32.powi(self.frames_since_clear as i32);
         [far / 2.0, far]

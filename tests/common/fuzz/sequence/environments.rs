@@ -118,7 +118,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         for _ in 0..=bytes.below(6) {
             let (number, which, at) = (bytes.number(), bytes.below(4), bytes.below(5));
             let result = match bytes.below(8) {
-                0 | 1 => batch.draw_parameters(|index| index != which, bytes.word()),
+                0 | 1 => batch.sample_parameters(|index| index != which, bytes.word()),
                 2 | 3 => batch.set_parameters(
                     |index| index != which,
                     |_, values| values.iter_mut().skip(at).take(1).for_each(|value| *value = number),
