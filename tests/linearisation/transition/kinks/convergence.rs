@@ -145,9 +145,9 @@ fn differences_below_the_tolerance_of_a_collision_function_are_right_or_reported
                         let (system, report) = linearise(&mut data, method);
                         let found: Vec<f64> = (0..columns.len()).map(|row| system.a[(row, index)]).collect();
                         let error = distance(&found, &column.by_step[2]);
-                        // The inverse dynamics of the others jumps.
-                        let is_reported =
-                            method != TransitionMethod::Columns && report.kinks.contains(Kinks::DIFFERENCES);
+                        // Inverse dynamics jumps at some of them. With 2.2.2 steps do not.
+                        let may_be_reported = method != TransitionMethod::Columns || cfg!(engine_since = "2.3.0");
+                        let is_reported = may_be_reported && report.kinks.contains(Kinks::DIFFERENCES);
                         assert!(
                             error < 0.1 || is_reported,
                             "{below}, {height}, state {state}, {method:?}, column {index}: {error:e}, {report:?}"
