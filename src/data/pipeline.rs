@@ -443,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn documented_inputs_are_those_that_the_methods_check() {
+    fn documented_inputs_are_those_of_the_table() {
         let mut methods: BTreeSet<&str> = PipelineFlags::all().methods().collect();
         for row in include_str!("pipeline.rs").lines().filter_map(|line| line.strip_prefix("//! | [`")) {
             let cells: Vec<&str> = row.split('|').map(str::trim).collect();

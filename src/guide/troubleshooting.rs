@@ -45,7 +45,7 @@
 //! | a joint's index addresses another joint in `qpos` | a free joint occupies 7 positions and 6 velocities | `qpos_range()` and `dofs()` of the joint |
 //! | an edit has no effect, or the motion is implausible after one | derived quantities are out of date | [`update_constants`](crate::ModelMut::update_constants) |
 //! | results differ in the last digits from Python, or between `cargo run` and the installed program | another build of the engine | use the same library: see [`engines`](super::engines#search-at-run-time) |
-//! | a panic: `belongs to another model` | an id of a model that was loaded separately | take ids from the model of this simulation, `data.model()` |
+//! | a panic, or an error of a viewer's camera: `belongs to another model` | an id of a model that was loaded separately | take ids from the model of this simulation, `data.model()` |
 //!
 //! # Borrows
 //!

@@ -76,13 +76,18 @@ use self::lineages::Lineages;
 use self::read::Sources;
 use self::schema::Schema;
 use self::tree::{Index, Tree};
-pub use self::value::{TexturePattern, Value};
+pub use self::value::Value;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::kind;
+use crate::macros::with_aliases;
 use crate::model::LoadOptions;
 #[cfg(doc)]
 use crate::model::Model;
+
+with_aliases! {
+    pub use self::value::{TexturePattern = "mjtBuiltin" "builtin"};
+}
 
 /// Editable description of a model. See the [module](self).
 ///

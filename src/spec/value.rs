@@ -81,8 +81,6 @@ pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
 }
 
 /// Generated pattern of a texture.
-#[doc(alias = "mjtBuiltin")]
-#[doc(alias = "builtin")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum TexturePattern {

@@ -110,8 +110,8 @@ impl PipelineFlags {
     const ISLANDS_COPY_INERTIA: bool = cfg!(all(engine_since = "3.3.0", not(engine_since = "3.12.0")));
 
     /// Each part of the pipeline, its inputs among the other parts, and the method that computes
-    /// it, in topological order. Features of a model add the inputs in
-    /// [`FEATURE_INPUTS`](Self::FEATURE_INPUTS).
+    /// it, in topological order. `CURRENT` is an input of those that also read the state itself.
+    /// Features of a model add the inputs in [`FEATURE_INPUTS`](Self::FEATURE_INPUTS).
     const PARTS: [(Self, Self, &'static str); 26] = [
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
@@ -123,14 +123,14 @@ impl PipelineFlags {
         (Self::CONSTRAINT, Self::TENDON.union(Self::COLLISION), "make_constraint"),
         (Self::TRANSMISSION, Self::TENDON, "transmission"),
         (Self::PROJECTION, Self::FACTOR_M.union(Self::CONSTRAINT), "project_constraint"),
-        (Self::TENDON_VELOCITY, Self::TENDON, "compute_ten_velocity"),
-        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "compute_actuator_velocity"),
-        (Self::COM_VEL, Self::COM_POS, "com_vel"),
-        (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY), "passive"),
-        (Self::REFERENCE, Self::REFERENCE_INPUTS, "reference_constraint"),
-        (Self::BIAS, Self::COM_VEL, "compute_qfrc_bias"),
+        (Self::TENDON_VELOCITY, Self::TENDON.union(Self::CURRENT), "compute_ten_velocity"),
+        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION.union(Self::CURRENT), "compute_actuator_velocity"),
+        (Self::COM_VEL, Self::COM_POS.union(Self::CURRENT), "com_vel"),
+        (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY).union(Self::CURRENT), "passive"),
+        (Self::REFERENCE, Self::REFERENCE_INPUTS.union(Self::CURRENT), "reference_constraint"),
+        (Self::BIAS, Self::COM_VEL.union(Self::CURRENT), "compute_qfrc_bias"),
         (Self::SUBTREE_VEL, Self::COM_VEL, "subtree_vel"),
-        (Self::ACTUATION, Self::ACTUATOR_VELOCITY, "fwd_actuation"),
+        (Self::ACTUATION, Self::ACTUATOR_VELOCITY.union(Self::CURRENT), "fwd_actuation"),
         (
             Self::ACCELERATION,
             Self::FACTOR_M.union(Self::PASSIVE).union(Self::BIAS).union(Self::ACTUATION),
@@ -140,22 +140,10 @@ impl PipelineFlags {
         (Self::CONSTRAINT_STATE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
         (Self::FORCE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
         (Self::POST_CONSTRAINT, Self::COM_VEL.union(Self::FORCE), "rne_post_constraint"),
-        (Self::SENSOR_POS, Self::POSITION, "sensor_pos"),
-        (Self::SENSOR_VEL, Self::VELOCITY, "sensor_vel"),
+        (Self::SENSOR_POS, Self::POSITION.union(Self::CURRENT), "sensor_pos"),
+        (Self::SENSOR_VEL, Self::VELOCITY.union(Self::CURRENT), "sensor_vel"),
         (Self::SENSOR_ACC, Self::FORCES, "sensor_acc"),
     ];
-
-    /// Parts that read the state itself beside other results, so that the state must not have been
-    /// advanced since these were computed.
-    const READS_STATE: Self = Self::TENDON_VELOCITY
-        .union(Self::ACTUATOR_VELOCITY)
-        .union(Self::COM_VEL)
-        .union(Self::PASSIVE)
-        .union(Self::REFERENCE)
-        .union(Self::BIAS)
-        .union(Self::ACTUATION)
-        .union(Self::SENSOR_POS)
-        .union(Self::SENSOR_VEL);
 
     /// Further inputs of a part in models with a feature. The order of the parts remains
     /// topological.
@@ -197,7 +185,7 @@ impl PipelineFlags {
 
     /// Returns the inputs of these parts in a model without features, without those among the parts.
     pub(crate) const fn inputs(self) -> Self {
-        let mut inputs = if self.intersects(Self::READS_STATE) { Self::CURRENT } else { Self::empty() };
+        let mut inputs = Self::empty();
         let mut part = 0;
         while part < Self::PARTS.len() {
             let (result, reads, _) = Self::PARTS[part];
@@ -310,14 +298,14 @@ mod tests {
 
     #[test]
     fn parts_are_in_topological_order() {
-        let mut earlier = PipelineFlags::empty();
+        let mut earlier = PipelineFlags::CURRENT;
         for (part, reads, method) in PipelineFlags::PARTS {
             let reads = reads | part.feature_inputs(Features::all());
             assert!(earlier.contains(reads), "{method} reads {:?}", reads - earlier);
             assert_eq!(part.bits().count_ones(), 1, "{method}");
             earlier |= part;
         }
-        assert_eq!(earlier | PipelineFlags::CURRENT, PipelineFlags::all());
+        assert_eq!(earlier, PipelineFlags::all());
     }
 
     #[test]

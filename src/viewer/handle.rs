@@ -83,9 +83,9 @@ impl ViewerHandle {
     /// [`Error::Invalid`](crate::Error::Invalid) for an invalid geom of the program,
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
     /// if there is no memory for the scene, and [`Error::OtherModel`](crate::Error::OtherModel) if
-    /// the camera that the program has set, or the body that it tracks, belongs to another model
-    /// (the window keeps its camera and options). Failed requests of the user are not errors; the
-    /// window reports them.
+    /// the camera that the program has set, or the body that it tracks, belongs to another model.
+    /// The window keeps its camera then, and shows the simulation. Failed requests of the user are
+    /// not errors; the window reports them.
     ///
     /// # Panics
     ///
@@ -97,13 +97,13 @@ impl ViewerHandle {
             endpoint
         });
         endpoint.adopt(data);
-        endpoint.set_view(self.camera.take(), self.options.take())?;
         if endpoint.link.is_closed() {
             // The user can no longer end a pull or a pause.
             endpoint.stop_perturbation(data);
             self.paused = false;
             return Ok(());
         }
+        let viewed = endpoint.set_view(self.camera.take(), self.options.take());
         let mut changed = false;
         // A request that ends a pause or a pull stays in the queue until the program has seen the
         // pause or the pull.
@@ -142,7 +142,7 @@ impl ViewerHandle {
         for asset in self.assets.drain(..) {
             endpoint.link.send(Event::Asset(asset));
         }
-        published
+        published.and(viewed)
     }
 
     /// Returns `true` if the user has paused the simulation, and `false` after the window was
@@ -184,8 +184,9 @@ impl ViewerHandle {
         self.camera.or_else(|| self.endpoint.as_ref().map(SimulationEndpoint::camera))
     }
 
-    /// Sets the camera of the window from the next [`sync`](Self::sync) on. The user may move it
-    /// afterwards.
+    /// Sets the camera of the window from the next [`sync`](Self::sync) on, which returns
+    /// [`Error::OtherModel`](crate::Error::OtherModel) if the camera belongs to another model. The
+    /// user may move it afterwards.
     pub fn set_camera(&mut self, camera: Camera) {
         self.camera = Some(camera);
     }

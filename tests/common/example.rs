@@ -16,8 +16,12 @@ pub fn build(name: &str) -> PathBuf {
     if built.contains(name) {
         return program;
     }
-    let features =
-        [("viewer", cfg!(feature = "viewer")), ("npz", cfg!(feature = "npz")), ("serde", cfg!(feature = "serde"))];
+    let features = [
+        ("renderer", cfg!(feature = "renderer")),
+        ("viewer", cfg!(feature = "viewer")),
+        ("npz", cfg!(feature = "npz")),
+        ("serde", cfg!(feature = "serde")),
+    ];
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["build", "--quiet", "--example", name]);
     for (feature, _) in features.iter().filter(|(_, is_on)| *is_on) {
@@ -27,6 +31,7 @@ pub fn build(name: &str) -> PathBuf {
         cargo.arg("--release");
     }
     assert!(cargo.status().expect("cargo runs").success(), "the example {name} does not build");
+    assert!(program.exists(), "{} was built in another directory", program.display());
     built.insert(name.to_owned());
     program
 }

@@ -1,8 +1,7 @@
 //! The control examples reach their goals. Their modules are included here; the programs are run at
 //! the end.
 //!
-//! Tests that take minutes are ignored by default:
-//! `cargo test --release --test control -- --ignored`.
+//! Tests that take minutes are ignored by default: `scripts/test --slow`.
 
 use std::process::{Command, Output};
 use std::sync::Arc;

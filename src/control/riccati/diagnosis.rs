@@ -8,9 +8,8 @@ use super::error::{RiccatiError, modulus};
 /// Maximum number of iterations of nalgebra's eigenvalue solvers, so that they terminate.
 pub(super) const MAX_EIGENVALUE_ITERATIONS: usize = 10_000;
 
-/// `A`, `B`, and without the cross term `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ`. `None` if the last two do not
-/// exist.
-pub(super) type Matrices = Option<[DMatrix<f64>; 4]>;
+/// `A`, `B`, and without the cross term `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ`.
+pub(super) type Matrices = [DMatrix<f64>; 4];
 
 /// Tolerances of the tests.
 #[derive(Clone, Copy)]
@@ -32,19 +31,19 @@ const ROUNDING: Tolerances = Tolerances { unit_circle: 1e-6, uncontrollable: 1e-
 const DIFFERENCES: Tolerances = Tolerances { unit_circle: 1e-3, uncontrollable: 1e-5 };
 
 /// Returns the mode that prevents a stabilising solution, if there is one.
-pub(super) fn diagnose(matrices: &Matrices) -> Option<RiccatiError> {
+pub(super) fn diagnose(matrices: Option<&Matrices>) -> Option<RiccatiError> {
     diagnose_within(matrices, ROUNDING)
 }
 
 /// Returns the mode that explains best why no solution was found, for matrices that may be
 /// differences. The equation has a solution in theory, with gains as large as the reciprocal of the
 /// error.
-pub(super) fn diagnose_failure(matrices: &Matrices) -> Option<RiccatiError> {
+pub(super) fn diagnose_failure(matrices: Option<&Matrices>) -> Option<RiccatiError> {
     diagnose_within(matrices, ROUNDING).or_else(|| diagnose_within(matrices, DIFFERENCES))
 }
 
-fn diagnose_within(matrices: &Matrices, tolerances: Tolerances) -> Option<RiccatiError> {
-    let [a, b, a_without_s, q_without_s] = matrices.as_ref()?;
+fn diagnose_within(matrices: Option<&Matrices>, tolerances: Tolerances) -> Option<RiccatiError> {
+    let [a, b, a_without_s, q_without_s] = matrices?;
     let Tolerances { unit_circle, uncontrollable } = tolerances;
     let outside = |modulus: f64| modulus >= 1.0 - unit_circle;
     if let Some((eigenvalue, distance)) = uncontrollable_mode(a, b, outside, uncontrollable) {

@@ -116,7 +116,7 @@ impl Problem {
         self.refine(&mut doubled);
         let doubtful =
             doubled.spectral_radius > 1.0 - DOUBTFUL_MARGIN || self.candidate.relative_residual > DOUBTFUL_RESIDUAL;
-        match if doubtful { diagnose(&self.matrices()) } else { None } {
+        match if doubtful { diagnose(self.matrices().as_ref()) } else { None } {
             Some(error) => Err(error),
             None => Ok(doubled),
         }
@@ -197,7 +197,7 @@ impl Problem {
     /// equation with a larger `Q`, whose solution is an upper bound, and then doubles again for the
     /// difference.
     fn solve_from_above(&mut self, failure: NoConvergence) -> Result<Doubled, RiccatiError> {
-        if let Some(error) = diagnose(&self.matrices()) {
+        if let Some(error) = diagnose(self.matrices().as_ref()) {
             return Err(error);
         }
         let norm = self.q.norm();
@@ -221,7 +221,7 @@ impl Problem {
 
     /// Returns the mode that explains a failure, or else the failure.
     pub(super) fn explain(&mut self, failure: RiccatiError) -> RiccatiError {
-        diagnose_failure(&self.matrices()).unwrap_or(failure)
+        diagnose_failure(self.matrices().as_ref()).unwrap_or(failure)
     }
 
     /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where
@@ -315,7 +315,7 @@ impl Problem {
 
     /// Returns `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ` in the original units. If some controls have
     /// no cost, the last two are the matrices of the difference equation of [`start`](Self::start).
-    fn matrices(&mut self) -> Matrices {
+    fn matrices(&mut self) -> Option<Matrices> {
         self.start().ok()?;
         let Candidate { closed_loop, residual, .. } = &self.candidate;
         let unit = |state: usize| self.units.get(state).copied().unwrap_or(1.0);

@@ -4,9 +4,9 @@
 
 use std::borrow::Cow;
 
-use super::files::{Files, Found, directory};
+use super::files::{Files, Found, directory, has_extension};
 use super::flexes::{self, Dim, Mesh};
-use super::lines::{after_word, ends, fields, lines};
+use super::lines::{after_word, fields, lines};
 use super::tags::Tag;
 
 /// Largest number of values in the image of a texture or in a height field.
@@ -43,7 +43,7 @@ pub(super) enum Format {
 
 impl Format {
     pub(super) fn of(tag: &Tag<'_>, name: &[u8]) -> Self {
-        let ends = |end| ends(name, end);
+        let ends = |end| has_extension(name, end);
         match tag.name {
             b"mesh" => Self::of_mesh(name),
             b"flexcomp" if tag.attribute(b"type").as_deref() == Some(b"gmsh") => Self::Gmsh,
@@ -57,13 +57,13 @@ impl Format {
     }
 
     pub(super) fn of_texture(name: &[u8]) -> Self {
-        if ends(name, b".png") { Self::Png } else { Self::Texture }
+        if has_extension(name, b".png") { Self::Png } else { Self::Texture }
     }
 
     fn of_mesh(name: &[u8]) -> Self {
         match name {
-            _ if ends(name, b"msh") => Self::Msh,
-            _ if ends(name, b"obj") => Self::Obj,
+            _ if has_extension(name, b"msh") => Self::Msh,
+            _ if has_extension(name, b"obj") => Self::Obj,
             _ => Self::Other,
         }
     }

@@ -149,3 +149,8 @@ pub(in crate::model) fn path_bytes(path: &Path) -> &[u8] {
 pub(super) fn os_path(path: &[u8]) -> &Path {
     Path::new(OsStr::new(std::str::from_utf8(path).unwrap_or_default()))
 }
+
+/// Returns `true` if a name has an extension, in any case.
+pub(super) fn has_extension(name: &[u8], end: &[u8]) -> bool {
+    name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
+}

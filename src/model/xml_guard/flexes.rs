@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-use super::lines::{after_word, ends, fields, lines};
+use super::files::has_extension;
+use super::lines::{after_word, fields, lines};
 use super::tags::{Tag, numbers};
 
 /// Dimension of the elements of a flex.
@@ -134,7 +135,7 @@ fn bits(coordinate: f32) -> u32 {
 impl Mesh {
     /// Reads a file that the other checks accept: OBJ, STL or the engine's own format.
     pub(super) fn of_file(path: &[u8], content: &[u8]) -> Self {
-        let ends = |end| ends(path, end);
+        let ends = |end| has_extension(path, end);
         let real = |at: usize| {
             content.get(at..at + 4).map_or(0, |word| bits(f32::from_ne_bytes(word.try_into().unwrap_or_default())))
         };

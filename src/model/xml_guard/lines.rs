@@ -14,8 +14,3 @@ pub(super) fn after_word<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
 pub(super) fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|field| !field.is_empty())
 }
-
-/// Returns `true` if a name has an extension, in any case.
-pub(super) fn ends(name: &[u8], end: &[u8]) -> bool {
-    name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
-}

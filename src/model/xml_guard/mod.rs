@@ -216,6 +216,10 @@ impl<'f> Check<'f> {
             let reject = |why: String| source.error(tag.position, &why);
             self.start(&tag, level, &source).map_err(reject)?;
             self.nested(&tag, level, &source)?;
+            if self.is_repeated(&tag) {
+                let why = "a fixed tendon has the same joint twice; list it once, with the sum of the coefficients";
+                return Err(source.error(tag.position, why));
+            }
             self.count(&tag).map_err(reject)?;
             // The engine resolves includes in MJCF only.
             if source.includes == 0 {
@@ -417,13 +421,9 @@ impl<'f> Check<'f> {
         false
     }
 
-    /// Counts bodies and degrees of freedom, with all copies of replications, and finds joints that
-    /// a fixed tendon has twice.
+    /// Counts bodies and degrees of freedom, with all copies of replications. The error tells that
+    /// there are too many.
     fn count(&mut self, tag: &Tag<'_>) -> Result<(), String> {
-        if self.is_repeated(tag) {
-            let why = "a fixed tendon has the same joint twice; list it once, with the sum of the coefficients";
-            return Err(why.to_owned());
-        }
         let copies = self.model.expansion.copies();
         let add = |sum: &mut usize, count: u64| {
             *sum = sum.saturating_add(usize::try_from(count.saturating_mul(copies)).unwrap_or(usize::MAX));

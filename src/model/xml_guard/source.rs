@@ -11,8 +11,9 @@ pub(super) struct Source<'t> {
     pub(super) name: &'t str,
     pub(super) text: &'t [u8],
     pub(super) place: &'t Rc<Place>,
-    /// Number of includes around the text, and of elements.
+    /// Number of texts that include it.
     pub(super) includes: usize,
+    /// Number of elements around it.
     pub(super) elements: usize,
 }
 

@@ -8,8 +8,8 @@ pub use self::random::{Distribution, Random};
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};
 
-/// List of parameters that differ between the simulations of a
-/// [`Batch`](super::Batch), each with the distribution of its values.
+/// List of parameters that differ between the simulations of a [`Batch`](super::Batch), each with
+/// the distribution of its values.
 ///
 /// ```
 /// use std::sync::Arc;

@@ -174,21 +174,21 @@ impl SimulationEndpoint {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the camera belongs to another model. Nothing changes.
+    /// [`Error::OtherModel`] if the camera belongs to another model. The window keeps its camera.
     pub fn set_view(&mut self, camera: Option<Camera>, options: Option<SceneOptions>) -> Result<()> {
-        if camera.is_none() && options.is_none() {
-            return Ok(());
+        let is_foreign = camera.is_some_and(|camera| !self.is_of_model(&camera));
+        let camera = camera.filter(|_| !is_foreign);
+        if camera.is_some() || options.is_some() {
+            // The window's newest view is older.
+            self.update_view();
+            self.camera = camera.unwrap_or(self.camera);
+            self.view.camera = Some(self.camera);
+            if let Some(options) = options {
+                self.view.options = options;
+            }
+            self.link.send(Event::View(Box::new(self.view.clone())));
         }
-        if camera.is_some_and(|camera| !self.is_of_model(&camera)) {
-            return Err(Error::OtherModel { what: "the camera for the viewer" });
-        }
-        // What the user has changed before is older.
-        self.update_view();
-        self.camera = camera.unwrap_or(self.camera);
-        self.view.camera = Some(self.camera);
-        self.view.options = options.unwrap_or_else(|| std::mem::take(&mut self.view.options));
-        self.link.send(Event::View(Box::new(self.view.clone())));
-        Ok(())
+        if is_foreign { Err(Error::OtherModel { what: "the camera for the viewer" }) } else { Ok(()) }
     }
 
     /// Returns `true` if the camera does not refer to another model.

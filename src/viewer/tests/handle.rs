@@ -219,12 +219,14 @@ fn camera_of_another_model_is_an_error() {
     let camera = handle.camera();
     let other = sample::cartpole();
     handle.set_camera(Camera::tracking(&other, "cart").unwrap());
-    assert!(matches!(handle.sync(&mut data), Err(Error::OtherModel { .. })));
-    // The window keeps its camera, and shows the simulation again.
-    assert_eq!(handle.camera(), camera);
+    let options = SceneOptions { frame: FrameMode::Body, ..SceneOptions::default() };
+    handle.set_options(options.clone());
     data.step().unwrap();
-    handle.sync(&mut data).unwrap();
+    assert!(matches!(handle.sync(&mut data), Err(Error::OtherModel { .. })));
+    // The window keeps its camera, and shows the simulation with the options.
+    assert_eq!((handle.camera(), handle.options()), (camera, options));
     assert_eq!(newest(&mut window).time, data.time());
+    handle.sync(&mut data).unwrap();
 }
 
 #[test]

@@ -216,7 +216,7 @@ mod tests {
         // A scene whose green part is the number of the pixel.
         let scene = create_texture(
             &gpu,
-            "window",
+            "scene",
             [4, 4],
             FORMAT,
             1,

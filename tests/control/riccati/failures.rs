@@ -241,9 +241,10 @@ fn a_regulator_names_the_mode_that_no_actuator_of_a_model_reaches() {
                <actuator><motor joint="cart"/></actuator></mujoco>"#
         ));
         let mut data = Data::new(model.unwrap()).unwrap();
+        // The slider has a double eigenvalue, which the square root of an error separates.
         let check = |found: Option<&RiccatiError>, what: &str| {
             let Some(RiccatiError::UncontrollableMode { eigenvalue, .. }) = found else { panic!("{what}: {found:?}") };
-            assert!((eigenvalue.re - expected).abs() < 1e-5 && eigenvalue.im.abs() < 1e-5, "{what}: {eigenvalue}");
+            assert!((eigenvalue.re - expected).abs() < 1e-4 && eigenvalue.im.abs() < 1e-4, "{what}: {eigenvalue}");
             assert!(found.unwrap().to_string().contains("actuator"), "{what}");
         };
         let error = Lqr::at_present_state(&mut data, &weights()).unwrap_err();

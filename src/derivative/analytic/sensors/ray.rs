@@ -51,8 +51,19 @@ fn normal(data: &Data, geom: usize, point: &Vec3) -> Option<Vec3> {
     let (center, rotation) = (&data.geom_xpos()[geom], &data.geom_xmat()[geom]);
     let relative = sub(point, center);
     let [x, y, z]: Vec3 = std::array::from_fn(|axis| (0..3).map(|i| rotation[3 * i + axis] * relative[i]).sum());
-    let [size_x, size_y, size_z] = model.geom_size()[geom];
-    let local = match GeomType::of_field(model.geom_type()[geom]) {
+    let size = model.geom_size()[geom];
+    let kind = GeomType::of_field(model.geom_type()[geom]);
+    let read = match kind {
+        GeomType::Capsule | GeomType::Cylinder => 2,
+        GeomType::Ellipsoid | GeomType::Box => 3,
+        _ => 0,
+    };
+    // The surface that a ray meets has another shape if an edit has made a size negative.
+    if size[..read].iter().any(|&size| size.is_nan() || size < 0.0) {
+        return None;
+    }
+    let [size_x, size_y, size_z] = size;
+    let local = match kind {
         GeomType::Plane => [0.0, 0.0, 1.0],
         GeomType::Sphere => [x, y, z],
         GeomType::Capsule => [x, y, z - z.clamp(-size_y, size_y)],

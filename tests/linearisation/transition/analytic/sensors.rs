@@ -327,6 +327,33 @@ fn distances_to_each_shape_agree_with_differences() {
     }
 }
 
+/// Found by the fuzzer: a formula that limited a coordinate to a negative length.
+#[test]
+fn a_distance_to_a_shape_of_negative_size_is_differenced() {
+    let mut hits = 0;
+    for (kind, read) in [("capsule", 2), ("cylinder", 2), ("ellipsoid", 3), ("box", 3)] {
+        for negative in 0..read {
+            let mut data = moving(
+                &format!(
+                    r#"<mujoco><worldbody><geom name="target" type="{kind}" size="0.5 0.4 0.3" pos="0 0 -3"/>
+                         <body><joint axis="0 1 0"/><geom size="0.1"/><site name="eye" euler="180 0 0"/></body>
+                       </worldbody><sensor><rangefinder site="eye"/></sensor></mujoco>"#
+                ),
+                5,
+            );
+            let target = data.model().geom("target").unwrap().id().index();
+            data.edit_model(|edit| edit.geom_size_mut()[target][negative] *= -1.0).unwrap();
+            data.forward().unwrap();
+            let (system, report) = analytic(&mut data);
+            let is_hit = data.sensordata()[0] > 0.0;
+            assert!(!is_hit || report.differenced == DifferencedTerms::SENSORS, "{kind}, {negative}: {report:?}");
+            assert!(system.c.as_slice().iter().all(|value| value.is_finite()), "{kind}, {negative}");
+            hits += usize::from(is_hit);
+        }
+    }
+    assert!(hits > 0);
+}
+
 #[test]
 fn a_distance_to_a_mesh_is_differenced() {
     let mut data = moving(
