@@ -132,8 +132,8 @@ creators! {
     }
 }
 
-/// Element of MJCF that creates an actuator: `general`, or a shortcut with certain dynamics, gain and
-/// bias. An argument of [`Spec::add_actuator`].
+/// Element of MJCF that creates an actuator: `general`, or a shortcut with certain dynamics, gain
+/// and bias. An argument of [`Spec::add_actuator`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ActuatorElement {

@@ -183,7 +183,8 @@ impl PipelineFlags {
     /// Parts that neither forward dynamics nor a step marks as valid.
     pub(super) const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
 
-    /// Returns the inputs of these parts in a model without features, without those among the parts.
+    /// Returns the inputs of these parts in a model without features, except those that are among
+    /// the parts.
     pub(crate) const fn inputs(self) -> Self {
         let mut inputs = Self::empty();
         let mut part = 0;
