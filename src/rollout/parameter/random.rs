@@ -71,8 +71,9 @@ fn mix(number: u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// Distribution from which [`Batch::sample_parameters`](super::Batch::sample_parameters) draws the
-/// value of a [`Parameter`](super::Parameter).
+/// Distribution from which
+/// [`Batch::sample_parameters`](super::super::Batch::sample_parameters) draws the value of a
+/// [`Parameter`](super::Parameter).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Distribution {
