@@ -16,7 +16,7 @@ const KNOWN: [([&str; 2], usize); 2] = [(["data", "model"], 17), (["render/gpu",
 /// Path of a module in the crate.
 type Module = Vec<String>;
 
-/// What a file declares.
+/// Declarations of a file, and the paths in it.
 struct File {
     /// Names of items.
     items: BTreeSet<String>,

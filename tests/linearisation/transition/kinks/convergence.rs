@@ -3,7 +3,7 @@
 
 use mujoco_safe::derivative::{Kinks, TransitionMethod};
 use mujoco_safe::enums::Solver;
-use mujoco_safe::{Data, Differences};
+use mujoco_safe::{Data, Differences, StateSpace};
 
 use super::{WITH_SIDES, assert_near, linearise};
 use crate::transition::analytic::model;
@@ -61,6 +61,11 @@ fn columns(data: &Data) -> Vec<Column> {
     columns.collect()
 }
 
+/// Returns a column of A.
+fn column_of_a(system: &StateSpace, index: usize) -> Vec<f64> {
+    (0..system.a.nrows()).map(|row| system.a[(row, index)]).collect()
+}
+
 /// Returns the largest difference of two columns, relative to the largest entry, which is at least
 /// 1.
 fn distance(left: &[f64], right: &[f64]) -> f64 {
@@ -90,7 +95,7 @@ impl Counts {
                 continue;
             }
             for (index, column) in columns.iter().enumerate() {
-                let found: Vec<f64> = (0..columns.len()).map(|row| system.a[(row, index)]).collect();
+                let found = column_of_a(&system, index);
                 let errors = column.derivatives.iter().map(|expected| distance(&found, expected));
                 let error = errors.fold(f64::INFINITY, f64::min);
                 let steps = &column.by_step;
@@ -143,7 +148,7 @@ fn differences_below_the_tolerance_of_a_collision_function_are_right_or_reported
                     grown += 1;
                     for method in WITH_SIDES {
                         let (system, report) = linearise(&mut data, method);
-                        let found: Vec<f64> = (0..columns.len()).map(|row| system.a[(row, index)]).collect();
+                        let found = column_of_a(&system, index);
                         let error = distance(&found, &column.by_step[2]);
                         // Inverse dynamics jumps at some of them. With 2.2.2 steps do not.
                         let may_be_reported = method != TransitionMethod::Columns || cfg!(engine_since = "2.3.0");
