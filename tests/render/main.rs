@@ -20,6 +20,8 @@ mod quiet;
 mod rays;
 mod record;
 mod row;
+#[path = "pictures/scenes.rs"]
+mod scenes;
 mod skins;
 mod snapshots;
 mod stage;

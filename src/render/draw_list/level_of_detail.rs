@@ -33,7 +33,8 @@ impl Detail {
         const MAX_RADII: [f64; COLOR_LEVELS - 1] = [6.0, 1.5];
         /// Distance at which vertices of meshes are merged, pixels. In images of an arm of 215,000
         /// small triangles this changes at most 0.3 % of the pixels by more than 8 of 255 (bench
-        /// `render`, argument `pictures`).
+        /// `render`, argument `pictures`). Where meshes of other colours coincide, others of them
+        /// show: with robosuite's Panda in up to 2.3 % of the pixels at 84×84 and 0.3 % at 256×256.
         const MERGED: f64 = 1.0;
         /// Largest distance between a geom and its triangles, relative to the distance from the
         /// camera. At a viewing angle of 15° this is 1/5000 of the depth.
@@ -59,6 +60,8 @@ impl Detail {
         let pixels = pixels_per_metre * room_radius;
         let round = DetailLevel::Color(MAX_RADII.iter().take_while(|&&max| pixels < max).count());
         let pixel = 1.0 / (pixels_per_metre * frustum.scale);
-        Self { round, mesh: (MERGED * pixel) as f32 }
+        // Coarser levels have no texture coordinates.
+        let shows_texcoords = geom.texcoord() && geom.texture().is_some();
+        Self { round, mesh: if shows_texcoords { 0.0 } else { (MERGED * pixel) as f32 } }
     }
 }

@@ -64,8 +64,9 @@ impl GpuKind {
 }
 
 /// Device features that are enabled if supported. The renderer has a fallback for each.
-const OPTIONAL_FEATURES: wgpu::Features =
-    wgpu::Features::POLYGON_MODE_LINE.union(wgpu::Features::DEPTH32FLOAT_STENCIL8);
+const OPTIONAL_FEATURES: wgpu::Features = wgpu::Features::POLYGON_MODE_LINE
+    .union(wgpu::Features::DEPTH32FLOAT_STENCIL8)
+    .union(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
 
 /// Backends in the order of attempts. OpenGL is last because its enumeration is slow.
 const BACKENDS: [wgpu::Backends; 2] = [wgpu::Backends::PRIMARY, wgpu::Backends::GL];
@@ -252,7 +253,7 @@ fn open(instance: wgpu::Instance, adapter: wgpu::Adapter) -> Result<Gpu, RenderE
     if GpuKind::new(info.device_type) == GpuKind::Software {
         keep_freed_memory();
     }
-    let samples = sample_counts(&adapter);
+    let samples = sample_counts(&adapter, device.features());
     let gpu = Gpu::assemble(device, queue, info, samples, Some(Origin { instance, adapter }));
     gpu.load_shader_compiler()?;
     Ok(gpu)
@@ -283,13 +284,23 @@ pub(super) fn stencil_format(features: wgpu::Features) -> wgpu::TextureFormat {
     }
 }
 
-/// Returns the bitwise OR of the sample counts that both the colour and the depth format support.
-fn sample_counts(adapter: &wgpu::Adapter) -> u32 {
-    let formats = [wgpu::TextureFormat::Rgba8Unorm, stencil_format(adapter.features())];
-    [1, 2, 4, 8].into_iter().fold(0, |samples, count| {
-        let all = formats
+/// Sample counts, as a bitwise OR, that wgpu guarantees on every device.
+pub(super) const GUARANTEED_SAMPLES: u32 = 1 | 4;
+
+/// Returns the bitwise OR of the sample counts that a device with these features supports for every
+/// format of colours and depths.
+fn sample_counts(adapter: &wgpu::Adapter, features: wgpu::Features) -> u32 {
+    // Without this feature a device allows only what wgpu guarantees, whatever the adapter can do.
+    if !features.contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES) {
+        return GUARANTEED_SAMPLES;
+    }
+    let colors = [wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Bgra8Unorm];
+    let depths = [wgpu::TextureFormat::Depth32Float, stencil_format(features)];
+    let supported = [2, 8].into_iter().filter(|&count| {
+        colors
             .iter()
-            .all(|&format| adapter.get_texture_format_features(format).flags.sample_count_supported(count));
-        samples | if all || count == 1 { count } else { 0 }
-    })
+            .chain(&depths)
+            .all(|&format| adapter.get_texture_format_features(format).flags.sample_count_supported(count))
+    });
+    supported.fold(GUARANTEED_SAMPLES, |samples, count| samples | count)
 }

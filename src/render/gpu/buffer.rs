@@ -1,21 +1,26 @@
 //! GPU buffers: a buffer that grows on demand, and a staging buffer for texture read-back.
 
 use std::slice::ChunksExact;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::render::{Gpu, RenderError};
 
-/// GPU buffer that is rewritten every frame. It grows by half and never shrinks.
+/// GPU buffer that is written for every frame, unless its contents stay. It grows by half and never
+/// shrinks.
 #[derive(Debug)]
 pub(crate) struct GrowableBuffer {
     label: &'static str,
     buffer: wgpu::Buffer,
     usage: wgpu::BufferUsages,
+    /// Last bytes that were written.
+    written: Vec<u8>,
 }
 
 impl GrowableBuffer {
     pub(crate) fn new(gpu: &Gpu, label: &'static str, usage: wgpu::BufferUsages) -> Self {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
-        Self { label, buffer: create_buffer(gpu, label, 256, usage), usage }
+        Self { label, buffer: create_buffer(gpu, label, 256, usage), usage, written: Vec::new() }
     }
 
     /// Writes the bytes. Returns `true` if the buffer was reallocated, which invalidates its bind
@@ -31,10 +36,17 @@ impl GrowableBuffer {
             let capacity = (size + size / 2).min(limit).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).min(limit);
             self.buffer = create_buffer(gpu, self.label, capacity.max(size), self.usage);
         }
-        if !bytes.is_empty() {
+        if !bytes.is_empty() && (grows || self.written != bytes) {
             gpu.queue().write_buffer(&self.buffer, 0, bytes);
+            self.written.clear();
+            self.written.extend_from_slice(bytes);
         }
         Ok(grows)
+    }
+
+    /// Makes the next call write. Required if a write may not have been executed.
+    pub(crate) fn invalidate(&mut self) {
+        self.written.clear();
     }
 
     pub(crate) fn buffer(&self) -> &wgpu::Buffer {
@@ -86,18 +98,31 @@ impl ReadBackBuffer {
         );
     }
 
-    /// Waits for the copy and passes each row to `each`, last row first: images are rendered upside
-    /// down.
-    pub(crate) fn rows(&self, gpu: &Gpu, mut each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+    /// Waits for the submission with the copy and passes each row to `each`, last row first: images
+    /// are rendered upside down.
+    pub(crate) fn rows(
+        &self,
+        gpu: &Gpu,
+        submission: wgpu::SubmissionIndex,
+        mut each: impl FnMut(&[u8]),
+    ) -> Result<(), RenderError> {
         let used = (self.size[0] * self.bytes_per_pixel) as usize;
-        self.mapped(gpu, |rows| rows.rev().for_each(|row| each(&row[..used])))
+        self.mapped(gpu, submission, |rows| rows.rev().for_each(|row| each(&row[..used])))
     }
 
-    /// Waits for the copy and passes the rows, with their padding, to `read`.
-    pub(crate) fn mapped(&self, gpu: &Gpu, read: impl FnOnce(ChunksExact<'_, u8>)) -> Result<(), RenderError> {
+    /// Waits for the submission with the copy and passes the rows, with their padding, to `read`.
+    pub(crate) fn mapped(
+        &self,
+        gpu: &Gpu,
+        submission: wgpu::SubmissionIndex,
+        read: impl FnOnce(ChunksExact<'_, u8>),
+    ) -> Result<(), RenderError> {
         let slice = self.buffer.slice(..);
-        slice.map_async(wgpu::MapMode::Read, |_| {});
-        gpu.wait()?;
+        let is_mapped = Arc::new(AtomicBool::new(false));
+        let answered = is_mapped.clone();
+        // A failure shows in the mapped range.
+        slice.map_async(wgpu::MapMode::Read, move |_| answered.store(true, Ordering::Release));
+        gpu.wait_for(submission, || is_mapped.load(Ordering::Acquire))?;
         let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
         read(mapped.chunks_exact(self.bytes_per_row as usize));
         drop(mapped);

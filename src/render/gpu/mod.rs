@@ -8,6 +8,7 @@ mod shader_compiler;
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
 
 pub use self::adapter::{GpuKind, GpuOptions, GpuPreference};
 pub(crate) use self::driver_use::{DriverUse, DropUse};
@@ -32,6 +33,9 @@ use super::pass::Pipelines;
 pub struct Gpu {
     shared: Arc<Shared>,
 }
+
+/// Time for which a thread waits for hardware without blocking.
+const SHORT_WAIT: Duration = Duration::from_millis(1);
 
 struct Shared {
     device: wgpu::Device,
@@ -183,9 +187,40 @@ impl Gpu {
         }
     }
 
+    /// Submits commands.
+    pub(crate) fn submit(&self, commands: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+        self.queue().submit([commands.finish()])
+    }
+
+    /// Blocks until a submission is complete and `is_done` returns `true`, which a callback of wgpu
+    /// brings about.
+    ///
+    /// While wgpu blocks, it holds locks that stop the submissions of other threads: threads that
+    /// share the device would take turns. An image takes hardware less than [`SHORT_WAIT`], for
+    /// which this asks again and again. A software rasteriser needs the processor itself.
+    pub(crate) fn wait_for(
+        &self,
+        submission: wgpu::SubmissionIndex,
+        is_done: impl Fn() -> bool,
+    ) -> Result<(), RenderError> {
+        let start = Instant::now();
+        while self.kind() != GpuKind::Software && start.elapsed() < SHORT_WAIT {
+            self.poll(wgpu::PollType::Poll)?;
+            if is_done() {
+                return Ok(());
+            }
+            std::thread::yield_now();
+        }
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })
+    }
+
     /// Blocks until all submitted work is complete.
     pub(crate) fn wait(&self) -> Result<(), RenderError> {
-        match self.device().poll(wgpu::PollType::wait_indefinitely()) {
+        self.poll(wgpu::PollType::wait_indefinitely())
+    }
+
+    fn poll(&self, how: wgpu::PollType) -> Result<(), RenderError> {
+        match self.device().poll(how) {
             Ok(_) => self.check_lost(),
             Err(error) => Err(RenderError::Lost { message: error.to_string() }),
         }

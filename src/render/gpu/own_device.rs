@@ -6,6 +6,7 @@
 
 pub use wgpu;
 
+use super::adapter::GUARANTEED_SAMPLES;
 use super::{Gpu, Shared};
 use crate::render::RenderError;
 
@@ -45,8 +46,8 @@ impl Gpu {
             }
         }
         let info = device.adapter_info();
-        // wgpu guarantees a sample count of 4 on every adapter.
-        Ok(Self::assemble(device, queue, info, 1 | 4, None))
+        // What else the adapter supports is unknown here.
+        Ok(Self::assemble(device, queue, info, GUARANTEED_SAMPLES, None))
     }
 
     /// Returns the device and the queue, for the caller's own commands. Do not destroy the device.

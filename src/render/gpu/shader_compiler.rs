@@ -33,7 +33,7 @@ impl Gpu {
             pass.set_pipeline(&pipeline);
             pass.draw(0..3, 0..1);
             drop(pass);
-            self.queue().submit([encoder.finish()]);
+            self.submit(encoder);
             self.wait()
         })
     }

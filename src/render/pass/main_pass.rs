@@ -78,6 +78,12 @@ impl MainPass {
         Ok(())
     }
 
+    /// Requests an upload of the uniforms. Required if commands may not have been executed.
+    pub(crate) fn invalidate(&mut self) {
+        self.uniform.invalidate();
+        self.mirror_uniform.invalidate();
+    }
+
     /// Creates the missing bind groups.
     fn create_bind_groups(&mut self, draw: &DrawContext<'_>, shadows: &ShadowMaps) {
         let Self { uniform, mirror_uniform, shadowed, unshadowed, mirrored, .. } = self;

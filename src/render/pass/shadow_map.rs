@@ -139,10 +139,12 @@ impl ShadowMaps {
         ShadowRegion { reduction, origin, size, frames_since_clear: 0 }
     }
 
-    /// Requests a clear of all maps. Required if encoded commands may not have been executed.
+    /// Requests a clear of all maps, and the upload of their uniforms. Required if commands may not
+    /// have been executed.
     pub(crate) fn invalidate(&mut self) {
         for map in &mut self.maps {
             map.needs_clear = true;
+            map.uniform.invalidate();
         }
     }
 

@@ -29,6 +29,17 @@ pub(crate) struct Sky {
     skybox_vertices: usize,
     /// Number of slices of the cylinder and of the haze: the model's for round shapes.
     slices: u32,
+    /// Inputs of the haze in `vertices`.
+    haze: Option<HazeView>,
+}
+
+/// Inputs of the haze that change from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct HazeView {
+    horizon: Horizon,
+    position: [f64; 3],
+    /// Distance of the skybox, m.
+    distance: f64,
 }
 
 /// Distance of the haze, as a fraction of the distance of the skybox. Haze without a width would
@@ -38,7 +49,7 @@ const HAZE_FRACTION: f64 = 0.9999;
 impl Sky {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let buffer = GrowableBuffer::new(gpu, "vertices of the sky", wgpu::BufferUsages::VERTEX);
-        Self { buffer, is_visible: false, vertices: Vec::new(), skybox_vertices: 0, slices: 0 }
+        Self { buffer, is_visible: false, vertices: Vec::new(), skybox_vertices: 0, slices: 0, haze: None }
     }
 
     /// Returns `true` if the last preparation added haze.
@@ -63,21 +74,31 @@ impl Sky {
         if !self.is_visible {
             return Ok(());
         }
-        let has_other_slices = self.slices != settings.slices;
-        if has_other_slices {
+        let haze = list.horizon.filter(|_| has_haze).map(|horizon| HazeView {
+            horizon,
+            position: frustum.position,
+            distance: frustum.sky_distance(),
+        });
+        if self.slices == settings.slices && self.haze == haze {
+            return Ok(());
+        }
+        if self.slices != settings.slices {
             self.vertices = skybox(settings.slices);
             (self.slices, self.skybox_vertices) = (settings.slices, self.vertices.len());
         }
         self.vertices.truncate(self.skybox_vertices);
-        let horizon = list.horizon.filter(|_| has_haze);
-        if let Some(horizon) = &horizon {
+        if let Some(HazeView { horizon, .. }) = &haze {
             add_haze(horizon, frustum, settings, &mut self.vertices);
         }
-        // The buffer contains the skybox of the previous frame.
-        if has_other_slices || horizon.is_some() {
-            self.buffer.write(gpu, bytemuck::cast_slice(&self.vertices))?;
-        }
+        self.haze = haze;
+        self.buffer.write(gpu, bytemuck::cast_slice(&self.vertices))?;
         Ok(())
+    }
+
+    /// Requests an upload of the vertices. Required if commands may not have been executed.
+    pub(crate) fn invalidate(&mut self) {
+        self.slices = 0;
+        self.buffer.invalidate();
     }
 }
 

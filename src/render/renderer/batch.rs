@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Renderer;
 use super::read_back::drop_alpha;
-use super::tiled::Tiles;
+use super::tiled::{TiledImages, Tiles};
 use crate::error::{Error, Result};
 use crate::render::RenderError;
 use crate::render::draw_list::AuxOutput;
@@ -20,6 +20,10 @@ impl Renderer {
     ///
     /// The images equal the results of [`rgb`](Self::rgb) up to rounding, which can change single
     /// pixels at edges.
+    ///
+    /// With a graphics card, up to 64 images are drawn at once while the next ones are prepared. On
+    /// an NVIDIA H200 one thread draws 1.9 times as many images of the humanoid at 84 × 84 pixels
+    /// as with single calls (benchmark `render`, arguments `hardware threads many`).
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8
@@ -127,15 +131,29 @@ impl Renderer {
             let rows = images.next().unwrap_or_default().chunks_exact_mut(row);
             tile.zip(rows).for_each(|(from, to)| convert(from, to));
         };
-        tiled.discard();
+        // While the images of one submission are rendered, the next ones are prepared.
+        let [mut next, mut previous] = tiled.each_mut();
+        next.discard();
+        previous.discard();
         for index in 0..count {
             update(index, scene)?;
             gpu.guarded(|| {
-                let is_full = tiled.add(assets, scene, &tiles, (aux, *samples, *shadow_size), &mut read)?;
-                if is_full || index + 1 == count { tiled.render(assets, &tiles, aux, &mut read) } else { Ok(()) }
+                let inputs = (aux, *samples, *shadow_size);
+                if !next.add(assets, scene, &tiles, inputs)? {
+                    next.submit(assets, &tiles, aux)?;
+                    previous.finish(&gpu, &tiles, &mut read)?;
+                    std::mem::swap(&mut next, &mut previous);
+                    next.add(assets, scene, &tiles, inputs)?;
+                }
+                if next.is_full(&tiles, scene) || index + 1 == count {
+                    next.submit(assets, &tiles, aux)?;
+                    previous.finish(&gpu, &tiles, &mut read)?;
+                    std::mem::swap(&mut next, &mut previous);
+                }
+                Ok(())
             })
-            .inspect_err(|_| tiled.invalidate())?;
+            .inspect_err(|_| [&mut *next, &mut *previous].into_iter().for_each(TiledImages::invalidate))?;
         }
-        Ok(())
+        gpu.guarded(|| previous.finish(&gpu, &tiles, &mut read))
     }
 }

@@ -12,13 +12,12 @@ use crate::scene::Scene;
 
 impl Renderer {
     /// Submits the commands that render a colour image and copy it to its read-back buffer.
-    pub(super) fn submit_color(&mut self, scene: &Scene) -> Result<(), RenderError> {
+    pub(super) fn submit_color(&mut self, scene: &Scene) -> Result<wgpu::SubmissionIndex, RenderError> {
         let gpu = self.assets.gpu.clone();
         let (texture, view) = self.color_texture();
         let mut encoder = self.encode(scene, &view, COLOR_FORMAT, self.size, true)?;
         self.read_back_buffer(ReadBack::Color)?.encode(&mut encoder, &texture);
-        gpu.queue().submit([encoder.finish()]);
-        Ok(())
+        Ok(gpu.submit(encoder))
     }
 
     /// Returns the colour texture for read-back, which is recreated after a change of the size.
@@ -27,9 +26,13 @@ impl Renderer {
     }
 
     /// Submits the commands that render geom ids and depths and copy them to [`ReadBack::Aux`].
-    /// Returns `true` if the depths are in [`ReadBack::Opaque`] instead: for both outputs of a
+    /// Also returns `true` if the depths are in [`ReadBack::Opaque`] instead: for both outputs of a
     /// scene with transparent geoms.
-    pub(super) fn submit_aux(&mut self, scene: &Scene, output: AuxOutput) -> Result<bool, RenderError> {
+    pub(super) fn submit_aux(
+        &mut self,
+        scene: &Scene,
+        output: AuxOutput,
+    ) -> Result<(wgpu::SubmissionIndex, bool), RenderError> {
         let gpu = self.assets.gpu.clone();
         self.frame.prepare_aux(&mut self.assets, scene, self.size, Some(output), true)?;
         if self.aux_target.as_ref().is_none_or(|target| target.size() != self.size) {
@@ -43,8 +46,7 @@ impl Renderer {
         } else {
             self.encode_aux(&mut encoder, AuxLayer::Only, ReadBack::Aux)?;
         }
-        gpu.queue().submit([encoder.finish()]);
-        Ok(has_transparent)
+        Ok((gpu.submit(encoder), has_transparent))
     }
 
     /// Encodes a pass for geom ids and depths, and the copy to a read-back buffer.

@@ -150,6 +150,17 @@ impl Frame {
         TargetNeeds { samples: if is_aux { 1 } else { samples }, stencil }
     }
 
+    /// Makes the next preparation upload everything and clear all shadow maps. Required if commands
+    /// may not have been executed.
+    pub(super) fn invalidate(&mut self) {
+        self.shadow_maps.invalidate();
+        self.main_pass.invalidate();
+        self.sky.invalidate();
+        self.labels.buffer.invalidate();
+        self.instances.invalidate();
+        self.aux_uniform.invalidate();
+    }
+
     /// Returns the number of texels of the allocated shadow maps.
     pub(super) fn shadow_texels(&self) -> u64 {
         let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);

@@ -59,19 +59,19 @@ impl Renderer {
         let Images { rgb, depth, segmentation } = images;
         let (gpu, size) = (self.assets.gpu.clone(), self.size);
         gpu.guarded(|| {
-            self.submit_color(scene)?;
-            let is_opaque_separate = self.submit_aux(scene, AuxOutput::DepthAndIds)?;
-            self.read_rows(ReadBack::Color, rgb_rows(rgb, size))?;
+            let colors = self.submit_color(scene)?;
+            let (aux, is_opaque_separate) = self.submit_aux(scene, AuxOutput::DepthAndIds)?;
+            self.read_rows(ReadBack::Color, colors, rgb_rows(rgb, size))?;
             let (mut write_depths, mut write_ids) = (depth_rows(depth, size), id_rows(segmentation, size, scene));
             if is_opaque_separate {
-                self.read_rows(ReadBack::Opaque, write_depths)?;
-                return self.read_rows(ReadBack::Aux, write_ids);
+                self.read_rows(ReadBack::Opaque, aux.clone(), write_depths)?;
+                return self.read_rows(ReadBack::Aux, aux, write_ids);
             }
-            self.read_rows(ReadBack::Aux, |row| {
+            self.read_rows(ReadBack::Aux, aux, |row| {
                 write_depths(row);
                 write_ids(row);
             })
         })
-        .inspect_err(|_| self.frame.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.invalidate())
     }
 }

@@ -71,7 +71,8 @@ pub struct Renderer {
     target: Option<Target>,
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     read_back: [Option<ReadBackBuffer>; ReadBack::COUNT],
-    tiled: TiledImages,
+    /// One is prepared while the other is rendered.
+    tiled: [TiledImages; 2],
     /// Scene of snapshots. Shared only during a call of a snapshot.
     snapshot_scene: Arc<Scene>,
     /// Last, because the drop of the other fields uses the driver.
@@ -148,7 +149,7 @@ impl Renderer {
                 target: None,
                 color: None,
                 read_back: [const { None }; ReadBack::COUNT],
-                tiled: TiledImages::default(),
+                tiled: Default::default(),
                 snapshot_scene: Arc::new(Scene::new(model, SNAPSHOT_CAPACITY)?),
                 drop_use: DropUse::default(),
             })
@@ -343,19 +344,20 @@ impl Renderer {
     fn render_color(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
-            self.submit_color(scene)?;
-            self.read_rows(ReadBack::Color, each)
+            let submission = self.submit_color(scene)?;
+            self.read_rows(ReadBack::Color, submission, each)
         })
-        .inspect_err(|_| self.frame.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.invalidate())
     }
 
     /// Renders geom ids and depths, and passes the rows to `each`: eight bytes per pixel.
     fn render_aux(&mut self, scene: &Scene, output: AuxOutput, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
-            self.submit_aux(scene, output)?;
-            self.read_rows(ReadBack::Aux, each)
+            let (submission, _) = self.submit_aux(scene, output)?;
+            self.read_rows(ReadBack::Aux, submission, each)
         })
+        .inspect_err(|_| self.frame.invalidate())
     }
 
     /// Renders to a texture of the given size, with one of the formats of window surfaces:
@@ -370,10 +372,10 @@ impl Renderer {
         let gpu = self.assets.gpu.clone();
         gpu.guarded(|| {
             let encoder = self.encode(scene, target, target.texture().format(), size, false)?;
-            gpu.queue().submit([encoder.finish()]);
+            gpu.submit(encoder);
             Ok(())
         })
-        .inspect_err(|_| self.frame.shadow_maps.invalidate())
+        .inspect_err(|_| self.frame.invalidate())
     }
 
     /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on
@@ -384,7 +386,7 @@ impl Renderer {
         gpu.guarded(|| {
             let (_, view) = self.color_texture();
             let encoded = self.encode(scene, &view, COLOR_FORMAT, self.size, true);
-            self.frame.shadow_maps.invalidate();
+            self.frame.invalidate();
             encoded.map(drop)
         })
     }

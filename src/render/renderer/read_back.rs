@@ -38,11 +38,16 @@ impl Renderer {
         buffer.as_ref().ok_or(RenderError::OutOfMemory)
     }
 
-    /// Waits for the submitted copy to a read-back buffer, and passes the rows to `each`, first row
-    /// first.
-    pub(super) fn read_rows(&mut self, from: ReadBack, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+    /// Waits for the submission with the copy to a read-back buffer, and passes the rows to `each`,
+    /// first row first.
+    pub(super) fn read_rows(
+        &mut self,
+        from: ReadBack,
+        submission: wgpu::SubmissionIndex,
+        each: impl FnMut(&[u8]),
+    ) -> Result<(), RenderError> {
         let gpu = self.assets.gpu.clone();
-        self.read_back_buffer(from)?.rows(&gpu, each)
+        self.read_back_buffer(from)?.rows(&gpu, submission, each)
     }
 }
 

@@ -7,12 +7,15 @@ use super::frame::{Frame, TargetNeeds};
 use crate::render::draw_list::AuxOutput;
 use crate::render::gpu::buffer::ReadBackBuffer;
 use crate::render::pass::{AuxLayer, AuxTarget, COLOR_FORMAT, Target, begin_ids, begin_main};
-use crate::render::{Gpu, RenderError};
+use crate::render::{Gpu, GpuKind, RenderError};
 use crate::scene::{Scene, SceneGeomType};
 
-/// Largest number of images in a submission. With 16, depth images took longer than with single
-/// calls on a software rasteriser.
-const MAX_IMAGES: usize = 4;
+/// Largest number of images in a submission to a software rasteriser. With 16, depth images took
+/// longer than with single calls.
+const MAX_IMAGES_SOFTWARE: usize = 4;
+
+/// Largest number of images in a submission to hardware.
+const MAX_IMAGES_HARDWARE: usize = 64;
 
 /// Largest number of pixels in a submission, unless one image has more.
 const MAX_PIXELS: usize = 1 << 19;
@@ -34,7 +37,8 @@ impl Tiles {
     /// Computes the layout for a number of images.
     pub(super) fn new(gpu: &Gpu, tile: [u32; 2], images: usize) -> Self {
         let pixels = tile[0] as usize * tile[1] as usize;
-        let count = images.min(MAX_IMAGES).min(MAX_PIXELS / pixels).max(1) as u32;
+        let most = if gpu.kind() == GpuKind::Software { MAX_IMAGES_SOFTWARE } else { MAX_IMAGES_HARDWARE };
+        let count = images.min(most).min(MAX_PIXELS / pixels).max(1) as u32;
         let [most_columns, most_rows] = tile.map(|length| (gpu.limits().max_texture_dimension_2d / length).max(1));
         let columns = (f64::from(count).sqrt().ceil() as u32).min(most_columns);
         Self { tile, columns, count: count.min(columns.saturating_mul(most_rows)) }
@@ -63,7 +67,7 @@ impl Tiles {
 #[derive(Default)]
 pub(super) struct TiledImages {
     frames: Vec<Frame>,
-    /// Number of prepared frames, whose images have not been rendered.
+    /// Number of prepared frames, whose images have not been submitted.
     pending: usize,
     /// Properties of the render target of the pending frames.
     needs: Option<TargetNeeds>,
@@ -71,34 +75,41 @@ pub(super) struct TiledImages {
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     aux_target: Option<AuxTarget>,
     read_back: Option<ReadBackBuffer>,
+    submitted: Option<Submitted>,
+}
+
+/// Images that have been submitted and not been read.
+struct Submitted {
+    submission: wgpu::SubmissionIndex,
+    images: usize,
+    bytes_per_pixel: usize,
 }
 
 /// Receives the rows of the next image, from the upper left.
 type Read<'r> = dyn FnMut(&mut dyn Iterator<Item = &[u8]>) + 'r;
 
 impl TiledImages {
-    /// Discards pending frames of a call that has failed.
+    /// Discards the images of a call that has failed.
     pub(super) fn discard(&mut self) {
-        if std::mem::take(&mut self.pending) > 0 {
+        if std::mem::take(&mut self.pending) > 0 || self.submitted.take().is_some() {
             self.invalidate();
         }
     }
 
-    /// Requests a clear of all shadow maps. Required if commands may not have been executed.
+    /// Makes the next preparations upload everything. Required if commands may not have been
+    /// executed.
     pub(super) fn invalidate(&mut self) {
-        self.frames.iter_mut().for_each(|frame| frame.shadow_maps.invalidate());
+        self.frames.iter_mut().for_each(Frame::invalidate);
     }
 
-    /// Prepares the image of a scene. Renders the pending images first if they need another render
-    /// target. Returns `true` if the pending images must be rendered before the next one is
-    /// prepared.
+    /// Prepares the image of a scene. Returns `false`, and leaves the images as they were, if it
+    /// needs another render target than the pending images.
     pub(super) fn add(
         &mut self,
         assets: &mut Assets,
         scene: &Scene,
         tiles: &Tiles,
         (aux, samples, shadow_size): (Option<AuxOutput>, u32, u32),
-        read: &mut Read<'_>,
     ) -> Result<bool, RenderError> {
         if self.frames.len() == self.pending {
             self.frames.push(Frame::new(&assets.gpu, shadow_size));
@@ -110,29 +121,26 @@ impl TiledImages {
         }
         let needs = Some(frame.target_needs(samples));
         if self.pending > 0 && needs != self.needs {
-            let added = self.pending;
-            self.render(assets, tiles, aux, read)?;
-            self.frames.swap(0, added);
+            return Ok(false);
         }
         self.needs = needs;
         self.pending += 1;
+        Ok(true)
+    }
+
+    /// Returns `true` if the pending images must be submitted before the next one is prepared.
+    pub(super) fn is_full(&self, tiles: &Tiles, scene: &Scene) -> bool {
         let texels: u64 = self.frames[..self.pending].iter().map(Frame::shadow_texels).sum();
         // The vertices of skins and flexes are in buffers that all images share.
         let is_deformed = |geom_type| matches!(geom_type, SceneGeomType::Skin | SceneGeomType::Flex);
-        Ok(self.pending == tiles.count as usize
+        self.pending == tiles.count as usize
             || texels >= MAX_SHADOW_TEXELS
-            || scene.geoms().any(|geom| is_deformed(geom.geom_type())))
+            || scene.geoms().any(|geom| is_deformed(geom.geom_type()))
     }
 
-    /// Renders the pending images and passes them to `read`.
-    pub(super) fn render(
-        &mut self,
-        assets: &Assets,
-        tiles: &Tiles,
-        aux: Option<AuxOutput>,
-        read: &mut Read<'_>,
-    ) -> Result<(), RenderError> {
-        let Self { frames, pending, needs, target, color, aux_target, read_back } = self;
+    /// Submits the commands that render the pending images and copy them to the read-back buffer.
+    pub(super) fn submit(&mut self, assets: &Assets, tiles: &Tiles, aux: Option<AuxOutput>) -> Result<(), RenderError> {
+        let Self { frames, pending, needs, target, color, aux_target, read_back, submitted } = self;
         let (gpu, size) = (&assets.gpu, tiles.size());
         let Some(needs) = *needs else { return Ok(()) };
         let frames = &mut frames[..*pending];
@@ -164,13 +172,18 @@ impl TiledImages {
             Some(buffer) => buffer,
             None => ReadBackBuffer::new(gpu, size, bytes_per_pixel)?,
         };
-        let buffer = read_back.insert(buffer);
-        buffer.encode(&mut encoder, &texture);
-        gpu.queue().submit([encoder.finish()]);
-        let images = std::mem::take(pending);
+        read_back.insert(buffer).encode(&mut encoder, &texture);
+        let (images, bytes_per_pixel) = (std::mem::take(pending), bytes_per_pixel as usize);
+        *submitted = Some(Submitted { submission: gpu.submit(encoder), images, bytes_per_pixel });
+        Ok(())
+    }
+
+    /// Waits for the submitted images, if there are any, and passes them to `read`.
+    pub(super) fn finish(&mut self, gpu: &Gpu, tiles: &Tiles, read: &mut Read<'_>) -> Result<(), RenderError> {
+        let (Some(submitted), Some(buffer)) = (self.submitted.take(), &self.read_back) else { return Ok(()) };
+        let Submitted { submission, images, bytes_per_pixel } = submitted;
         let [width, height] = tiles.tile.map(|length| length as usize);
-        let bytes_per_pixel = bytes_per_pixel as usize;
-        buffer.mapped(gpu, |rows| {
+        buffer.mapped(gpu, submission, |rows| {
             for index in 0..images {
                 let [x, y] = tiles.origin(index).map(|place| place as usize);
                 let columns = x * bytes_per_pixel..(x + width) * bytes_per_pixel;

@@ -13,14 +13,13 @@ const SAME_NORMAL: f64 = 0.8;
 
 /// Returns coarser levels of a mesh, each with the width of its cells: the largest distance between
 /// vertices that it merges, along an axis. Each level has at most two thirds of the triangles of
-/// the one before.
+/// the one before. They have no texture coordinates, which jump where a texture has a seam.
 pub(crate) fn coarse_levels(mesh: &Triangles) -> Vec<(f32, Triangles)> {
     /// A mesh with fewer triangles is drawn in little time.
     const MIN_TRIANGLES: usize = 128;
     let mut levels: Vec<(f32, Triangles)> = Vec::new();
     let mut cell = mean_edge(mesh);
-    // Explicit texture coordinates jump where the texture has a seam.
-    if !cell.is_normal() || mesh.vertices.iter().any(|vertex| vertex.texcoord != [0.0; 2]) {
+    if !cell.is_normal() {
         return levels;
     }
     let places = Places::new(mesh);
@@ -72,7 +71,11 @@ fn clustered(mesh: &Triangles, places: &Places, cell: f32) -> Triangles {
             }
             if known == u32::MAX {
                 known = coarse.vertices.len() as u32;
-                coarse.vertices.push(Vertex { position: clusters.positions[cluster as usize], ..*vertex });
+                coarse.vertices.push(Vertex {
+                    position: clusters.positions[cluster as usize],
+                    texcoord: [0.0; 2],
+                    ..*vertex
+                });
                 cluster_of_vertex.push(cluster);
                 next.push(std::mem::replace(&mut first[cluster as usize], known));
             }
@@ -182,12 +185,7 @@ mod tests {
     use super::{MESH_LEVELS, coarse_levels};
 
     fn fine_sphere() -> Triangles {
-        let mut sphere = sphere(Tessellation::new(120, 60, 1));
-        // A mesh without texture coordinates.
-        for vertex in &mut sphere.vertices {
-            vertex.texcoord = [0.0; 2];
-        }
-        sphere
+        sphere(Tessellation::new(120, 60, 1))
     }
 
     #[test]
@@ -220,7 +218,6 @@ mod tests {
     fn the_sides_of_a_box_stay_flat_and_apart() {
         let mut cuboid = cuboid(20);
         for vertex in &mut cuboid.vertices {
-            vertex.texcoord = [0.0; 2];
             // A plate, thinner than the coarse cells.
             vertex.position[2] *= 0.001;
         }
@@ -259,11 +256,17 @@ mod tests {
     }
 
     #[test]
-    fn meshes_with_few_triangles_or_with_texture_coordinates_have_no_coarser_level() {
+    fn coarser_levels_have_no_texture_coordinates() {
+        let sphere = fine_sphere();
+        assert!(sphere.vertices.iter().any(|vertex| vertex.texcoord != [0.0; 2]));
+        for (_, level) in coarse_levels(&sphere) {
+            assert!(level.vertices.iter().all(|vertex| vertex.texcoord == [0.0; 2]));
+        }
+    }
+
+    #[test]
+    fn meshes_with_few_triangles_have_no_coarser_level() {
         assert!(coarse_levels(&Triangles::default()).is_empty());
         assert!(coarse_levels(&sphere(Tessellation::new(8, 4, 1))).is_empty());
-        let mut textured = fine_sphere();
-        textured.vertices[7].texcoord = [0.5, 0.5];
-        assert!(coarse_levels(&textured).is_empty());
     }
 }

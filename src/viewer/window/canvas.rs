@@ -193,10 +193,12 @@ mod tests {
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         canvas.copy_to(gpu, &mut encoder, &window);
         buffer.encode(&mut encoder, &window);
-        gpu.queue().submit([encoder.finish()]);
+        let submission = gpu.submit(encoder);
         let mut rows = Vec::new();
         buffer
-            .rows(gpu, |row| rows.push(row.as_chunks::<4>().0.iter().map(|pixel| [pixel[0], pixel[1]]).collect()))
+            .rows(gpu, submission, |row| {
+                rows.push(row.as_chunks::<4>().0.iter().map(|pixel| [pixel[0], pixel[1]]).collect())
+            })
             .unwrap();
         rows.reverse();
         rows
@@ -228,7 +230,7 @@ mod tests {
         let draw = |canvas: &Canvas, parts: &[PixelRect]| {
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             canvas.draw_background(&mut encoder, parts, Some(&scene));
-            gpu.queue().submit([encoder.finish()]);
+            gpu.submit(encoder);
         };
         let expected = |is_drawn: &dyn Fn(u8, u8) -> bool| -> Vec<Vec<[u8; 2]>> {
             let pixel = |x, y| match x {

@@ -15,8 +15,6 @@
 
 #![forbid(unsafe_code)]
 
-mod scenes;
-
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -25,8 +23,8 @@ use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::{Data, Scene};
 
 use crate::difference::{Difference, side_by_side};
+use crate::scenes::{self, Setting};
 use crate::stage;
-use scenes::Setting;
 
 const WIDTH: usize = 640;
 const HEIGHT: usize = 480;

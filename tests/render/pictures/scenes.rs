@@ -31,9 +31,14 @@ pub struct Setting {
     pub render: RenderFlags,
 }
 
+/// Returns the root of the repository, or of the folder that `scripts/gpu-bench` makes.
+pub fn root() -> PathBuf {
+    std::env::var_os("MUJOCO_SAFE_ROOT").map_or_else(|| env!("CARGO_MANIFEST_DIR").into(), PathBuf::from)
+}
+
 /// Returns the folder of this file.
 pub fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/render/pictures")
+    root().join("tests/render/pictures")
 }
 
 /// Returns all scenes.
