@@ -4,7 +4,8 @@
 Reads requests from standard input, one JSON object per line, and answers each with another:
 
     {"open": MODEL, "width": W, "height": H, ...}   opens a scene (see `Drawing`): {}
-    {"draw": N}                                     {"cpu": seconds of all threads, "wall": seconds} for N images
+    {"draw": N, "kind": KIND}                       {"cpu": seconds of all threads, "wall": seconds} for N images,
+                                                    KIND is rgb, depth (in metres) or ids (of segments)
     {"picture": FILE}                               writes the bytes of an image, from the upper left: {}
 
 As on the Rust side, an image consists of updating the abstract scene, drawing it and reading the pixels back.
@@ -54,12 +55,24 @@ class Drawing:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.context)
         self.area = mujoco.MjrRect(0, 0, width, height)
         self.rgb = np.empty((height, width, 3), np.uint8)
+        self.depth = np.empty((height, width), np.float32)
         self.draw()
 
-    def draw(self):
+    def draw(self, kind="rgb"):
         make.update(self.picture, self.model, self.data, self.camera, self.options, self.perturbation)
+        for flag in mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR:
+            self.picture.flags[flag] = kind == "ids"
         mujoco.mjr_render(self.area, self.picture, self.context)
+        if kind == "depth":
+            mujoco.mjr_readPixels(None, self.depth, self.area, self.context)
+            # As mujoco.Renderer converts it to metres.
+            extent, visual = self.model.stat.extent, self.model.vis.map
+            near, far = visual.znear * extent, visual.zfar * extent
+            return near / (1 - self.depth * (1 - near / far))
         mujoco.mjr_readPixels(self.rgb, None, self.area, self.context)
+        if kind == "ids":
+            return self.rgb.astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], np.int32)
+        return self.rgb
 
     def close(self):
         self.context.free()
@@ -83,7 +96,7 @@ def answers():
         else:
             cpu, wall = time.process_time(), time.perf_counter()
             for _ in range(request["draw"]):
-                drawing.draw()
+                drawing.draw(request["kind"])
             yield {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
 
 

@@ -20,6 +20,11 @@
 //! to single calls, the images per second of two threads (by wall time), and the CPU time to
 //! prepare a frame for up to 10,000 geoms.
 //!
+//! The argument `hardware` prints other tables, for graphics cards, by wall time: `single` calls for
+//! colours, depth and segmentation, up to 16 `threads`, and images of `many` simulations. The names
+//! of tables after it select some. `scripts/gpu-bench` makes a folder that prints them on another
+//! machine.
+//!
 //! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`,
 //! `grains`, `meshes`, `lights`, `small`, `batch`, `threads`, `outputs` and `prepare`. Processor
 //! time comes from `/proc` (Linux).
@@ -36,6 +41,8 @@ mod batch;
 mod difference;
 #[path = "render/engine.rs"]
 mod engine;
+#[path = "render/hardware.rs"]
+mod hardware;
 #[path = "render/more_scenes.rs"]
 mod more_scenes;
 #[path = "render/pictures.rs"]
@@ -83,6 +90,11 @@ fn main() -> Result<()> {
     let wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| *wanted == name);
 
     let mut engine = Engine::start()?;
+    if names.iter().any(|name| *name == "hardware") {
+        return hardware::print_tables(engine.as_mut(), rounds, |table| {
+            names.len() == 1 || names.iter().any(|name| *name == table)
+        });
+    }
     if wanted("first") {
         first_frame(rounds)?;
     }

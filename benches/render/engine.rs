@@ -11,7 +11,7 @@ use mujoco_safe::render::RendererOptions;
 use serde_json::{Value, json};
 
 use crate::Result;
-use crate::scenes::Setting;
+use crate::scenes::{self, Setting};
 
 /// Process that runs the engine's renderer.
 pub struct Engine {
@@ -26,9 +26,8 @@ impl Engine {
             println!("the engine's renderer is omitted: MUJOCO_PYTHON is not set");
             return Ok(None);
         };
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/render.py");
         let mut command = Command::new(python);
-        command.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.arg(scenes::root().join("benches/render.py")).stdin(Stdio::piped()).stdout(Stdio::piped());
         if env::var_os("MUJOCO_GL").is_none() {
             command.env("MUJOCO_GL", "osmesa");
         }
@@ -74,7 +73,17 @@ impl Engine {
 
     /// Renders several images and returns the processor time, s.
     pub fn turn(&mut self, pictures: usize) -> Result<f64> {
-        self.request(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "the answer contains no time".into())
+        self.draw("rgb", pictures, "cpu")
+    }
+
+    /// Renders several images of this kind (`rgb`, `depth` or `ids`) and returns the time, s.
+    pub fn wall_time(&mut self, kind: &str, pictures: usize) -> Result<f64> {
+        self.draw(kind, pictures, "wall")
+    }
+
+    fn draw(&mut self, kind: &str, pictures: usize, time: &str) -> Result<f64> {
+        let answer = self.request(&json!({"draw": pictures, "kind": kind}))?;
+        answer[time].as_f64().ok_or_else(|| "the answer contains no time".into())
     }
 }
 

@@ -20,7 +20,7 @@ pub fn named(arm: &Arm, name: &str) -> Result<Setting> {
 /// with a free camera: azimuth and elevation in degrees, and the distance relative to the initial
 /// distance of the free camera.
 pub fn all(arm: &Arm) -> Result<Vec<Setting>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/render");
+    let folder = scenes::root().join("benches/render");
     let rows: Value = serde_json::from_str(&fs::read_to_string(folder.join("scenes.json"))?)?;
     let folders = [
         folder.join("models"),

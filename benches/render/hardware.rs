@@ -1,0 +1,222 @@
+//! Tables for graphics cards, by wall time: images per second in single calls against the engine's
+//! renderer, with several threads, and of many simulations.
+
+use std::env;
+use std::path::Path;
+use std::time::Instant;
+
+use mujoco_safe::render::{DepthImage, Gpu, Renderer, RendererOptions, RgbImage, SegmentationImage};
+use mujoco_safe::scene::{Camera, Categories, RenderFlags, SceneOptions, VisualFlags};
+use mujoco_safe::{Data, Model, Scene, StateSpec, sample};
+
+use crate::arm::Arm;
+use crate::engine::Engine;
+use crate::scenes::{self, Setting};
+use crate::{Result, Spread, processor_time};
+
+const SIZES: [[u32; 2]; 3] = [[84, 84], [256, 256], [640, 480]];
+/// Wall time of a turn, s.
+const TURN: f64 = 0.1;
+/// Number of simulations of a batch.
+const SIMULATIONS: usize = 1024;
+
+/// Prints all tables. A model whose path is in `MUJOCO_SAFE_MODEL` is drawn too.
+pub fn print_tables(mut engine: Option<&mut Engine>, rounds: usize, is_wanted: impl Fn(&str) -> bool) -> Result<()> {
+    let gpu = Gpu::new()?;
+    println!("{gpu:?}, MuJoCo {}", mujoco_safe::engine_version());
+    println!("images per second; ratios to the engine's renderer: median [quartiles]");
+    if is_wanted("single") {
+        let arm = Arm::create()?;
+        let mut settings =
+            vec![scenes::named("humanoid"), scenes::named("crowd"), of_model(&arm.folder().join("arm.xml"))?];
+        if let Some(path) = env::var_os("MUJOCO_SAFE_MODEL") {
+            settings.push(of_model(Path::new(&path))?);
+        }
+        for setting in settings {
+            for size in SIZES {
+                single_calls(&gpu, &setting, size, engine.as_deref_mut(), rounds)?;
+            }
+        }
+    }
+    let options = RendererOptions::default();
+    for (label, options) in [("", options), (", 1 sample, no shadows", options.with_samples(1).with_shadow_size(0))] {
+        if is_wanted("threads") {
+            threads(&gpu, label, options, rounds)?;
+        }
+        if is_wanted("many") {
+            for (name, model, size) in [("humanoid", sample::humanoid(), 84), ("cart-pole", sample::cartpole(), 64)] {
+                many(&gpu, (name, label), model, size, options, rounds)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns a view of a model at rest.
+fn of_model(path: &Path) -> Result<Setting> {
+    let free = Camera::free(&Model::from_xml_path(path)?);
+    Ok(Setting {
+        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        model: path.into(),
+        steps: 0,
+        lookat: free.lookat,
+        distance: free.distance,
+        azimuth: free.azimuth,
+        elevation: free.elevation,
+        fixed: None,
+        visual: VisualFlags::empty(),
+        render: RenderFlags::empty(),
+    })
+}
+
+/// Renderer of one scene, with the images of each kind.
+struct Single {
+    renderer: Renderer,
+    data: Data,
+    scene: Scene,
+    camera: Camera,
+    options: SceneOptions,
+    rgb: RgbImage,
+    depth: DepthImage,
+    ids: SegmentationImage,
+}
+
+impl Single {
+    fn new(gpu: &Gpu, setting: &Setting, [width, height]: [u32; 2], options: RendererOptions) -> Result<Self> {
+        let mut data = setting.after_steps();
+        let scene = setting.scene(&mut data);
+        Ok(Self {
+            renderer: Renderer::on(gpu, data.model(), width, height, options)?,
+            camera: setting.camera(data.model()),
+            options: setting.options(),
+            scene,
+            data,
+            rgb: RgbImage::default(),
+            depth: DepthImage::default(),
+            ids: SegmentationImage::default(),
+        })
+    }
+
+    /// Returns the time for several images, s.
+    fn wall_time(&mut self, kind: &str, images: usize) -> Result<f64> {
+        let start = Instant::now();
+        for _ in 0..images {
+            self.scene.update(&mut self.data, &self.options, None, &mut self.camera, Categories::all())?;
+            match kind {
+                "rgb" => self.renderer.rgb_into(&self.scene, &mut self.rgb)?,
+                "depth" => self.renderer.depth_into(&self.scene, &mut self.depth)?,
+                _ => self.renderer.segmentation_into(&self.scene, &mut self.ids)?,
+            }
+        }
+        Ok(start.elapsed().as_secs_f64())
+    }
+}
+
+fn single_calls(
+    gpu: &Gpu,
+    setting: &Setting,
+    size: [u32; 2],
+    mut engine: Option<&mut Engine>,
+    rounds: usize,
+) -> Result<()> {
+    let options = RendererOptions::default();
+    let mut ours = Single::new(gpu, setting, size, options)?;
+    if let Some(engine) = &mut engine {
+        engine.open(setting, &ours.data, size, &options)?;
+    }
+    for kind in ["rgb", "depth", "ids"] {
+        ours.wall_time(kind, 10)?;
+        let images = (10.0 * TURN / ours.wall_time(kind, 10)?).ceil() as usize;
+        let (mut rates, mut theirs, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..rounds {
+            let time = ours.wall_time(kind, images)?;
+            rates.push(images as f64 / time);
+            if let Some(engine) = &mut engine {
+                let of_engine = engine.wall_time(kind, images)?;
+                theirs.push(images as f64 / of_engine);
+                ratios.push(of_engine / time);
+            }
+        }
+        let rate = Spread::of(&mut rates).median;
+        let title = format!("{} {}×{} {kind}", setting.name, size[0], size[1]);
+        if ratios.is_empty() {
+            println!("{title:32} {rate:8.0}");
+        } else {
+            let (other, Spread { low, median, high }) = (Spread::of(&mut theirs).median, Spread::of(&mut ratios));
+            println!("{title:32} {rate:8.0}, engine {other:8.0}: {median:.2} [{low:.2}, {high:.2}]");
+        }
+    }
+    Ok(())
+}
+
+/// Prints the images per second of threads that share the adapter.
+fn threads(gpu: &Gpu, label: &str, options: RendererOptions, rounds: usize) -> Result<()> {
+    let cores = std::thread::available_parallelism()?.get();
+    let mut alone = 0.0;
+    for count in [1, 2, 4, 8, 16].into_iter().filter(|&count| count <= cores) {
+        let setting = scenes::named("humanoid");
+        let mut drawings =
+            (0..count).map(|_| Single::new(gpu, &setting, SIZES[0], options)).collect::<Result<Vec<Single>>>()?;
+        let mut rates = Vec::new();
+        for round in 0..=rounds {
+            let start = Instant::now();
+            let are_drawn = std::thread::scope(|scope| {
+                let threads: Vec<_> =
+                    drawings.iter_mut().map(|drawing| scope.spawn(|| drawing.wall_time("rgb", 200).is_ok())).collect();
+                threads.into_iter().all(|thread| thread.join().is_ok_and(|is_drawn| is_drawn))
+            });
+            if !are_drawn {
+                return Err("a thread failed".into());
+            }
+            if round > 0 {
+                rates.push((200 * count) as f64 / start.elapsed().as_secs_f64());
+            }
+        }
+        let rate = Spread::of(&mut rates).median;
+        if count == 1 {
+            alone = rate;
+        }
+        println!("humanoid 84×84{label}, {count:2} threads: {rate:.0}, {:.2} of one thread", rate / alone);
+    }
+    Ok(())
+}
+
+/// Prints the images per second, and the processor time, of images of many simulations in one call.
+fn many(
+    gpu: &Gpu,
+    (name, label): (&str, &str),
+    model: Model,
+    size: u32,
+    options: RendererOptions,
+    rounds: usize,
+) -> Result<()> {
+    let mut data = Data::new(model)?;
+    let mut states = Vec::new();
+    for _ in 0..64 {
+        states.push(data.state(StateSpec::PHYSICS));
+        data.step_n(5)?;
+    }
+    let mut renderer = Renderer::on(gpu, data.model(), size, size, options)?;
+    let (view, mut camera) = (SceneOptions::default(), Camera::free(data.model()));
+    let mut rgb = vec![0; SIMULATIONS * 3 * size as usize * size as usize];
+    let (mut rates, mut costs) = (Vec::new(), Vec::new());
+    // The first round creates the pipelines.
+    for round in 0..=rounds {
+        let (start, before) = (Instant::now(), processor_time()?);
+        renderer.rgb_batch_into(
+            |index, scene| {
+                data.set_state(StateSpec::PHYSICS, &states[index % states.len()])?;
+                data.fwd_position()?;
+                scene.update(&mut data, &view, None, &mut camera, Categories::all())
+            },
+            &mut rgb,
+        )?;
+        if round > 0 {
+            rates.push(SIMULATIONS as f64 / start.elapsed().as_secs_f64());
+            costs.push(1e6 * (processor_time()? - before) / SIMULATIONS as f64);
+        }
+    }
+    let (rate, cost) = (Spread::of(&mut rates).median, Spread::of(&mut costs).median);
+    println!("{SIMULATIONS} × {name} {size}×{size}{label}: {rate:.0}, {cost:.1} µs of processor time per image");
+    Ok(())
+}
