@@ -240,7 +240,7 @@ impl Controller for TimeVaryingLqr {
 fn check_trajectory(data: &Data, states: &Matrix, controls: &Matrix) -> Result<()> {
     let (model, steps) = (data.model(), controls.nrows());
     if steps == 0 {
-        return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
+        return Err(Error::out_of_range("the number of steps of a trajectory", 0, "at least 1"));
     }
     Error::check_shape("the controls of a trajectory", controls.shape(), (steps, model.nu()))?;
     let expected = (steps + 1, model.state_size(StateSpec::PHYSICS));

@@ -111,7 +111,7 @@ impl LengthRangeOptions {
             ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
         ];
         fields.into_iter().find(|(_, _, allowed, _)| !allowed).map_or(Ok(()), |(field, value, _, expected)| {
-            Err(Error::invalid(format!("{field} of the options of set_length_range"), value, expected))
+            Err(Error::out_of_range(format!("{field} of the options of set_length_range"), value, expected))
         })
     }
 }

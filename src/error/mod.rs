@@ -214,9 +214,11 @@ pub enum Error {
         found: (usize, usize),
     },
 
-    /// A value is not allowed.
+    /// A value is not allowed. `kind` is for programs, the texts are for people.
     #[error("{what} is {value}, but must be {expected}")]
     Invalid {
+        /// Kind of the mistake.
+        kind: InvalidKind,
         /// The argument or field.
         what: String,
         /// The invalid value.
@@ -313,8 +315,23 @@ impl Error {
     }
 
     /// Returns the error about a value that is not allowed.
-    pub(crate) fn invalid(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
-        Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }
+    pub(crate) fn invalid(
+        kind: InvalidKind,
+        what: impl Into<String>,
+        value: impl fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Invalid { kind, what: what.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// Returns the error about a number outside of its range.
+    pub(crate) fn out_of_range(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
+        Self::invalid(InvalidKind::OutOfRange, what, value, expected)
+    }
+
+    /// Returns the error about a number that is infinite or NaN.
+    pub(crate) fn not_finite(what: impl Into<String>, value: impl fmt::Display) -> Self {
+        Self::invalid(InvalidKind::NotFinite, what, value, "finite")
     }
 
     /// Returns the error about something that only other versions of the engine have.
@@ -345,6 +362,34 @@ impl Error {
         let path = path.into();
         move |source| Self::File { path, source }
     }
+}
+
+/// Kind of an [`Error::Invalid`].
+///
+/// ```
+/// use mujoco_safe::{Error, InvalidKind, math, sample};
+///
+/// let error = sample::humanoid().edit().set_timestep(-0.001).unwrap_err();
+/// assert!(matches!(error, Error::Invalid { kind: InvalidKind::OutOfRange, .. }));
+/// let error = math::euler2quat(&[0.0; 3], "xyw").unwrap_err();
+/// assert!(matches!(error, Error::Invalid { kind: InvalidKind::Text, .. }));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum InvalidKind {
+    /// A number is infinite or NaN, and any finite number is allowed.
+    NotFinite,
+    /// A number, a size or an interval is outside of its range. NaN is outside of each.
+    OutOfRange,
+    /// A text has the wrong format: a NUL byte, not a number, an unknown letter.
+    Text,
+    /// A name is none of the known ones. For names of elements see [`Error::NoSuchName`].
+    Unknown,
+    /// A name or a parameter is given twice.
+    Duplicate,
+    /// An element or an object does not fit the call: a geom without a height field, the root of a
+    /// spec for a removal.
+    Unsuitable,
 }
 
 /// A field of a model that the model's XML cannot represent.

@@ -39,7 +39,7 @@
 //! | [`NoSuchName`](Error::NoSuchName), [`NoSuchIndex`](Error::NoSuchIndex), [`NoSuchField`](Error::NoSuchField) | an unknown name or index | the error lists the known names |
 //! | [`NotComputed`](Error::NotComputed) | a result has not been computed | the call that the message names, usually [`Data::forward`] |
 //! | [`Shape`](Error::Shape) | a vector or matrix of the wrong shape | the message has both shapes |
-//! | [`Invalid`](Error::Invalid) | a value out of range | the message has the allowed values |
+//! | [`Invalid`](Error::Invalid) | a value that is not allowed; its [`InvalidKind`](crate::InvalidKind) tells a program why | the message has the allowed values |
 //! | [`OtherModel`](Error::OtherModel) | a scene, lineariser or simulation of another model | create both from one model or its clones |
 //! | [`Unstable`](Error::Unstable) | NaN, or a value beyond ±10¹⁰ | a smaller time step, softer contacts, more damping; limits on controls |
 //! | [`Callback`](Error::Callback) | a closure panicked in a step | correct the closure, reset |

@@ -142,7 +142,7 @@ impl Recorder {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
         if !time.is_finite() {
-            return Err(Error::invalid("the time of an image", time, "finite"));
+            return Err(Error::not_finite("the time of an image", time));
         }
         if matches!(self.state, State::Ended) {
             return Err(self.ended_error());
@@ -186,7 +186,7 @@ impl Recorder {
     /// than 100,000 frames after the last image; the file then ends with this image.
     pub fn finish_at(self, time: f64) -> Result<Summary> {
         if !time.is_finite() {
-            return Err(Error::invalid("the end time of a recording", time, "finite"));
+            return Err(Error::not_finite("the end time of a recording", time));
         }
         let shown = self.clock.until(time)?;
         self.finish_after(shown)
@@ -214,14 +214,18 @@ impl Recorder {
         // No format supports lengths above `i32::MAX`.
         let size = [width, height].map(|length| i32::try_from(length).map_or(0, |length| length as u32));
         if size.contains(&0) {
-            return Err(Error::invalid("the size of an image", given(), format!("from 1 × 1 to {0} × {0}", i32::MAX)));
+            return Err(Error::out_of_range(
+                "the size of an image",
+                given(),
+                format!("from 1 × 1 to {0} × {0}", i32::MAX),
+            ));
         }
         match self.size {
             [0, 0] => Ok(size),
             before if before == size => Ok(size),
             [width, height] => {
                 let expected = format!("{width} × {height}, the size of the previous images");
-                Err(Error::invalid("the size of an image", given(), expected))
+                Err(Error::out_of_range("the size of an image", given(), expected))
             }
         }
     }

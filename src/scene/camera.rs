@@ -203,7 +203,7 @@ impl Camera {
         if numbers.iter().chain(&self.lookat).all(|&number| (number as f32).is_finite()) {
             return Ok(());
         }
-        Err(Error::invalid("a number of the camera", format!("{self:?}"), "finite in single precision"))
+        Err(Error::out_of_range("a number of the camera", format!("{self:?}"), "finite in single precision"))
     }
 }
 
@@ -218,7 +218,7 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
     if motion.iter().all(|number| number.is_finite()) {
         return Ok(());
     }
-    Err(Error::invalid("the motion of the mouse", format!("{motion:?}"), "finite"))
+    Err(Error::not_finite("the motion of the mouse", format!("{motion:?}")))
 }
 
 impl Scene {

@@ -151,7 +151,7 @@ impl Scene {
     #[doc(alias = "mjv_defaultScene")]
     pub fn new(model: &Model, max_geoms: usize) -> Result<Self> {
         let Ok(maxgeom) = c_int::try_from(max_geoms) else {
-            return Err(Error::invalid(
+            return Err(Error::out_of_range(
                 "the capacity of a scene",
                 format!("{max_geoms} geoms"),
                 format!("at most {}", c_int::MAX),

@@ -8,7 +8,7 @@ use mujoco_sys::{self as sys, guard, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene, SceneGeomType};
 use crate::enums::engine_enum;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{HeightFieldId, MeshId, TextureId};
 
@@ -217,7 +217,7 @@ impl NewGeom {
     /// Returns an error if a renderer cannot draw the geom.
     fn check(&self) -> Result<()> {
         let invalid = |what: &str, value: &dyn std::fmt::Debug, expected: &str| {
-            Error::invalid(format!("{what} of a new geom"), format!("{value:?}"), expected)
+            Error::out_of_range(format!("{what} of a new geom"), format!("{value:?}"), expected)
         };
         let single = |values: &[f64]| values.iter().all(|&value| (value as f32).is_finite());
         let sizes = match &self.shape {
@@ -303,6 +303,7 @@ pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
     let mut label = [0; 100];
     if text.len() >= label.len() || text.contains('\0') {
         return Err(Error::invalid(
+            InvalidKind::Text,
             "a label",
             format!("{text:?}, {} bytes", text.len()),
             "at most 99 bytes, none of them NUL",

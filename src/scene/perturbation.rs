@@ -339,6 +339,6 @@ impl Perturbation {
         if numbers.clone().all(|number| number.is_finite()) {
             return Ok(());
         }
-        Err(Error::invalid("a number of the perturbation", format!("{self:?}"), "finite"))
+        Err(Error::not_finite("a number of the perturbation", format!("{self:?}")))
     }
 }

@@ -1,7 +1,7 @@
 //! Pinhole model of a camera: the map between points of the world and pixels.
 
 use super::Scene;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::math;
 
 /// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world.
@@ -161,10 +161,11 @@ impl Scene {
     /// with a [`transform`](Self::transform), whose images are in room space.
     pub fn pinhole_camera(&self, width: usize, height: usize) -> Result<PinholeCamera> {
         if width == 0 || height == 0 {
-            return Err(Error::invalid("the size of an image", format!("{width} x {height} pixels"), "not empty"));
+            return Err(Error::out_of_range("the size of an image", format!("{width} x {height} pixels"), "not empty"));
         }
         if let Some(transform) = self.transform() {
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the scene of a pinhole camera",
                 format!("{transform:?}"),
                 "without a transform",
@@ -176,6 +177,7 @@ impl Scene {
                 .map(f64::from);
         if !(viewpoint.is_finite() && top > bottom && near > 0.0) {
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the viewpoint of the scene",
                 format!("{viewpoint:?}"),
                 "from an updated scene",

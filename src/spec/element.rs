@@ -10,7 +10,7 @@ use super::names;
 use super::schema::Schema;
 use super::tree::Index;
 use super::{Spec, Value, value};
-use crate::error::{Error, Result, near_names};
+use crate::error::{Error, InvalidKind, Result, near_names};
 use crate::kind::{self, ElementKind};
 
 /// View of an element of a spec.
@@ -72,7 +72,7 @@ impl<'s, K> Element<'s, K> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
         let numbers = value::numbers(text).ok_or_else(|| {
             let what = format!("attribute '{name}' of {}", names::describe(&self.spec.tree, self.index));
-            Error::invalid(what, format!("'{text}'"), "a list of numbers")
+            Error::invalid(InvalidKind::Text, what, format!("'{text}'"), "a list of numbers")
         })?;
         Ok(Some(numbers))
     }
@@ -149,7 +149,7 @@ impl<'s, K> ElementMut<'s, K> {
             let similar = if near.is_empty() { String::new() } else { format!("perhaps {}; ", near.join(" or ")) };
             let expected = format!("{similar}one of {}", known.join(", "));
             let what = format!("the name of an attribute of {}", names::describe(&self.spec.tree, self.index));
-            return Err(Error::invalid(what, format!("'{attribute}'"), expected));
+            return Err(Error::invalid(InvalidKind::Unknown, what, format!("'{attribute}'"), expected));
         }
         check_character(&self.spec.tree, self.index, attribute, &value.text())?;
         if attribute == "name" {

@@ -77,7 +77,7 @@ use self::read::Sources;
 use self::schema::Schema;
 use self::tree::{Index, Tree};
 pub use self::value::Value;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::file;
 use crate::kind;
 use crate::macros::with_aliases;
@@ -276,7 +276,12 @@ impl Spec {
             return Ok(());
         }
         let place = names::describe(&self.tree, parent);
-        Err(Error::invalid(format!("the tag of an element in {place}"), format!("'{tag}'"), known.join(", ")))
+        Err(Error::invalid(
+            InvalidKind::Unknown,
+            format!("the tag of an element in {place}"),
+            format!("'{tag}'"),
+            known.join(", "),
+        ))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::error::Error;
+use crate::error::{Error, InvalidKind};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
 
@@ -87,13 +87,18 @@ impl ViewerOptions {
     /// Rejects values that the windowing system cannot represent.
     pub(super) fn check(&self) -> Result<(), Error> {
         if self.title.contains('\0') {
-            return Err(Error::invalid("the title of the window", format!("{:?}", self.title), "a text without NUL"));
+            return Err(Error::invalid(
+                InvalidKind::Text,
+                "the title of the window",
+                format!("{:?}", self.title),
+                "a text without NUL",
+            ));
         }
         if let Some([width, height]) = self.size
             && ![width, height].iter().all(|pixels| (1..=Self::MAX_SIZE).contains(pixels))
         {
             let expected = format!("a width and a height from 1 to {} pixels", Self::MAX_SIZE);
-            return Err(Error::invalid("the size of the window", format!("{width} × {height}"), expected));
+            return Err(Error::out_of_range("the size of the window", format!("{width} × {height}"), expected));
         }
         Ok(())
     }

@@ -4,10 +4,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId};
+use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, RayOptions};
 use mujoco_safe::enums::{JacobianStorage, Solver};
 use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions, ModelMut};
-use mujoco_safe::{Data, Error, Matrix, Model, Result, sample};
+use mujoco_safe::rollout::{Distribution, Parameter, Parameters};
+use mujoco_safe::spec::Spec;
+use mujoco_safe::{Data, Error, InvalidKind, Matrix, Model, Result, sample};
 
 use crate::child;
 
@@ -394,4 +396,32 @@ fn names_indices_ids_and_views_select_the_same_element() {
         own.edit().set_length_range("foot", &LengthRangeOptions::default()),
         Err(Error::NoSuchName { .. })
     ));
+}
+
+#[test]
+fn programs_can_match_the_kind_of_an_invalid_value() {
+    let model = sample::humanoid();
+    let mut data = Data::new(model.clone()).unwrap();
+    data.forward().unwrap();
+    let kind = |error: Error| match error {
+        Error::Invalid { kind, .. } => kind,
+        other => panic!("{other}"),
+    };
+    let (above, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
+    let options = RayOptions::default();
+    assert_eq!(kind(data.ray([f64::NAN; 3], down, &options).unwrap_err()), InvalidKind::NotFinite);
+    assert_eq!(kind(data.ray(above, [0.0; 3], &options).unwrap_err()), InvalidKind::OutOfRange);
+    assert_eq!(kind(data.ray_mesh("floor", above, down).unwrap_err()), InvalidKind::Unsuitable);
+    assert_eq!(kind(model.print_to("a\0b").unwrap_err()), InvalidKind::Text);
+
+    let mut spec = Spec::new("");
+    let world = spec.world();
+    assert_eq!(kind(spec.add_geom(world).set("rgb", 1.0).map(drop).unwrap_err()), InvalidKind::Unknown);
+    assert_eq!(kind(spec.remove(world).unwrap_err()), InvalidKind::Unsuitable);
+
+    let gravity = |parameters: Parameters| {
+        parameters.with(&model, Parameter::Gravity(2), Distribution::Uniform { low: -10.0, high: -9.0 })
+    };
+    let twice = gravity(Parameters::new()).and_then(gravity);
+    assert_eq!(kind(twice.map(drop).unwrap_err()), InvalidKind::Duplicate);
 }

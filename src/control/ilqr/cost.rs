@@ -113,7 +113,7 @@ impl CostExpansion {
         let all = [self.x.as_slice(), self.u.as_slice(), self.xx.as_slice(), self.uu.as_slice(), self.xu.as_slice()];
         match all.into_iter().flatten().find(|value| !value.is_finite()) {
             None => Ok(()),
-            Some(value) => Err(Error::invalid(format!("a derivative of the cost of step {step}"), value, "finite")),
+            Some(value) => Err(Error::not_finite(format!("a derivative of the cost of step {step}"), value)),
         }
     }
 

@@ -101,7 +101,7 @@ impl Subtree {
         let mass = model.body_subtreemass()[body.index()];
         // The engine has other formulas for a subtree without mass.
         if mass < mujoco_sys::mjMINVAL {
-            return Err(Error::invalid(format!("the mass of the subtree of {body}"), mass, "above zero"));
+            return Err(Error::out_of_range(format!("the mass of the subtree of {body}"), mass, "above zero"));
         }
         Ok(Self { quantity, body, target: [0.0; 3], dofs: moving_dofs(model, body.index()) })
     }

@@ -6,7 +6,7 @@ use std::fmt;
 use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 
 use crate::data::{Data, PipelineFlags, Stage};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};
 use crate::math::cross;
@@ -249,10 +249,11 @@ impl NewContact {
         let numbers = numbers.iter().chain(&self.pos).chain(&self.normal).chain(&self.friction);
         let finite = numbers.chain(&self.solref).chain(&self.solimp).all(|value| value.is_finite());
         let length = norm(self.normal);
+        if !finite {
+            return Err(Error::not_finite("a value of a new contact", format!("{self:?}")));
+        }
         let (field, value, expected) = if !matches!(self.dim, 1 | 3 | 4 | 6) {
             ("dim", self.dim.to_string(), "1, 3, 4 or 6")
-        } else if !finite {
-            ("a value", format!("{self:?}"), "finite")
         } else if !(length.is_finite() && length > 0.0) {
             ("normal", format!("{:?}", self.normal), "finite and not zero")
         } else if self.friction.iter().any(|&value| value < 0.0) {
@@ -260,7 +261,7 @@ impl NewContact {
         } else {
             return Ok(());
         };
-        Err(Error::Invalid { what: format!("{field} of a new contact"), value, expected: expected.to_owned() })
+        Err(Error::out_of_range(format!("{field} of a new contact"), value, expected))
     }
 
     /// Computes the contact frame: the normal and two tangents.
@@ -328,6 +329,7 @@ impl Data {
         if first == second {
             // The engine would create rows longer than the space that it reserves for them.
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the geoms of a new contact",
                 format!("both of {first:?}"),
                 "of different bodies",

@@ -84,7 +84,7 @@ impl Data {
         let geoms = [geom1.id(model)?.index(), geom2.id(model)?.index()];
         self.check_parts("geom_distance", PipelineFlags::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
-            return Err(Error::invalid("distmax of geom_distance", distmax, "finite and not negative"));
+            return Err(Error::out_of_range("distmax of geom_distance", distmax, "finite and not negative"));
         }
         for geom in geoms {
             let pose = self.geom_xpos()[geom].iter().chain(&self.geom_xmat()[geom]);

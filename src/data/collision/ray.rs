@@ -11,7 +11,7 @@ use mujoco_sys::{self as sys, guard, mjGEOM_HFIELD, mjGEOM_MESH};
 
 use crate::data::{Data, PipelineFlags};
 use crate::enums::GeomType;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, Key};
 use crate::kind;
@@ -132,7 +132,7 @@ impl Data {
     ) -> Result<()> {
         Error::check_length("the hits of multi_ray_into", hits.len(), directions.len())?;
         if cutoff.is_nan() {
-            return Err(Error::invalid("cutoff of multi_ray_into", cutoff, "a number"));
+            return Err(Error::out_of_range("cutoff of multi_ray_into", cutoff, "a number"));
         }
         for (hit, direction) in hits.iter_mut().zip(directions) {
             *hit = self.ray(point, *direction, options)?.filter(|hit| hit.distance <= cutoff);
@@ -259,7 +259,12 @@ impl Data {
             Ok(geom.index())
         } else {
             let found = GeomType::of_field(found);
-            Err(Error::invalid(format!("the geom of {call}"), format_args!("a {found:?}"), expected))
+            Err(Error::invalid(
+                InvalidKind::Unsuitable,
+                format!("the geom of {call}"),
+                format_args!("a {found:?}"),
+                expected,
+            ))
         }
     }
 }

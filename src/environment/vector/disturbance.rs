@@ -74,7 +74,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     /// the longest delay, and the errors of [`reset`](Self::reset).
     pub fn action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
         if steps.is_empty() {
-            return Err(Error::invalid("the range of the delay", format!("{steps:?}"), "not empty"));
+            return Err(Error::out_of_range("the range of the delay", format!("{steps:?}"), "not empty"));
         }
         let slots = steps.end().saturating_add(1);
         let nu = self.batch.model().nu();
@@ -97,7 +97,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
 fn check_deviations(what: &str, deviations: &[f64]) -> Result<()> {
     match deviations.iter().position(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
         None => Ok(()),
-        Some(index) => Err(Error::invalid(format!("{what} {index}"), deviations[index], "finite and not negative")),
+        Some(index) => {
+            Err(Error::out_of_range(format!("{what} {index}"), deviations[index], "finite and not negative"))
+        }
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Ren
     let limit = gpu.limits().max_texture_dimension_2d;
     for (what, length) in [("the width of an image", width), ("the height of an image", height)] {
         if length == 0 {
-            return Err(crate::error::Error::invalid(what, "0 pixels", "at least one pixel").into());
+            return Err(crate::error::Error::out_of_range(what, "0 pixels", "at least one pixel").into());
         }
         if length > limit {
             let what = format!("{what}, pixels,");
