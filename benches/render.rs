@@ -323,7 +323,7 @@ fn prepare(rounds: usize) -> Result<()> {
         for index in 0..geoms {
             let at = |place: usize| (place % 22) as f64 * 0.2 - 2.2;
             let pos = [at(index), at(index / 22), at(index / 484)];
-            scene.add_geom(&NewGeom::sphere(0.05).pos(pos))?;
+            scene.add_geom(&NewGeom::sphere(0.05).with_pos(pos))?;
         }
         let mut renderer = Renderer::new(data.model(), 640, 480)?;
         renderer.prepare(&scene)?;

@@ -61,6 +61,6 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         let keyframe = data.model().keyframe(name)?.id();
         data.reset_to_key(keyframe)?;
     }
-    Viewer::new().options(options).trajectories(trajectories?).run(data)?;
+    Viewer::new().with_options(options).with_trajectories(trajectories?).run(data)?;
     Ok(())
 }

@@ -103,8 +103,8 @@ impl Library {
         self.states.resize(count * (steps + 1) * width, 0.0);
         let begin = Instant::now();
         let rollout = Rollout::on(&self.workers, count, steps)
-            .initial_state(StateSpec::INTEGRATION, &self.start)
-            .controls(&self.controls[..count * steps * model.nu()]);
+            .with_initial_state(StateSpec::INTEGRATION, &self.start)
+            .with_controls(&self.controls[..count * steps * model.nu()]);
         let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
         let outcomes = rollout.run_into(buffers)?;
         let seconds = begin.elapsed().as_secs_f64();

@@ -99,7 +99,7 @@ impl ControlContext<'_> {
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
-    /// data.set_callbacks(Callbacks::new().control(|context| context.set_ctrl("slide", 0.5).expect("a known name")));
+    /// data.set_callbacks(Callbacks::new().with_control(|context| context.set_ctrl("slide", 0.5).expect("a known name")));
     /// data.step()?;
     /// assert_eq!(data.ctrl(), [0.5]);
     /// # Ok::<(), mujoco_safe::Error>(())

@@ -47,7 +47,7 @@
 //!
 //! A control law that needs quantities of the *present* state, such as the bias force, sets the
 //! controls between [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control`
-//! callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in each
+//! callback](crate::callback::Callbacks::with_control), which the Runge–Kutta integrator calls in each
 //! substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a
 //! simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
 //! can borrow local variables. The cookbook compensates
@@ -243,7 +243,7 @@
 //!
 //! # Predictive control in the viewer
 //!
-//! The viewer runs any controller. With [`Viewer::instrumented_controller`][instrumented], a
+//! The viewer runs any controller. With [`Viewer::with_instrumented_controller`][instrumented], a
 //! closure also declares its [`Instruments`][instruments]: values that are plotted over time,
 //! parameters that the user changes with sliders, and paths in the scene. Here they are the cost of
 //! each term in the first step of the plan, the weights, and the planned path of the pole's tip. A
@@ -270,7 +270,7 @@
 //! let mut planned = Data::new(model.clone())?;
 //! let (tip, mut costs) = (model.site("tip")?.id(), vec![0.0; 3]);
 //! Viewer::new()
-//!     .instrumented_controller(controller, move |controller, _, instruments| -> Result<()> {
+//!     .with_instrumented_controller(controller, move |controller, _, instruments| -> Result<()> {
 //!         for term in controller.cost_mut().terms_mut() {
 //!             let mut weight = term.weight;
 //!             if instruments.parameter(term.name(), &mut weight, 1e-3..=1e3) {
@@ -351,8 +351,8 @@
 //!     fn control(&mut self, data: &mut Data) -> Result<()> {
 //!         let (state, count) = (data.state(StateSpec::FULL_PHYSICS), self.candidates.len() / HORIZON);
 //!         let result = Rollout::on(&self.workers, count, HORIZON)
-//!             .initial_state(StateSpec::FULL_PHYSICS, &state)
-//!             .controls(&self.candidates)
+//!             .with_initial_state(StateSpec::FULL_PHYSICS, &state)
+//!             .with_controls(&self.candidates)
 //!             .run()?;
 //!         let cost = |roll: usize| {
 //!             let x = DVectorView::from_slice(result.state(roll, HORIZON), 4);

@@ -49,8 +49,8 @@
 //! | `mjd_transitionFD(model, data, ϵ, true, A, B, nothing, nothing)` | [`data.transition_fd(eps, Differences::Central)?`](Data::transition_fd) |
 //! | `ared(A, B, R, Q, S)` of MatrixEquations.jl | [`Riccati::new(&a, &b, &q, &r)`](crate::control::riccati::Riccati)`.with_cross_term(&s).solve()?`: Q before R |
 //! | `visualise!(model, data)` | `Viewer::new().run(data)?`, feature `viewer`: see [`pictures`](super::pictures) |
-//! | `visualise!(model, data, controller=ctrl!)` | `Viewer::new().controller(controller).run(data)?` |
-//! | `visualise!(model, data, trajectories=states)` | `Viewer::new().trajectories([trajectory]).run(data)?`, with a [`Trajectory`](crate::Trajectory) |
+//! | `visualise!(model, data, controller=ctrl!)` | `Viewer::new().with_controller(controller).run(data)?` |
+//! | `visualise!(model, data, trajectories=states)` | `Viewer::new().with_trajectories([trajectory]).run(data)?`, with a [`Trajectory`](crate::Trajectory) |
 //! | `LibMuJoCo.mju_add` | [`sys`](crate::sys): the raw bindings |
 //!
 //! `install_visualiser` and `init_visualiser` have no counterpart: the Cargo feature `viewer`

@@ -234,10 +234,13 @@ mod tests {
             (NewGeom::convex_hull(mesh.id()), ends(mesh.vert())),
         ];
         for (geom, points) in cases {
-            assert_encloses(pushed(&model, &geom.pos(pos).mat(mat)), &points);
+            assert_encloses(pushed(&model, &geom.with_pos(pos).with_mat(mat)), &points);
         }
         let field = NewGeom::height_field(model.height_field("h").unwrap().id());
-        assert_encloses(pushed(&model, &field.pos(pos).mat(mat)), &ends(&[[2.0, 3.0, -0.25], [-2.0, -3.0, 0.0]]));
+        assert_encloses(
+            pushed(&model, &field.with_pos(pos).with_mat(mat)),
+            &ends(&[[2.0, 3.0, -0.25], [-2.0, -3.0, 0.0]]),
+        );
     }
 
     #[test]
@@ -279,7 +282,7 @@ mod tests {
 
     #[test]
     fn scaling_matrix_increases_the_radius() {
-        let stretched = NewGeom::sphere(1.0).mat([5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let stretched = NewGeom::sphere(1.0).with_mat([5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
         let BoundingVolume::Sphere(Sphere { radius, .. }) = pushed(&model(), &stretched) else { panic!() };
         assert!(radius >= 5.0);
     }

@@ -67,7 +67,7 @@ fn batch_contains_the_single_images_in_order() {
         data.forward().unwrap();
         show(index, &mut data, scene).unwrap();
         for number in 0..index % 3 {
-            scene.add_geom(&NewGeom::sphere(0.1).pos([0.4 * number as f64, 0.5, 1.0])).unwrap();
+            scene.add_geom(&NewGeom::sphere(0.1).with_pos([0.4 * number as f64, 0.5, 1.0])).unwrap();
         }
     };
     // More images than one submission contains.

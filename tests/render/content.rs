@@ -207,7 +207,7 @@ fn every_user_geom_is_visible() {
     let checks = data.model().texture("checks").unwrap().id();
     // The textures of newer engines belong to materials.
     let textured = |geom: NewGeom| {
-        if cfg!(engine_since = "3.2.1") { geom } else { geom.texture(checks, TextureRepeat::PerGeom([1.0, 1.0])) }
+        if cfg!(engine_since = "3.2.1") { geom } else { geom.with_texture(checks, TextureRepeat::PerGeom([1.0, 1.0])) }
     };
     let connector = |shape| NewGeom::connector(shape, 0.05, [0.0, 0.0, -0.3], [0.2, 0.0, 0.3]);
     let shapes = [
@@ -382,7 +382,7 @@ fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
     let mut renderer = self::renderer(data.model(), SIZE);
     let before = renderer.rgb(&scene).unwrap();
     // Behind the hills, and with letters that the font lacks.
-    scene.add_geom(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
+    scene.add_geom(&NewGeom::text("höher als die Hügel").unwrap().with_pos([1.5, 4.0, 0.1])).unwrap();
     let after = renderer.rgb(&scene).unwrap();
     assert!(difference(&before, &after) > 1e-3);
     save(&after, "text");

@@ -92,7 +92,7 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
         if cfg!(engine_since = "3.2.1") {
             cuboid
         } else {
-            cuboid.texture(texture, TextureRepeat::PerLength([size as f32; 2]))
+            cuboid.with_texture(texture, TextureRepeat::PerLength([size as f32; 2]))
         }
     };
     for size in [0.0, 1e-45, 1e-30, 1.0, 1e14, 1e30, f64::from(f32::MAX)] {
@@ -108,10 +108,10 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
             NewGeom::connector(Connector::Line, size, [0.0; 3], [1.0, 0.0, size]),
             NewGeom::connector(Connector::Arrow, size, [0.0; 3], [0.0; 3]),
             NewGeom::connector(Connector::Arrow2, 0.1, [0.0; 3], [size, size, 0.0]),
-            NewGeom::sphere(1.0).mat([size, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0]),
+            NewGeom::sphere(1.0).with_mat([size, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0]),
             textured(size),
-            NewGeom::cuboid([1.0; 3]).surface(size as f32, size as f32, size as f32, size as f32),
-            NewGeom::text("a\u{1F916}b").unwrap().pos([size; 3]),
+            NewGeom::cuboid([1.0; 3]).with_surface(size as f32, size as f32, size as f32, size as f32),
+            NewGeom::text("a\u{1F916}b").unwrap().with_pos([size; 3]),
         ] {
             for alpha in [1.0, 0.5] {
                 stage.scene.add_geom(&geom.clone().rgba([1.0, 1.0, 1.0, alpha])).unwrap();

@@ -58,7 +58,7 @@ fn images_together_equal_single_images_if_a_geom_is_transparent() {
     let mut renderer = renderer(data.model());
     let mut snapshot = renderer.snapshot(&mut data, "side").unwrap();
     let opaque = snapshot.images().unwrap();
-    let glass = NewGeom::sphere(0.5).pos([0.0, 0.0, 1.2]).rgba([1.0, 0.0, 0.0, 0.4]);
+    let glass = NewGeom::sphere(0.5).with_pos([0.0, 0.0, 1.2]).with_rgba([1.0, 0.0, 0.0, 0.4]);
     let glass = snapshot.scene_mut().add_geom(&glass).unwrap();
     let mut images = opaque.clone();
     snapshot.images_into(&mut images).unwrap();
@@ -109,7 +109,7 @@ fn options_and_changes_of_the_scene_are_visible() {
 
     let mut snapshot = renderer.snapshot(&mut data, "side").unwrap();
     let geoms = snapshot.scene().ngeom();
-    let marker = snapshot.scene_mut().add_geom(&NewGeom::sphere(0.3).pos([0.0, -0.5, 1.0])).unwrap();
+    let marker = snapshot.scene_mut().add_geom(&NewGeom::sphere(0.3).with_pos([0.0, -0.5, 1.0])).unwrap();
     assert_eq!(marker, geoms);
     assert!(snapshot.segmentation().unwrap().segments().iter().any(|(segment, _)| segment.geom == marker));
     let flags = snapshot.scene().render_flags() | RenderFlags::WIREFRAME;

@@ -241,7 +241,7 @@ fn objects_of_another_model_are_rejected() {
         NewGeom::mesh(mesh),
         NewGeom::convex_hull(mesh),
         NewGeom::height_field(field),
-        NewGeom::sphere(1.0).texture(texture, TextureRepeat::PerGeom([1.0; 2])),
+        NewGeom::sphere(1.0).with_texture(texture, TextureRepeat::PerGeom([1.0; 2])),
     ] {
         panics("a new geom", &mut |scene, _| {
             let _ = scene.add_geom(&geom);
@@ -316,10 +316,10 @@ fn invalid_numbers_are_rejected() {
             NewGeom::sphere(-1.0),
             NewGeom::cuboid([1.0, invalid, 1.0]),
             NewGeom::plane([1.0, invalid]),
-            NewGeom::sphere(1.0).pos([invalid, 0.0, 0.0]),
-            NewGeom::sphere(1.0).mat([invalid; 9]),
-            NewGeom::sphere(1.0).rgba([single, 0.0, 0.0, 1.0]),
-            NewGeom::sphere(1.0).surface(0.0, single, 0.0, 0.0),
+            NewGeom::sphere(1.0).with_pos([invalid, 0.0, 0.0]),
+            NewGeom::sphere(1.0).with_mat([invalid; 9]),
+            NewGeom::sphere(1.0).with_rgba([single, 0.0, 0.0, 1.0]),
+            NewGeom::sphere(1.0).with_surface(0.0, single, 0.0, 0.0),
             NewGeom::connector(Connector::Arrow, invalid, [0.0; 3], [1.0; 3]),
             NewGeom::connector(Connector::Line, 1.0, [invalid; 3], [1.0; 3]),
             NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [invalid; 3]),
@@ -415,7 +415,7 @@ fn user_geoms_remain_until_the_next_update() {
         NewGeom::plane([1.0, 2.0]),
         NewGeom::capsule(0.1, 0.2),
         NewGeom::ellipsoid([0.1, 0.2, 0.3]),
-        NewGeom::cylinder(0.1, 0.2).category(Categories::DYNAMIC),
+        NewGeom::cylinder(0.1, 0.2).with_category(Categories::DYNAMIC),
         NewGeom::cuboid([0.1, 0.2, 0.3]),
         NewGeom::mesh(model.mesh("tetra").unwrap().id()),
         NewGeom::height_field(model.height_field("second").unwrap().id()),
@@ -432,7 +432,7 @@ fn user_geoms_remain_until_the_next_update() {
     assert_eq!((added(4).size(), added(4).texture()), ([0.1, 0.2, 0.3], None));
     assert_eq!((added(5).mesh(), added(5).shows_convex_hull()), (Some(model.mesh("tetra").unwrap().id()), false));
     assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
-    let textured = NewGeom::cuboid([0.1; 3]).texture(texture, TextureRepeat::PerLength([2.0, 3.0]));
+    let textured = NewGeom::cuboid([0.1; 3]).with_texture(texture, TextureRepeat::PerLength([2.0, 3.0]));
     if cfg!(engine_since = "3.2.1") {
         // The textures of newer engines belong to materials.
         assert!(matches!(scene.add_geom(&textured), Err(Error::Unsupported(_))));

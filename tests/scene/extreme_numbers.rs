@@ -61,7 +61,7 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
             NewGeom::cuboid([number; 3]),
             NewGeom::plane([number; 2]),
             NewGeom::connector(Connector::Arrow, number, [number; 3], [0.0; 3]),
-            NewGeom::sphere(0.1).pos([number; 3]).mat([number; 9]).rgba([number as f32; 4]),
+            NewGeom::sphere(0.1).with_pos([number; 3]).with_mat([number; 9]).with_rgba([number as f32; 4]),
         ] {
             let before = scene.ngeom();
             if scene.add_geom(&geom).is_err() {

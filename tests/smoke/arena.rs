@@ -191,8 +191,8 @@ fn all_calls(data: &mut Data) {
     with_all(data, "inv_constraint", Data::inv_constraint);
 
     let callbacks = Callbacks::new()
-        .control(|context| check(context, "the control callback"))
-        .passive(|context| check(context, "the passive callback"));
+        .with_control(|context| check(context, "the control callback"))
+        .with_passive(|context| check(context, "the passive callback"));
     twin.with_callbacks(callbacks, |data| {
         with_none(data, "step with callbacks", Data::step);
         with_none(data, "inverse with callbacks", Data::inverse);

@@ -92,7 +92,7 @@ pub fn measure() {
             });
         });
         let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
-        Viewer::new().options(options).run(data).expect("the window opens");
+        Viewer::new().with_options(options).run(data).expect("the window opens");
     });
 }
 

@@ -69,7 +69,7 @@ pub fn lose(function: &str, server: &str, folder: &Path) {
                     record_and_kill();
                 });
             });
-            Viewer::new().options(options).run(data).map(drop).unwrap_err()
+            Viewer::new().with_options(options).run(data).map(drop).unwrap_err()
         });
         assert!(matches!(error, ViewerError::Window(_)) && error.to_string().contains("X server"), "{error}");
     }

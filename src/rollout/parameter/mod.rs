@@ -22,7 +22,7 @@ use crate::model::{Model, ModelMut};
 /// let parameters = Parameters::new()
 ///     .with(&model, Parameter::MassFactor(pole), Distribution::LogUniform { low: 0.5, high: 2.0 })?
 ///     .with(&model, Parameter::JointDamping(hinge), Distribution::Uniform { low: 0.0, high: 0.1 })?;
-/// let mut batch = Batch::new(model, 64)?.vary(parameters)?;
+/// let mut batch = Batch::new(model, 64)?.with_parameters(parameters)?;
 /// batch.sample_parameters(|_| true, 42)?;
 /// batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[1] = 0.2)?;
 /// batch.step(|_, _| ())?;

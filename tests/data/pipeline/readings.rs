@@ -150,7 +150,7 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
         let mut data = Data::new(model()).unwrap();
         data.edit_model(|model| model.edit_options(|options| options.integrator = integrator)).unwrap();
         let mut calls = 0;
-        let control = Callbacks::new().control(|context| {
+        let control = Callbacks::new().with_control(|context| {
             assert_eq!(computed(context), [true, true, false], "the acceleration is not computed yet");
             let position = context.sensor("position").unwrap().data().unwrap()[0];
             context.ctrl_mut()[0] = -position;

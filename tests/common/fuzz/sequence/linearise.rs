@@ -123,7 +123,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     ("Lineariser::linear_system, with a callback", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, bytes| {
             let number = bytes.number();
-            let callbacks = Callbacks::new().control(move |context| context.ctrl_mut().fill(number));
+            let callbacks = Callbacks::new().with_control(move |context| context.ctrl_mut().fill(number));
             data.with_callbacks(callbacks, |data| transition.linear_system(data).map(drop))
         })
     }),

@@ -118,16 +118,18 @@ fn new_geom(data: &Data, bytes: &mut Bytes<'_>) -> Result<NewGeom> {
     };
     let number = bytes.number();
     match bytes.below(8) {
-        0 => geom = geom.pos(bytes.numbers()),
-        1 => geom = geom.mat(bytes.numbers()),
-        2 => geom = geom.rgba([number as f32; 4]),
-        3 => geom = geom.surface(number as f32, 0.0, 1.0, number as f32),
+        0 => geom = geom.with_pos(bytes.numbers()),
+        1 => geom = geom.with_mat(bytes.numbers()),
+        2 => geom = geom.with_rgba([number as f32; 4]),
+        3 => geom = geom.with_surface(number as f32, 0.0, 1.0, number as f32),
         4 => {
-            geom = geom
-                .texture(model.texture(bytes.index(model.ntex()))?.id(), TextureRepeat::PerLength([number as f32; 2]));
+            geom = geom.with_texture(
+                model.texture(bytes.index(model.ntex()))?.id(),
+                TextureRepeat::PerLength([number as f32; 2]),
+            );
         }
-        5 => geom = geom.category(Categories::from_bits_retain(bytes.word() as u32)),
-        6 => geom = geom.label(&"ä".repeat(bytes.below(60)))?,
+        5 => geom = geom.with_category(Categories::from_bits_retain(bytes.word() as u32)),
+        6 => geom = geom.with_label(&"ä".repeat(bytes.below(60)))?,
         _ => {}
     }
     Ok(geom)
