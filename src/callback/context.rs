@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use crate::data::{Data, Stage};
 use crate::ffi;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 
 /// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable
@@ -104,7 +104,7 @@ impl ControlContext<'_> {
     /// assert_eq!(data.ctrl(), [0.5]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn set_ctrl<Q: Key<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
+    pub fn set_ctrl<Q: IntoId<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
         let id = actuator.id(self.data.model().as_ref());
         Q::found(id, |id| {
             let control = self.data.model().first_control(id.index());
@@ -125,7 +125,7 @@ impl SensorContext<'_> {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn data_mut<Q: Key<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
+    pub fn data_mut<Q: IntoId<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
         let id = sensor.id(self.data.model().as_ref());
         Q::found(id, |id| {
             let range = self.data.model().sensor(id).data_range();

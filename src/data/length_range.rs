@@ -12,7 +12,7 @@ use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 use super::{Data, Warning};
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 use crate::macros::with_methods;
 use crate::model::{DisableFlags, Model, ModelMut};
@@ -199,7 +199,7 @@ impl ModelMut<'_> {
     #[doc(alias = "mj_setLengthRange")]
     pub fn set_length_range(
         &mut self,
-        actuator: impl Key<kind::Actuator>,
+        actuator: impl IntoId<kind::Actuator>,
         options: &LengthRangeOptions,
     ) -> Result<[f64; 2]> {
         let index = actuator.id(&**self)?.index();

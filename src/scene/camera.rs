@@ -9,7 +9,7 @@ use crate::data::{Data, Stage};
 use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, CameraId, Id, Key};
+use crate::id::{BodyId, CameraId, Id, IntoId};
 use crate::kind;
 use crate::model::Model;
 
@@ -103,7 +103,7 @@ impl Camera {
     ///
     /// If the id or the view belongs to another model.
     #[track_caller]
-    pub fn tracking<Q: Key<kind::Body>>(model: &Model, body: Q) -> Q::Found<Self> {
+    pub fn tracking<Q: IntoId<kind::Body>>(model: &Model, body: Q) -> Q::Found<Self> {
         body.find(model, |body| Self { view: CameraView::Tracking(body), ..Self::free(model) })
     }
 
@@ -114,7 +114,7 @@ impl Camera {
     ///
     /// If the id or the view belongs to another model.
     #[track_caller]
-    pub fn fixed<Q: Key<kind::Camera>>(model: &Model, camera: Q) -> Q::Found<Self> {
+    pub fn fixed<Q: IntoId<kind::Camera>>(model: &Model, camera: Q) -> Q::Found<Self> {
         camera.find(model, |camera| Self { view: CameraView::Fixed(camera), ..Self::default() })
     }
 

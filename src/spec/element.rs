@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use super::attributes::Named;
 use super::compile::check_character;
-use super::key::{Any, ElementId, Key, SpecKind};
+use super::element_id::{Any, ElementId, IntoElementId, SpecKind};
 use super::names;
 use super::schema::Schema;
 use super::tree::Index;
@@ -279,7 +279,7 @@ macro_rules! lookups {
                 /// [`Error::NoSuchName`] for a name that does not exist.
                 #[doc(alias = "mjs_findElement")]
                 #[track_caller]
-                pub fn $name<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<Element<'_, kind::$kind>> {
+                pub fn $name<Q: IntoElementId<kind::$kind>>(&self, key: Q) -> Q::Found<Element<'_, kind::$kind>> {
                     Q::map(key.find(self), |index| Element::new(self, index))
                 }
 
@@ -289,7 +289,7 @@ macro_rules! lookups {
                 ///
                 /// [`Error::NoSuchName`] for a name that does not exist.
                 #[track_caller]
-                pub fn $name_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<ElementMut<'_, kind::$kind>> {
+                pub fn $name_mut<Q: IntoElementId<kind::$kind>>(&mut self, key: Q) -> Q::Found<ElementMut<'_, kind::$kind>> {
                     Q::map(key.find(self), |index| ElementMut::new(self, index))
                 }
             )*

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::Spec;
-use super::key::ElementId;
+use super::element_id::ElementId;
 use super::names::{self, Names};
 use super::tree::{Index, Tree};
 use super::{attach, attributes};

@@ -1,7 +1,7 @@
 //! Attributes with a method. They exist in every engine; [`ElementMut::set`] sets the others.
 
 use super::ElementMut;
-use super::key::Reference;
+use super::element_id::Reference;
 use super::value::TexturePattern;
 use crate::enums::{CameraMode, GeomType, JointType, TextureType};
 use crate::kind;

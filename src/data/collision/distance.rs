@@ -9,7 +9,7 @@ use mujoco_sys::{
 
 use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 
 /// Distance between two geoms, and the nearest points.
@@ -76,8 +76,8 @@ impl Data {
     #[doc(alias = "mj_geomDistance")]
     pub fn geom_distance(
         &mut self,
-        geom1: impl Key<kind::Geom>,
-        geom2: impl Key<kind::Geom>,
+        geom1: impl IntoId<kind::Geom>,
+        geom2: impl IntoId<kind::Geom>,
         distmax: f64,
     ) -> Result<Option<GeomDistance>> {
         let model = &**self.model();

@@ -13,7 +13,7 @@ use crate::data::{Data, PipelineFlags};
 use crate::enums::GeomType;
 use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
-use crate::id::{BodyId, GeomId, Id, Key};
+use crate::id::{BodyId, GeomId, Id, IntoId};
 use crate::kind;
 use crate::macros::with_methods;
 use crate::math::check_ray;
@@ -152,7 +152,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayMesh")]
-    pub fn ray_mesh(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+    pub fn ray_mesh(&self, geom: impl IntoId<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_mesh", geom, mjGEOM_MESH, "a mesh")?;
         check_ray(&point, &direction)?;
         // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of
@@ -181,7 +181,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayHfield")]
-    pub fn ray_hfield(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+    pub fn ray_hfield(&self, geom: impl IntoId<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_hfield", geom, mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
         if self.model().is_unsafe_for_rays(index) {
@@ -248,7 +248,7 @@ impl Data {
     fn geom_of_type(
         &self,
         call: &'static str,
-        geom: impl Key<kind::Geom>,
+        geom: impl IntoId<kind::Geom>,
         geom_type: u32,
         expected: &str,
     ) -> Result<usize> {

@@ -6,7 +6,7 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, 
 
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
-use crate::id::{BodyId, CameraId, GeomId, Id, Key, SiteId};
+use crate::id::{BodyId, CameraId, GeomId, Id, IntoId, SiteId};
 use crate::kind::{self, ElementKind};
 use crate::model::Model;
 
@@ -158,7 +158,7 @@ impl Data {
         force: [f64; 3],
         torque: [f64; 3],
         point: [f64; 3],
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         qfrc_target: &mut [f64],
     ) -> Result<()> {
         let body = body.id(&**self.model())?;
@@ -195,7 +195,7 @@ impl Data {
     #[doc(alias = "mj_local2Global")]
     pub fn local_to_global(
         &self,
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         pos: [f64; 3],
         quat: [f64; 4],
     ) -> Result<([f64; 3], [[f64; 3]; 3])> {

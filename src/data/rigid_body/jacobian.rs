@@ -12,7 +12,7 @@ use mujoco_sys::{self as sys, guard};
 
 use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind::{self, ElementKind};
 use crate::math::cross;
 use crate::matrix::Matrix;
@@ -78,7 +78,7 @@ macro_rules! jacobian_of {
         ///
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
-        pub fn $name(&self, key: impl Key<kind::$kind>) -> Result<Jacobian> {
+        pub fn $name(&self, key: impl IntoId<kind::$kind>) -> Result<Jacobian> {
             let mut jacobian = self.zero_jacobian();
             self.$into(key, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
             Ok(jacobian)
@@ -97,7 +97,7 @@ macro_rules! jacobian_of {
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
         #[inline]
-        pub fn $into(&self, key: impl Key<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
+        pub fn $into(&self, key: impl IntoId<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
             let index = self.index_for(stringify!($name), key)?;
             let (jacp, jacr) = self.output_pointers(translation, rotation)?;
             // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and
@@ -153,7 +153,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
-    pub fn jac(&self, body: impl Key<kind::Body>, point: [f64; 3]) -> Result<Jacobian> {
+    pub fn jac(&self, body: impl IntoId<kind::Body>, point: [f64; 3]) -> Result<Jacobian> {
         let mut jacobian = self.zero_jacobian();
         self.jac_into(body, point, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
         Ok(jacobian)
@@ -173,7 +173,7 @@ impl Data {
     #[doc(alias = "mj_jac")]
     pub fn jac_into(
         &self,
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         point: [f64; 3],
         translation: Option<&mut Matrix>,
         rotation: Option<&mut Matrix>,
@@ -196,7 +196,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com(&mut self, body: impl Key<kind::Body>) -> Result<Matrix> {
+    pub fn jac_subtree_com(&mut self, body: impl IntoId<kind::Body>) -> Result<Matrix> {
         let mut jacobian = Matrix::zeros(3, self.model().nv());
         self.jac_subtree_com_into(body, &mut jacobian)?;
         Ok(jacobian)
@@ -215,7 +215,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com_into(&mut self, body: impl Key<kind::Body>, jacobian: &mut Matrix) -> Result<()> {
+    pub fn jac_subtree_com_into(&mut self, body: impl IntoId<kind::Body>, jacobian: &mut Matrix) -> Result<()> {
         let index = self.index_for("jac_subtree_com", body)?;
         let jacp = output_pointer("jacobian", Some(jacobian), self.model().nv())?;
         self.call_mut("mj_jacSubtreeCom", |m, d| {
@@ -250,7 +250,7 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis(
         &mut self,
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
     ) -> Result<[Matrix; 2]> {
@@ -276,7 +276,7 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis_into(
         &mut self,
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
         jac_point: Option<&mut Matrix>,
@@ -323,7 +323,7 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat(&self, body: impl Key<kind::Body>) -> Result<Matrix> {
+    pub fn angmom_mat(&self, body: impl IntoId<kind::Body>) -> Result<Matrix> {
         let mut matrix = Matrix::zeros(3, self.model().nv());
         self.angmom_mat_into(body, &mut matrix)?;
         Ok(matrix)
@@ -340,7 +340,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat_into(&self, body: impl Key<kind::Body>, matrix: &mut Matrix) -> Result<()> {
+    pub fn angmom_mat_into(&self, body: impl IntoId<kind::Body>, matrix: &mut Matrix) -> Result<()> {
         let model = self.model();
         let root = body.id(&**model)?;
         self.check_parts("angmom_mat", INPUTS)?;
@@ -393,7 +393,7 @@ impl Data {
     }
 
     #[inline]
-    fn index_for<K: ElementKind>(&self, call: &'static str, key: impl Key<K>) -> Result<c_int> {
+    fn index_for<K: ElementKind>(&self, call: &'static str, key: impl IntoId<K>) -> Result<c_int> {
         let id = key.id(&**self.model())?;
         self.check_parts(call, INPUTS)?;
         Ok(id.index() as c_int)

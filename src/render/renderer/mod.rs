@@ -28,7 +28,7 @@ use super::settings::VisualSettings;
 use super::support;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -195,7 +195,7 @@ impl Renderer {
     ///
     /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadMesh")]
-    pub fn update_mesh(&mut self, model: &Model, mesh: impl Key<kind::Mesh>) -> Result<(), RenderError> {
+    pub fn update_mesh(&mut self, model: &Model, mesh: impl IntoId<kind::Mesh>) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = mesh.id(model)?;
         let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
@@ -219,7 +219,7 @@ impl Renderer {
     pub fn update_height_field(
         &mut self,
         model: &Model,
-        field: impl Key<kind::HeightField>,
+        field: impl IntoId<kind::HeightField>,
     ) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = field.id(model)?;
@@ -241,7 +241,7 @@ impl Renderer {
     ///
     /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadTexture")]
-    pub fn update_texture(&mut self, model: &Model, texture: impl Key<kind::Texture>) -> Result<(), RenderError> {
+    pub fn update_texture(&mut self, model: &Model, texture: impl IntoId<kind::Texture>) -> Result<(), RenderError> {
         self.check_model(model)?;
         let id = texture.id(model)?;
         let Assets { gpu, textures, .. } = &mut self.assets;

@@ -13,7 +13,7 @@ pub(super) use self::classes::{heirs, inseparable, separate_own};
 pub(super) use self::positions::resolved;
 use self::units::Angles;
 use super::attributes::Named;
-use super::key::{ElementId, name_or_create};
+use super::element_id::{ElementId, name_or_create};
 use super::names::{self, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};

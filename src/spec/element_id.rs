@@ -1,4 +1,4 @@
-//! Ids of elements, and the keys by which elements are looked up.
+//! Ids of elements, and the names and ids by which elements are looked up.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -97,13 +97,13 @@ impl<K: SpecKind> fmt::Debug for ElementId<K> {
     }
 }
 
-/// Key of an element of a spec: a name or an id. A name may not exist, so its lookup returns a
+/// Selects an element of a spec: a name or an id. A name may not exist, so its lookup returns a
 /// [`Result`].
 ///
 /// # Panics
 ///
 /// An id of another spec, or of a removed element, panics.
-pub trait Key<K: ElementKind>: Sealed {
+pub trait IntoElementId<K: ElementKind>: Sealed {
     /// `Result<T>` for a name, `T` for an id.
     type Found<T>;
 
@@ -117,7 +117,7 @@ pub trait Key<K: ElementKind>: Sealed {
     fn map<T>(found: Self::Found<Index>, make: impl FnOnce(Index) -> T) -> Self::Found<T>;
 }
 
-impl<K: ElementKind> Key<K> for &str {
+impl<K: ElementKind> IntoElementId<K> for &str {
     type Found<T> = Result<T>;
 
     fn find(self, spec: &Spec) -> Result<Index> {
@@ -136,7 +136,7 @@ impl<K: ElementKind> Key<K> for &str {
 
 impl<K> Sealed for ElementId<K> {}
 
-impl<K: ElementKind> Key<K> for ElementId<K> {
+impl<K: ElementKind> IntoElementId<K> for ElementId<K> {
     type Found<T> = T;
 
     #[track_caller]
