@@ -35,7 +35,7 @@ struct Arguments {
     seconds: f64,
     /// Image size in pixels
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = command_line::size)]
-    size: [u32; 2],
+    size: [usize; 2],
     /// Folder for every tenth image; without it, no images are written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,

@@ -33,7 +33,7 @@ pub struct ViewerOptions {
     pub title: String,
     /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the
     /// monitor.
-    pub size: Option<[u32; 2]>,
+    pub size: Option<[usize; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
     /// The side panels are open at the start, as in `simulate`, if the window has place for both
@@ -82,7 +82,7 @@ impl Default for ViewerOptions {
 
 impl ViewerOptions {
     /// Largest width and height of a window in the protocol of X.
-    const MAX_SIZE: u32 = u16::MAX as u32;
+    const MAX_SIZE: usize = u16::MAX as usize;
 
     /// Rejects values that the windowing system cannot represent.
     pub(super) fn check(&self) -> Result<(), Error> {
@@ -106,7 +106,7 @@ impl ViewerOptions {
 
 with_methods!(ViewerOptions {
     with_title(title: impl Into<String>) = title.into(),
-    with_size(size: [u32; 2]) = Some(size),
+    with_size(size: [usize; 2]) = Some(size),
     with_vsync(vsync: bool),
     with_panels(panels: bool),
     with_theme(theme: Theme),

@@ -6,10 +6,10 @@ use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [21, 30];
+const SIZE: [usize; 2] = [21, 30];
 const AREA: usize = 21 * 30;
 
-fn renderer(model: &Model, samples: u32) -> Renderer {
+fn renderer(model: &Model, samples: usize) -> Renderer {
     let options = RendererOptions::default().with_samples(samples).with_shadow_size(256);
     Renderer::on(stage::gpu(), model, SIZE[0], SIZE[1], options).unwrap()
 }

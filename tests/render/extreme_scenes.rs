@@ -114,7 +114,7 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
             NewGeom::text("a\u{1F916}b").unwrap().with_pos([size; 3]),
         ] {
             for alpha in [1.0, 0.5] {
-                stage.scene.add_geom(&geom.clone().rgba([1.0, 1.0, 1.0, alpha])).unwrap();
+                stage.scene.add_geom(&geom.clone().with_rgba([1.0, 1.0, 1.0, alpha])).unwrap();
             }
         }
         let Stage { renderer, scene, .. } = &mut stage;

@@ -7,7 +7,7 @@ use mujoco_safe::scene::{NewGeom, RenderFlags};
 
 use crate::stage::{self, Stage};
 
-const SIZE: [u32; 2] = [33, 33];
+const SIZE: [usize; 2] = [33, 33];
 
 fn world(visual: &str, body: &str) -> String {
     format!(
@@ -161,7 +161,7 @@ fn fog_hides_distant_geoms() {
         stage.scene.set_render_flags(flags);
         // The visible side of the box is at x.
         let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).with_pos([x + 0.5, 0.0, 0.0]);
-        stage.scene.add_geom(&wall.with_rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+        stage.scene.add_geom(&wall.with_rgba([1.0, 0.0, 0.0, 1.0]).with_surface(1.0, 0.0, 0.0, 0.0)).unwrap();
         assert_rgb(middle(&stage.rgb()), [clear, 0.0, 1.0 - clear]);
     }
 }
@@ -375,8 +375,8 @@ fn images_do_not_depend_on_the_thread_or_earlier_sizes() {
     for [width, height] in [[1, 1], [100, 3], [48, 32]] {
         stage.renderer.resize(width, height).unwrap();
         let picture = stage.rgb();
-        assert_eq!([picture.width() as u32, picture.height() as u32], [width, height]);
-        let mut rgba = vec![0; 4 * (width * height) as usize];
+        assert_eq!([picture.width(), picture.height()], [width, height]);
+        let mut rgba = vec![0; 4 * width * height];
         stage.renderer.rgba_into(&stage.scene, &mut rgba).unwrap();
         let same = rgba.as_chunks::<4>().0.iter().zip(picture.as_bytes().as_chunks::<3>().0);
         assert!(same.into_iter().all(|(rgba, rgb)| rgba[..3] == rgb[..] && rgba[3] == 255));

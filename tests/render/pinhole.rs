@@ -107,7 +107,7 @@ fn rendered(xml: &str) -> (Data, Renderer) {
     let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
     data.forward().unwrap();
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
-    let [width, height] = SIZE.map(|length| length as u32);
+    let [width, height] = SIZE;
     let renderer = Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap();
     (data, renderer)
 }

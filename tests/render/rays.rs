@@ -26,7 +26,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use crate::installed::sample_files;
 use crate::stage;
 
-const SIZE: [u32; 2] = [640, 480];
+const SIZE: [usize; 2] = [640, 480];
 const PIXELS: usize = 100;
 /// 1 mm at 3 m.
 const PRECISION: f64 = 1e-3 / 3.0;
@@ -121,7 +121,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         hit.view
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
-    let mut pixel = || SIZE.map(|length| random.random_range(0..length) as usize);
+    let mut pixel = || SIZE.map(|length| random.random_range(0..length));
     let anywhere: Vec<View> = (0..PIXELS).map(|_| check(pixel())).collect();
 
     // Most of an image is floor. The second half of the pixels shows other geoms.

@@ -7,7 +7,7 @@ use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [48, 36];
+const SIZE: [usize; 2] = [48, 36];
 
 fn renderer(model: &Model) -> Renderer {
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);

@@ -83,7 +83,7 @@ pub fn lost_surface() {
 /// Checks that values that no window can have are errors, other unusual values are accepted, and
 /// neither prevents later windows.
 pub fn options() {
-    let options = |size: [u32; 2]| ViewerOptions::default().with_size(size);
+    let options = |size: [u32; 2]| ViewerOptions::default().with_size(size.map(|pixels| pixels as usize));
     for (options, cause) in [
         (options(SIZE).with_title("a\0b"), "the title of the window"),
         (options([0, 100]), "the size of the window"),
@@ -126,7 +126,7 @@ pub fn options() {
 
 /// Checks that a panic in a frame ends its window with an error, but no other window.
 pub fn panic() {
-    let options = || ViewerOptions::default().with_size(SIZE);
+    let options = || ViewerOptions::default().with_size(SIZE.map(|pixels| pixels as usize));
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut first = viewer::launch(options()).unwrap();
     for _ in 0..2 {

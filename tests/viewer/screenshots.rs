@@ -194,7 +194,8 @@ fn draw_controller(directory: &Path) {
 fn draw_program(directory: &Path) {
     test_hooks::start();
     let title = unique_title();
-    let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
+    let options =
+        ViewerOptions::default().with_title(&*title).with_size(SIZE.map(|pixels| pixels as usize)).with_panels(false);
     let mut data = humanoid();
     std::thread::scope(|scope| {
         scope.spawn(|| {

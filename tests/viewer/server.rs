@@ -37,7 +37,7 @@ pub fn lose(function: &str, server: &str, folder: &Path) {
     let title = unique_title();
     let options = ViewerOptions::default()
         .with_title(&*title)
-        .with_size(SIZE)
+        .with_size(SIZE.map(|pixels| pixels as usize))
         .with_recordings(folder.join("recording.gif"))
         .with_recording(RecorderOptions::default().with_frames_per_second(10.0));
     let record_and_kill = || {

@@ -181,7 +181,12 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayHfield")]
-    pub fn ray_hfield(&self, geom: impl IntoId<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+    pub fn ray_hfield(
+        &self,
+        geom: impl IntoId<kind::Geom>,
+        point: [f64; 3],
+        direction: [f64; 3],
+    ) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_hfield", geom, mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
         if self.model().is_unsafe_for_rays(index) {

@@ -23,7 +23,7 @@ use super::bounding_volume::AssetBounds;
 use super::draw_list::AuxOutput;
 use super::gpu::DropUse;
 use super::gpu::buffer::ReadBackBuffer;
-use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size};
+use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size, too_large};
 use super::settings::VisualSettings;
 use super::support;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
@@ -95,7 +95,7 @@ impl Renderer {
     /// [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an empty image; the errors of
     /// [`Scene::new`] for the scene of snapshots.
     #[doc(alias = "mjr_makeContext")]
-    pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
+    pub fn new(model: &Model, width: usize, height: usize) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, RendererOptions::default())
     }
 
@@ -104,7 +104,12 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`new`](Self::new).
-    pub fn with_options(model: &Model, width: u32, height: u32, options: RendererOptions) -> Result<Self, RenderError> {
+    pub fn with_options(
+        model: &Model,
+        width: usize,
+        height: usize,
+        options: RendererOptions,
+    ) -> Result<Self, RenderError> {
         Self::on(&Gpu::new()?, model, width, height, options)
     }
 
@@ -117,17 +122,16 @@ impl Renderer {
     pub fn on(
         gpu: &Gpu,
         model: &Model,
-        width: u32,
-        height: u32,
+        width: usize,
+        height: usize,
         options: RendererOptions,
     ) -> Result<Self, RenderError> {
-        let size = [width, height];
         gpu.guarded(|| {
-            check_size(gpu, size)?;
+            let size = check_size(gpu, [width, height])?;
             support::log(model);
             let quality = model.visual().quality;
             let settings = VisualSettings::new(model);
-            let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
+            let samples = options.samples.unwrap_or(quality.offsamples);
             let shadow_size = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
             let assets = Assets {
                 gpu: gpu.clone(),
@@ -156,8 +160,8 @@ impl Renderer {
     }
 
     /// Returns the width and height of the images, pixels.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
+    pub fn size(&self) -> [usize; 2] {
+        self.size.map(|length| length as usize)
     }
 
     /// Returns the graphics adapter.
@@ -177,9 +181,8 @@ impl Renderer {
     ///
     /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if
     /// it is 0. The size is then unchanged.
-    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
-        check_size(&self.assets.gpu, [width, height])?;
-        self.size = [width, height];
+    pub fn resize(&mut self, width: usize, height: usize) -> Result<(), RenderError> {
+        self.size = check_size(&self.assets.gpu, [width, height])?;
         Ok(())
     }
 
@@ -400,15 +403,12 @@ impl Renderer {
 
 /// Returns the size of shadow maps: the requested size, or the size in the model limited by the
 /// adapter.
-fn shadow_size(gpu: &Gpu, requested: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
-    let limit = gpu.limits().max_texture_dimension_2d;
+fn shadow_size(gpu: &Gpu, requested: Option<usize>, of_model: usize) -> Result<u32, RenderError> {
+    let limit = gpu.limits().max_texture_dimension_2d as usize;
     match requested {
-        Some(size) if size > limit => {
-            let what = "the size of shadow maps, pixels,".to_owned();
-            Err(RenderError::TooLarge { what, size: size.into(), limit: limit.into() })
-        }
-        Some(size) => Ok(size),
-        None => Ok(of_model.min(limit as usize) as u32),
+        Some(size) if size > limit => Err(too_large("the size of shadow maps", size, limit)),
+        Some(size) => Ok(size as u32),
+        None => Ok(of_model.min(limit) as u32),
     }
 }
 

@@ -136,7 +136,7 @@ impl Session {
             WindowAction::Resize(size) => self.resize(size),
             WindowAction::DefaultSize => {
                 if let Some(size) = self.options.size {
-                    self.resize(size);
+                    self.resize(size.map(|length| length as u32));
                 }
             }
             WindowAction::FullScreen => {
