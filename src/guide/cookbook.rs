@@ -142,7 +142,7 @@
 //! let options = RayOptions::default().with_bodyexclude(data.model().body("robot")?);
 //! let mut hits = vec![None; directions.len()];
 //! let origin = *data.site("lidar")?.xpos();
-//! data.multi_ray_into(origin, &directions, 10.0, &options, &mut hits)?;
+//! data.multi_ray_into(origin, &directions, &options, 10.0, &mut hits)?;
 //! let ahead = hits[45].expect("a wall");
 //! assert!((ahead.distance - 1.9).abs() < 1e-9);
 //! assert_eq!(data.geom(ahead.geom).name(), Some("wall"));

@@ -100,7 +100,7 @@
 //! | `d.contact[i].pos`, `d.contact[i].dist` | [`contact.pos()`](crate::data::Contact::pos), [`contact.dist()`](crate::data::Contact::dist) |
 //! | `mujoco.mj_contactForce(m, d, i, f)`, `f[0]` | [`contact.force()?.force[0]`](crate::data::Contact::force), the normal force; [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
-//! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, cutoff, &options, &mut hits)?`](Data::multi_ray_into) |
+//! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, &options, cutoff, &mut hits)?`](Data::multi_ray_into) |
 //! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
 //! | `mujoco.mj_kinematics(m, d)`, `mujoco.mj_comPos(m, d)` before a Jacobian | [`d.kinematics()?`](Data::kinematics), [`d.com_pos()?`](Data::com_pos); or [`d.fwd_position()?`](Data::fwd_position) |
 //! | `J = np.vstack([jp, jr])` | [`d.jac_site("tip")?.stacked()`](crate::data::Jacobian::stacked) |

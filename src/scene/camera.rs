@@ -148,12 +148,12 @@ impl Camera {
     /// let scene = Scene::new(&model, 100)?;
     /// let mut camera = Camera::free(&model);
     /// let before = camera.distance;
-    /// camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.05])?;
+    /// camera.move_by(&model, MouseAction::Zoom, [0.0, 0.05], &scene)?;
     /// assert!(camera.distance < before);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjv_moveCamera")]
-    pub fn move_by(&mut self, model: &Model, scene: &Scene, action: MouseAction, [dx, dy]: [f64; 2]) -> Result<()> {
+    pub fn move_by(&mut self, model: &Model, action: MouseAction, [dx, dy]: [f64; 2], scene: &Scene) -> Result<()> {
         scene.check_model(model, "the scene that a camera is moved in")?;
         let mut raw = self.raw(model)?;
         check_motion([dx, dy])?;

@@ -81,8 +81,8 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
         succeeded(scene.update_lights(data)),
         succeeded(scene.add_geoms(data, &plain, Some(&perturbation), Categories::all())),
         succeeded(perturbation.start(data, scene)),
-        succeeded(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
-        succeeded(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
+        succeeded(perturbation.move_by(data, MouseAction::RotateV, [0.1, 0.2], scene)),
+        succeeded(perturbation.move_by(data, MouseAction::MoveH, [0.1, 0.2], scene)),
         succeeded(perturbation.apply_pose(data, MovableBodies::MocapAndFree)),
         succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, flex: None, point: [0.0; 3] })),
         succeeded(scene.select(data, &plain, 1.0, [0.5, 0.5])),
@@ -157,12 +157,12 @@ fn a_scene_without_an_update_has_no_view() {
         scene.camera_in_room().unwrap_err(),
         scene.move_model(&model, MouseAction::RotateV, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         perturbation.start(&mut data, &scene).unwrap_err(),
-        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+        perturbation.move_by(&data, MouseAction::MoveV, [0.1; 2], &scene).unwrap_err(),
     ] {
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
     }
     // Newer engines move the camera without a view.
-    let moved = camera.move_by(&model, &scene, MouseAction::MoveH, [0.1; 2]);
+    let moved = camera.move_by(&model, MouseAction::MoveH, [0.1; 2], &scene);
     assert_eq!(moved.is_ok(), cfg!(engine_since = "3.11.0"), "{moved:?}");
     // An error of a scene does not poison the simulation.
     data.step().unwrap();
@@ -190,9 +190,9 @@ fn objects_of_another_model_are_rejected() {
         scene.update_camera(&other, &mut camera).unwrap_err(),
         scene.select(&other, &options, 1.0, [0.5; 2]).unwrap_err(),
         scene.move_model(&model, MouseAction::Zoom, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
-        camera.move_by(&model, &scene, MouseAction::Zoom, [0.1; 2]).unwrap_err(),
+        camera.move_by(&model, MouseAction::Zoom, [0.1; 2], &scene).unwrap_err(),
         perturbation.start(&mut other, &scene).unwrap_err(),
-        perturbation.move_by(&other, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+        perturbation.move_by(&other, MouseAction::MoveV, [0.1; 2], &scene).unwrap_err(),
     ] {
         assert!(matches!(error, Error::OtherModel { .. }), "{error}");
     }
@@ -216,7 +216,7 @@ fn objects_of_another_model_are_rejected() {
         });
         panics("a camera motion", &mut |scene, data| {
             let model = data.model().clone();
-            let _ = camera.move_by(&model, scene, MouseAction::Zoom, [0.1; 2]);
+            let _ = camera.move_by(&model, MouseAction::Zoom, [0.1; 2], scene);
         });
     }
     for (select, skinselect) in [(Some(body), None), (None, Some(skin))] {
@@ -281,9 +281,9 @@ fn invalid_numbers_are_rejected() {
         let (mut camera, mut perturbation) = (free, Perturbation::default());
         perturbation.select = Some(model.body("torso").unwrap().id());
         for motion in [[invalid, 0.0], [0.0, invalid]] {
-            let moved = camera.move_by(&model, &scene, MouseAction::RotateV, motion);
+            let moved = camera.move_by(&model, MouseAction::RotateV, motion, &scene);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
-            let moved = perturbation.move_by(&data, &scene, MouseAction::MoveV, motion);
+            let moved = perturbation.move_by(&data, MouseAction::MoveV, motion, &scene);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
             let moved = scene.move_model(&model, MouseAction::MoveV, motion, [0.0, 0.0, 1.0]);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
@@ -350,7 +350,7 @@ fn invalid_numbers_are_rejected() {
     // At such a distance a zoom overflows.
     let far_behind = Camera { distance: -1e6, ..Camera::free(&model) };
     let mut camera = far_behind;
-    assert!(matches!(camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.1]), Err(Error::Invalid { .. })));
+    assert!(matches!(camera.move_by(&model, MouseAction::Zoom, [0.0, 0.1], &scene), Err(Error::Invalid { .. })));
     assert_eq!(camera, far_behind);
 }
 

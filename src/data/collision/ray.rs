@@ -117,7 +117,7 @@ impl Data {
     /// data.forward()?;
     /// let directions = [[0.0, 0.0, -1.0], [0.0, 0.0, -0.1], [0.0, 0.0, 1.0]];
     /// let mut hits = [None; 3];
-    /// data.multi_ray_into([5.0, 5.0, 3.0], &directions, 10.0, &RayOptions::default(), &mut hits)?;
+    /// data.multi_ray_into([5.0, 5.0, 3.0], &directions, &RayOptions::default(), 10.0, &mut hits)?;
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.distance)), [Some(3.0), None, None]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
@@ -126,8 +126,8 @@ impl Data {
         &self,
         point: [f64; 3],
         directions: &[[f64; 3]],
-        cutoff: f64,
         options: &RayOptions,
+        cutoff: f64,
         hits: &mut [Option<RayHit>],
     ) -> Result<()> {
         Error::check_length("the hits of multi_ray_into", hits.len(), directions.len())?;

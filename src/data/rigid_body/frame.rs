@@ -188,16 +188,16 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
-    /// let (pos, _) = data.local_to_global("foot_left", [0.0; 3], [1.0, 0.0, 0.0, 0.0])?;
+    /// let (pos, _) = data.local_to_global([0.0; 3], [1.0, 0.0, 0.0, 0.0], "foot_left")?;
     /// assert_eq!(&pos, data.body("foot_left")?.xpos());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_local2Global")]
     pub fn local_to_global(
         &self,
-        body: impl IntoId<kind::Body>,
         pos: [f64; 3],
         quat: [f64; 4],
+        body: impl IntoId<kind::Body>,
     ) -> Result<([f64; 3], [[f64; 3]; 3])> {
         let body = body.id(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;

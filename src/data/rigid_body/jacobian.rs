@@ -153,9 +153,9 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
-    pub fn jac(&self, body: impl IntoId<kind::Body>, point: [f64; 3]) -> Result<Jacobian> {
+    pub fn jac(&self, point: [f64; 3], body: impl IntoId<kind::Body>) -> Result<Jacobian> {
         let mut jacobian = self.zero_jacobian();
-        self.jac_into(body, point, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
+        self.jac_into(point, body, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
         Ok(jacobian)
     }
 
@@ -173,8 +173,8 @@ impl Data {
     #[doc(alias = "mj_jac")]
     pub fn jac_into(
         &self,
-        body: impl IntoId<kind::Body>,
         point: [f64; 3],
+        body: impl IntoId<kind::Body>,
         translation: Option<&mut Matrix>,
         rotation: Option<&mut Matrix>,
     ) -> Result<()> {
@@ -242,7 +242,7 @@ impl Data {
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.forward()?;
     /// let pole = data.model().body("pole")?.id();
-    /// let [point, axis] = data.jac_point_axis(pole, [0.0; 3], [0.0, 0.0, 1.0])?;
+    /// let [point, axis] = data.jac_point_axis([0.0; 3], [0.0, 0.0, 1.0], pole)?;
     /// assert_eq!(point[(0, 0)], 1.0); // the cart translates the point,
     /// assert_eq!(axis[(0, 0)], 0.0); // and does not rotate the axis
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -250,14 +250,14 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis(
         &mut self,
-        body: impl IntoId<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
+        body: impl IntoId<kind::Body>,
     ) -> Result<[Matrix; 2]> {
         let nv = self.model().nv();
         let mut jacobians = [Matrix::zeros(3, nv), Matrix::zeros(3, nv)];
         let [jac_point, jac_axis] = &mut jacobians;
-        self.jac_point_axis_into(body, point, axis, Some(jac_point), Some(jac_axis))?;
+        self.jac_point_axis_into(point, axis, body, Some(jac_point), Some(jac_axis))?;
         Ok(jacobians)
     }
 
@@ -276,9 +276,9 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis_into(
         &mut self,
-        body: impl IntoId<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
+        body: impl IntoId<kind::Body>,
         jac_point: Option<&mut Matrix>,
         jac_axis: Option<&mut Matrix>,
     ) -> Result<()> {

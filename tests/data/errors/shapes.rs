@@ -79,11 +79,11 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     assert_shape_error(data.solve_m_into(&numbers(2 * nv + 1), &mut numbers(2 * nv)), "");
 
     let wanted = (3, nv);
-    data.jac_into(body, [0.0; 3], Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
+    data.jac_into([0.0; 3], body, Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
     for wrong in shapes(wanted) {
         let text = format!("(3, {nv})");
-        assert_shape_error(data.jac_into(body, [0.0; 3], Some(&mut full(wrong)), None), &text);
-        assert_shape_error(data.jac_into(body, [0.0; 3], None, Some(&mut full(wrong))), &text);
+        assert_shape_error(data.jac_into([0.0; 3], body, Some(&mut full(wrong)), None), &text);
+        assert_shape_error(data.jac_into([0.0; 3], body, None, Some(&mut full(wrong))), &text);
         assert_shape_error(data.jac_body_into(body, Some(&mut full(wrong)), None), &text);
         assert_shape_error(data.jac_body_com_into(body, None, Some(&mut full(wrong))), &text);
         assert_shape_error(data.jac_geom_into(geom, Some(&mut full(wanted)), Some(&mut full(wrong))), &text);

@@ -43,7 +43,7 @@ fn jacobians_equal_c() {
             assert_same_pair(&what, &ours.jac_body_com(body).unwrap(), &theirs);
             let point = [0.1 * f64::from(id), -0.2, 0.3];
             let theirs = pair(nv, |jacp, jacr| c!(mj_jac(m, d, jacp, jacr, point.as_ptr(), id)));
-            assert_same_pair(&what, &ours.jac(body, point).unwrap(), &theirs);
+            assert_same_pair(&what, &ours.jac(point, body).unwrap(), &theirs);
         }
         for geom in chosen(model.geoms()) {
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacGeom(m, d, jacp, jacr, geom.index() as i32)));

@@ -215,7 +215,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 aim(view, data, bytes)?;
             }
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
-            let result = view.camera.move_by(data.model(), &view.scene, action(bytes), motion);
+            let result = view.camera.move_by(data.model(), action(bytes), motion, &view.scene);
             expected(&result);
             view.scene.update_camera(data, &mut view.camera)
         })
@@ -281,7 +281,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             }
             expected(&perturbation.start(data, scene));
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
-            expected(&perturbation.move_by(data, scene, action(bytes), motion));
+            expected(&perturbation.move_by(data, action(bytes), motion, scene));
             expected(&perturbation.apply_pose(data, bytes.either(MovableBodies::MocapAndFree, MovableBodies::Mocap)));
             expected(&perturbation.apply_force(data));
             if bytes.once_in(2) {
