@@ -147,7 +147,7 @@ fn assert_images_equal_hits(data: &mut Data, renderer: &mut Renderer, eye: &Eye,
     eye.assert_equals(&camera);
     assert_points_equal_hits(data, eye, &depth.points(&camera).collect::<Vec<_>>(), &segmentation);
     for ([x, y], point) in depth.points(&camera) {
-        let [u, v] = camera.project(&point).unwrap();
+        let [u, v] = camera.project(point).unwrap();
         assert!((u - x as f64 - 0.5).abs() < 1e-9 && (v - y as f64 - 0.5).abs() < 1e-9, "[{x}, {y}]: [{u}, {v}]");
     }
 }
@@ -262,7 +262,7 @@ fn spheres(camera: &str) -> ([[f64; 2]; 2], PinholeCamera) {
     for (pixel, point) in depth.points(&camera) {
         let [a, b] = [[0.3, 0.2, 0.5], [-0.35, -0.25, 0.0]].map(|centre| distance(point, centre));
         assert!((a.min(b) - 0.03).abs() < 2e-3, "{pixel:?}: {point:?}");
-        let [u, v] = camera.project(&point).unwrap();
+        let [u, v] = camera.project(point).unwrap();
         assert!((u - pixel[0] as f64 - 0.5).abs() < 1e-9 && (v - pixel[1] as f64 - 0.5).abs() < 1e-9);
         let (origin, direction) = (camera.origin([u, v]), camera.direction([u, v]));
         let depth = f64::from(depth.metres(pixel[0], pixel[1]));

@@ -89,7 +89,7 @@ macro_rules! empty {
 fn check(data: &Data, after: &str) {
     data_readers! { check data after: }
     for contact in data.contacts() {
-        let numbers = [contact.frame().as_flattened(), contact.pos(), contact.friction(), &[contact.dist()]];
+        let numbers = [contact.frame().as_slice(), contact.pos(), contact.friction(), &[contact.dist()]];
         assert!(!numbers.concat().as_slice().has_pattern(), "contact after {after}");
         assert!(
             contact.geoms().iter().flatten().all(|geom| geom.index() < data.model().ngeom()),

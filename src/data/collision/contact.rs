@@ -9,7 +9,7 @@ use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};
-use crate::math::cross;
+use crate::math::{cross, rot_vec_mat_t};
 use crate::model::DisableFlags;
 
 /// Contact of the last collision detection.
@@ -94,14 +94,15 @@ impl<'d> Contact<'d> {
     }
 
     /// Returns the axes of the contact frame as rows, world frame: the normal, which points from
-    /// the first geom to the second, and two tangents.
-    pub fn frame(&self) -> &'d [[f64; 3]; 3] {
-        self.raw.frame.as_chunks().0.try_into().expect("Bug: nine values are not three rows")
+    /// the first geom to the second, and two tangents. [`math::rot_vec_mat`](crate::math::rot_vec_mat)
+    /// rotates a vector into this frame.
+    pub fn frame(&self) -> &'d [f64; 9] {
+        &self.raw.frame
     }
 
     /// Returns the unit normal, which points from the first geom to the second, world frame.
     pub fn normal(&self) -> &'d [f64; 3] {
-        &self.frame()[0]
+        self.frame().first_chunk().expect("Bug: nine values do not start with three")
     }
 
     /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are
@@ -186,9 +187,7 @@ impl<'d> Contact<'d> {
     ///
     /// As for [`force`](Self::force).
     pub fn force_in_world(&self) -> Result<[f64; 3]> {
-        let force = self.force()?.force;
-        let frame = self.frame();
-        Ok(std::array::from_fn(|axis| (0..3).map(|row| frame[row][axis] * force[row]).sum()))
+        Ok(rot_vec_mat_t(&self.force()?.force, self.frame()))
     }
 }
 

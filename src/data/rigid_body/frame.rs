@@ -198,17 +198,17 @@ impl Data {
         pos: [f64; 3],
         quat: [f64; 4],
         body: impl IntoId<kind::Body>,
-    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
+    ) -> Result<([f64; 3], [f64; 9])> {
         let body = body.id(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;
-        let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
+        let (mut xpos, mut xmat) = ([0.0; 3], [0.0; 9]);
         // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only
         // reads the data.
         unsafe {
             sys::mj_local2Global(
                 self.as_ptr().cast_mut(),
                 xpos.as_mut_ptr(),
-                xmat.as_flattened_mut().as_mut_ptr(),
+                xmat.as_mut_ptr(),
                 pos.as_ptr(),
                 quat.as_ptr(),
                 body.index() as c_int,
