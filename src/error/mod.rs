@@ -128,12 +128,12 @@ pub enum Error {
         reason: String,
     },
 
-    /// The engine could not write a model.
+    /// The engine could not write a model, or a recording of frames failed.
     #[error("cannot save to {path}: {reason}")]
     Save {
         /// The file to write.
         path: PathBuf,
-        /// Cause of the failure.
+        /// Cause of the failure, and a remedy if there is one.
         reason: String,
     },
 
@@ -148,15 +148,6 @@ pub enum Error {
         path: PathBuf,
         /// The fields whose values differ in the reloaded model.
         fields: Vec<UnsavedField>,
-    },
-
-    /// A recording of frames failed.
-    #[error("cannot record {path}: {reason}")]
-    Recording {
-        /// Output path of the recording.
-        path: PathBuf,
-        /// Cause of the failure, and a remedy if there is one.
-        reason: String,
     },
 
     /// A file could not be read or written.

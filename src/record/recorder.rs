@@ -70,7 +70,7 @@ impl Recorder {
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for an unknown extension, or for a video without `ffmpeg`.
+    /// [`Error::Save`] for an unknown extension, or for a video without `ffmpeg`.
     /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for options out of range.
     pub fn create(path: impl AsRef<Path>, options: RecorderOptions) -> Result<Self> {
         let path = path.as_ref();
@@ -125,7 +125,7 @@ impl Recorder {
     /// [`Error::Invalid`] for an empty image, for a change of size, and for a time that is not
     /// finite or more than 100,000 frames after the previous image. The recording can continue.
     ///
-    /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then
+    /// [`Error::File`] or [`Error::Save`] if the image cannot be written. The recording then
     /// ends without a file, except for the files of a sequence.
     pub fn push(&mut self, picture: &RgbImage, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
@@ -169,7 +169,7 @@ impl Recorder {
     ///
     /// # Errors
     ///
-    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if the recording has no image.
+    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Save`] if the recording has no image.
     pub fn finish(self) -> Result<Summary> {
         self.finish_after(1)
     }
@@ -195,7 +195,7 @@ impl Recorder {
     /// Completes the file, with the last image shown for `shown` frames.
     fn finish_after(mut self, shown: u64) -> Result<Summary> {
         if let State::Empty(_) = self.state {
-            return Err(Error::Recording { path: self.path.clone(), reason: "no image was recorded".to_owned() });
+            return Err(Error::Save { path: self.path.clone(), reason: "no image was recorded".to_owned() });
         }
         if let State::Ended = self.state {
             return Err(self.ended_error());
@@ -261,7 +261,7 @@ impl Recorder {
     }
 
     fn ended_error(&self) -> Error {
-        Error::Recording { path: self.path.clone(), reason: "an earlier write failed".to_owned() }
+        Error::Save { path: self.path.clone(), reason: "an earlier write failed".to_owned() }
     }
 }
 

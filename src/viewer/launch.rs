@@ -111,7 +111,7 @@ impl Viewer {
     /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others
     /// if the window cannot be shown; [`ViewerError::Window`] if the window ends early, for example
     /// because the X server has ended, after which a running recording is complete and this process
-    /// can show no more windows; [`ViewerError::Engine`] for a title or a size that no window can
+    /// can show no more windows; [`ViewerError::Other`] for a title or a size that no window can
     /// have, and for a trajectory that is empty or of another model.
     pub fn run(self, data: Data) -> Result<Data, ViewerError> {
         let (request, link) = WindowRequest::on_this_thread(self.options)?;

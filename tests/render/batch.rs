@@ -121,7 +121,7 @@ fn array_that_is_no_multiple_of_an_image_is_an_error() {
     let mut update = |index: usize, scene: &mut Scene| show(index, &mut data, scene);
     for length in [1, AREA - 1, AREA + 1, 2 * AREA - 1] {
         let error = renderer.depth_batch_into(&mut update, &mut vec![0.0; length]).unwrap_err();
-        assert!(matches!(error, RenderError::Engine(Error::Shape { .. })), "{error:?}");
+        assert!(matches!(error, RenderError::Other(Error::Shape { .. })), "{error:?}");
         assert!(renderer.rgb_batch_into(&mut update, &mut vec![0; 3 * length]).is_err());
         assert!(renderer.segmentation_batch_into(&mut update, &mut vec![0; length]).is_err());
     }

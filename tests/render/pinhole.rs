@@ -213,7 +213,7 @@ fn pinhole_camera_of_an_unsuitable_scene_is_an_error() {
     let transform = Transform { translate: [0.0; 3], rotate: [1.0, 0.0, 0.0, 0.0], scale: 2.0 };
     snapshot.scene_mut().set_transform(Some(transform)).unwrap();
     let error = snapshot.pinhole_camera().unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::Invalid { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::Invalid { .. })), "{error}");
 }
 
 #[test]

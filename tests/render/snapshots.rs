@@ -142,7 +142,7 @@ fn scene_of_snapshots_grows_to_the_number_of_geoms() {
 fn snapshot_before_positions_are_computed_is_an_error() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     let mut renderer = renderer(data.model());
-    let is_not_computed = |error| matches!(error, RenderError::Engine(Error::NotComputed { .. }));
+    let is_not_computed = |error| matches!(error, RenderError::Other(Error::NotComputed { .. }));
     assert!(is_not_computed(renderer.snapshot(&mut data, "side").unwrap_err()));
     data.fwd_position().unwrap();
     renderer.snapshot(&mut data, "side").unwrap();
@@ -157,13 +157,13 @@ fn unknown_camera_and_data_of_another_model_are_errors() {
     let mut data = humanoid();
     let mut renderer = renderer(data.model());
     let error = renderer.snapshot(&mut data, "sied").unwrap_err();
-    assert!(matches!(&error, RenderError::Engine(Error::NoSuchName { name, .. }) if name == "sied"), "{error}");
+    assert!(matches!(&error, RenderError::Other(Error::NoSuchName { name, .. }) if name == "sied"), "{error}");
     let error = renderer.snapshot(&mut data, 99).unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::NoSuchIndex { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::NoSuchIndex { .. })), "{error}");
     let error = renderer.snapshot(&mut data, &mut Camera { distance: f64::NAN, ..Camera::default() }).unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::Invalid { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::Invalid { .. })), "{error}");
     let error = renderer.snapshot(&mut humanoid(), "side").unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::OtherModel { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error}");
     renderer.snapshot(&mut data, "side").unwrap().rgb().unwrap();
 }
 
