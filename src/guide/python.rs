@@ -146,7 +146,7 @@
 //! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |
 //! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation] |
 //! | `mujoco.mjr_render(…)`, `mujoco.mjr_readPixels(rgb, depth, …)` | `snapshot.rgb()?`, `snapshot.depth()?`: the first row is the top, depth in metres without conversion |
-//! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(SceneObject::Geom(id))` for a geom |
+//! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(Object::Geom(id))` for a geom |
 //! | depth to points | `depth.points(&snapshot.pinhole_camera()?)`, see [points from a depth image](super::pictures#points-from-a-depth-image) |
 //! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).with_pos(p))?`](crate::Scene::add_geom) |
 //! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |

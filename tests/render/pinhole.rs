@@ -1,8 +1,9 @@
 //! Pinhole cameras and point clouds agree with the engine's poses, fields of view and rays.
 
 use mujoco_safe::data::RayOptions;
+use mujoco_safe::element::Object;
 use mujoco_safe::render::{RenderError, Renderer, RendererOptions, SegmentationImage};
-use mujoco_safe::scene::{Camera, PinholeCamera, Scene, SceneObject, Transform};
+use mujoco_safe::scene::{Camera, PinholeCamera, Scene, Transform};
 use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
@@ -177,7 +178,7 @@ fn assert_points_equal_hits(
             continue; // an outline
         }
         let seen = segmentation.pixel(x, y).map(|segment| segment.object.unwrap());
-        assert_eq!(seen, hits[index].map(|hit| SceneObject::Geom(hit.geom)), "[{x}, {y}]");
+        assert_eq!(seen, hits[index].map(|hit| Object::Geom(hit.geom)), "[{x}, {y}]");
         let Some(hit) = hits[index] else {
             assert_eq!(found[index], None, "sky at [{x}, {y}]");
             counts[0] += 1;
@@ -234,7 +235,7 @@ fn centroid(segmentation: &SegmentationImage, data: &Data, name: &str) -> [f64; 
     let width = segmentation.width();
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for (index, segment) in segmentation.pixels().enumerate() {
-        if segment.and_then(|segment| segment.object) == Some(SceneObject::Geom(id)) {
+        if segment.and_then(|segment| segment.object) == Some(Object::Geom(id)) {
             sum = [sum[0] + (index % width) as f64 + 0.5, sum[1] + (index / width) as f64 + 0.5];
             count += 1.0;
         }

@@ -15,10 +15,11 @@
 use std::path::Path;
 
 use mujoco_safe::data::{RayHit, RayOptions};
+use mujoco_safe::element::Object;
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{Renderer, RendererOptions, Segment};
-use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneOptions, Viewpoint, VisualFlags};
 use mujoco_safe::{Data, Model, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -91,7 +92,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let check = |pixel: [usize; 2]| {
         // The rods of cranks are always drawn, and no ray hits them.
         let segment = segmentation.pixel(pixel[0], pixel[1]);
-        if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
+        if matches!(segment, Some(Segment { object: Some(Object::Actuator(_)), .. })) {
             return View::Outline;
         }
         let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).unwrap());
@@ -147,7 +148,7 @@ fn geoms_only() -> SceneOptions {
 /// Returns the geom of the model that a geom of the scene represents.
 fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
     match geom.object()? {
-        SceneObject::Geom(geom) => Some(geom),
+        Object::Geom(geom) => Some(geom),
         _ => None,
     }
 }
