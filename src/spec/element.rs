@@ -116,7 +116,7 @@ impl<'s, K> ElementMut<'s, K> {
     }
 
     /// Returns a view for reading.
-    pub fn as_ref(&self) -> Element<'_, K> {
+    pub fn view(&self) -> Element<'_, K> {
         Element::new(self.spec, self.index)
     }
 

@@ -79,7 +79,7 @@ impl SceneRenderer {
             self.drawn = drawn;
             return Ok(false);
         }
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::count_scene();
         let image = match drawn {
             Some((_, image)) => image,

@@ -131,7 +131,7 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
 fn require_succeeds_exactly_for_computed_results() {
     let mut data = Data::new(model()).unwrap();
     let met = |data: &Data| {
-        [Stage::Nothing, Stage::Position, Stage::Velocity, Stage::Acceleration].map(|stage| data.require(stage).is_ok())
+        [Stage::None, Stage::Position, Stage::Velocity, Stage::Acceleration].map(|stage| data.require(stage).is_ok())
     };
     assert_eq!(met(&data), [true, false, false, false]);
     data.fwd_position().unwrap();
@@ -190,7 +190,7 @@ const CALLS: [Call; 19] = [
     },
     |data, number| {
         data.qpos_mut()[0] = number;
-        data.forward_skip(Stage::Nothing, sensors(number))
+        data.forward_skip(Stage::None, sensors(number))
     },
     |data, number| {
         data.qvel_mut()[0] = number;
