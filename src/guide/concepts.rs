@@ -161,8 +161,8 @@
 //! | results of functions | [`Matrix`] | [`Data::full_m`] |
 //!
 //! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`]
-//! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] copies. An
-//! element of a [`Matrix`] is `matrix[(row, column)]`.
+//! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] and
+//! `Matrix::from` copy. An element of a [`Matrix`] is `matrix[(row, column)]`.
 //!
 //! # Units
 //!

@@ -98,7 +98,7 @@
 //!
 //! ```
 //! use mujoco_safe::control::riccati::RiccatiError;
-//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Matrix, sample};
+//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
@@ -106,7 +106,7 @@
 //! let solution = Lqr::solve(&system, &weights)?;
 //! assert!(solution.spectral_radius < 1.0);       // the closed loop is stable
 //! assert!(solution.relative_residual < 1e-9);
-//! let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+//! let mut lqr = Lqr::with_gain(&data, solution.k)?;
 //! data.qpos_mut()[1] = 0.1;
 //! for _ in 0..1000 {
 //!     lqr.control(&mut data)?;
@@ -134,14 +134,13 @@
 //!
 //! ```
 //! use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
-//! use mujoco_safe::nalgebra::DMatrix;
 //! use mujoco_safe::{Controller, Data, LqrWeights, Matrix, sample};
 //!
 //! // Move the cart to 0.5 m in a second.
 //! let mut data = Data::new(sample::cartpole())?;
 //! let model = data.model().clone();
 //! let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
-//! let cost = QuadraticCost::new(model.clone(), &[0.5, 0.0, 0.0, 0.0], weights, DMatrix::identity(4, 4) * 100.0)?;
+//! let cost = QuadraticCost::new(model.clone(), &[0.5, 0.0, 0.0, 0.0], weights, Matrix::from_diagonal(&[100.0; 4]))?;
 //! let plan = Ilqr::new(model, IlqrOptions::default())?.solve(&data, &Matrix::zeros(100, 1), &cost)?;
 //!
 //! // Follow the plan from a disturbed state.
@@ -366,7 +365,7 @@
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
-//! let cost_to_go = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?.p;
+//! let cost_to_go = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?.p.to_nalgebra();
 //! let candidates = (-8..=8).flat_map(|force| [0.1 * f64::from(force); HORIZON]).collect();
 //! let mut predictive = Predictive { workers: Workers::new(data.model().clone()), candidates, cost_to_go };
 //! data.qpos_mut()[1] = 0.3;

@@ -60,15 +60,12 @@
 //!
 //! ```
 //! use mujoco_safe::control::riccati::Riccati;
-//! use mujoco_safe::nalgebra::{DMatrix, dvector};
-//! use mujoco_safe::{Data, Differences, sample};
+//! use mujoco_safe::{Data, Differences, Matrix, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(1e-6, Differences::Central)?;
-//! let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-//! let q = DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]);
-//! let r = DMatrix::from_diagonal(&dvector![1.0]);
-//! let k = Riccati::new(&a, &b, &q, &r).solve()?.k;
+//! let q = Matrix::from_diagonal(&[1.0, 10.0, 1.0, 5.0]);
+//! let k = Riccati::new(&system.a, &system.b, &q, &Matrix::identity(1)).solve()?.k.to_nalgebra();
 //!
 //! data.qpos_mut()[1] = 0.1;
 //! for _ in 0..1000 {

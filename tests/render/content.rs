@@ -254,7 +254,7 @@ fn every_user_geom_is_visible() {
             8 => shape.clone().with_pos([at[0], 1.0, at[2]]),
             _ => shape.clone().with_pos(at),
         };
-        assert_eq!(scene.add_geom(&shape.rgba(color)).unwrap(), index);
+        assert_eq!(scene.add_geom(&shape.with_rgba(color)).unwrap(), index);
     }
     let mut renderer = self::renderer(data.model(), [640, 480]);
     save(&renderer.rgb(&scene).unwrap(), "shapes");

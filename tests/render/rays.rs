@@ -210,7 +210,7 @@ impl Rays {
         let Viewpoint { forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, .. } = self.viewpoint;
         let [forward, up] = [forward, up].map(|axis| axis.map(f64::from));
         let right = math::cross(&forward, &up);
-        let [width, height] = SIZE.map(f64::from);
+        let [width, height] = SIZE.map(|length| length as f64);
         let [bottom, top] = [frustum_bottom, frustum_top].map(f64::from);
         let to_right = f64::from(frustum_center) + (x / width - 0.5) * (top - bottom) * width / height;
         let upwards = top - y / height * (top - bottom);

@@ -17,7 +17,6 @@ use mujoco_safe::{
     Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, PdController, RandomController, StateSpace,
     ZeroController, sample,
 };
-use nalgebra::DMatrix;
 
 use crate::allocations::{allocates_nothing, squatting};
 use crate::allocator::allocations;
@@ -80,7 +79,7 @@ fn derivatives_of_inverse_dynamics_by_a_lineariser_do_not_allocate() {
 fn controllers_do_not_allocate() {
     let _lock = lock_process();
     let mut data = Data::new(sample::cartpole()).unwrap();
-    let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let weights = LqrWeights::new(Matrix::identity(4), Matrix::identity(1));
     let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
     let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
     let gains = vec![Matrix::zeros(1, 4); 3];
@@ -127,8 +126,8 @@ fn costs_of_residuals_do_not_allocate() {
 fn quadratic(data: &Data) -> QuadraticCost {
     let (nx, nu) = (2 * data.model().nv(), data.model().nu());
     let mut weights = LqrWeights::diagonal(&vec![1.0; nx], &vec![0.1; nu]);
-    weights.s = Some(DMatrix::from_element(nx, nu, 1e-4));
-    QuadraticCost::new(data.model(), &data.physics_state(), weights, DMatrix::identity(nx, nx)).unwrap()
+    weights.s = Some(Matrix::from_row_major(nx, nu, vec![1e-4; nx * nu]));
+    QuadraticCost::new(data.model(), &data.physics_state(), weights, Matrix::identity(nx)).unwrap()
 }
 
 #[test]

@@ -177,12 +177,11 @@ impl IlqrSolution {
 /// ```
 /// use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, IlqrStatus, QuadraticCost};
 /// use mujoco_safe::{Data, LqrWeights, Matrix, sample};
-/// use nalgebra::DMatrix;
 ///
 /// // Move the cart to 0.5 m in a second, with the pole upright and both at rest.
 /// let data = Data::new(sample::cartpole())?;
 /// let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
-/// let terminal = DMatrix::identity(4, 4) * 100.0;
+/// let terminal = Matrix::from_diagonal(&[100.0; 4]);
 /// let cost = QuadraticCost::new(data.model().clone(), &[0.5, 0.0, 0.0, 0.0], weights, terminal)?;
 /// let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default())?;
 /// let solution = solver.solve(&data, &Matrix::zeros(100, 1), &cost)?;

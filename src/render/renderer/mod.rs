@@ -445,7 +445,7 @@ mod tests {
         let mut camera = Camera::free(data.model());
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
         let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
-        let draw = |count: u32| {
+        let draw = |count: usize| {
             let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, options).unwrap();
             for frame in 0..count {
                 renderer.resize(4 + frame % 7, 4 + frame % 5).unwrap();
