@@ -86,7 +86,7 @@ use crate::model::LoadOptions;
 use crate::model::Model;
 
 with_aliases! {
-    pub use self::value::{TexturePattern = "mjtBuiltin" "builtin"};
+    pub use self::value::{SensorFrame = "objtype", TexturePattern = "mjtBuiltin" "builtin"};
 }
 
 /// Editable description of a model. See the [module](self).
