@@ -93,8 +93,8 @@ fields!(Keyframe on Model {
 /// freedom are not kinds, so their variants are written out.
 macro_rules! objects {
     ($($(#[$doc:meta])* $name:ident = $object:ident;)*) => {
-        /// Element of any kind: a member of a tuple, the object that a sensor is attached to, or the
-        /// element that a geom of a scene represents.
+        /// Element of any kind: a member of a tuple, the object that a sensor is attached to, or
+        /// the element that a geom of a scene represents.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum Object {

@@ -66,7 +66,8 @@ pub enum Error {
     /// [`Engine`](Self::Engine).
     #[error("the {callback} callback panicked: {message}")]
     Callback {
-        /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure, without `with_`.
+        /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure, without
+        /// `with_`.
         callback: &'static str,
         /// Message of the panic.
         message: String,

@@ -47,9 +47,9 @@
 //!
 //! A control law that needs quantities of the *present* state, such as the bias force, sets the
 //! controls between [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control`
-//! callback](crate::callback::Callbacks::with_control), which the Runge–Kutta integrator calls in each
-//! substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a
-//! simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
+//! callback](crate::callback::Callbacks::with_control), which the Runge–Kutta integrator calls in
+//! each substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in
+//! a simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
 //! can borrow local variables. The cookbook compensates
 //! [gravity](crate::guide::cookbook#gravity-compensation) in this way.
 //!
@@ -365,7 +365,8 @@
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
-//! let cost_to_go = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?.p.to_nalgebra();
+//! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
+//! let cost_to_go = Lqr::solve(&system, &weights)?.p.to_nalgebra();
 //! let candidates = (-8..=8).flat_map(|force| [0.1 * f64::from(force); HORIZON]).collect();
 //! let mut predictive = Predictive { workers: Workers::new(data.model().clone()), candidates, cost_to_go };
 //! data.qpos_mut()[1] = 0.3;

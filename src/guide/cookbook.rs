@@ -195,8 +195,8 @@
 //!
 //! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that
 //! the results do not depend on the threads.
-//! [`with_forward_after_step`](crate::Rollout::with_forward_after_step) updates the poses that the outputs
-//! read. With the feature `npz`, `result.save_npz(path)?` writes all arrays for NumPy.
+//! [`with_forward_after_step`](crate::Rollout::with_forward_after_step) updates the poses that the
+//! outputs read. With the feature `npz`, `result.save_npz(path)?` writes all arrays for NumPy.
 //!
 //! ```
 //! use mujoco_safe::{Rollout, sample};

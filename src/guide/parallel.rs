@@ -64,11 +64,11 @@
 //! | [`sensordata`](crate::rollout::RolloutResult::sensordata) | `(nroll, nstep, nsensordata)` | the readings in the state of row `k` |
 //! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
 //!
-//! The closure of [`with_outputs`](Rollout::with_outputs) runs after a step. The state that it reads belongs
-//! to row `k + 1`; poses, contacts and forces belong to row `k`, because [a step does not update
-//! them](super::concepts#age-of-results). [`with_forward_after_step`](Rollout::with_forward_after_step)
-//! updates them before the closure runs, at the cost of one more evaluation of forward dynamics per
-//! step.
+//! The closure of [`with_outputs`](Rollout::with_outputs) runs after a step. The state that it
+//! reads belongs to row `k + 1`; poses, contacts and forces belong to row `k`, because [a step does
+//! not update them](super::concepts#age-of-results).
+//! [`with_forward_after_step`](Rollout::with_forward_after_step) updates them before the closure
+//! runs, at the cost of one more evaluation of forward dynamics per step.
 //!
 //! ## Files
 //!
@@ -103,16 +103,17 @@
 //! ```
 //!
 //! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its
-//! error. The closure of [`with_observations`](Batch::with_observations) reads the simulation after a step, so the
-//! remark on the age of poses applies to it too; [`Batch::with_forward_after_step`] updates them.
-//! [`Batch::data`] returns a copy of one simulation, for example to draw it, [`Batch::states`] the
-//! states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
+//! error. The closure of [`with_observations`](Batch::with_observations) reads the simulation after
+//! a step, so the remark on the age of poses applies to it too; [`Batch::with_forward_after_step`]
+//! updates them. [`Batch::data`] returns a copy of one simulation, for example to draw it,
+//! [`Batch::states`] the states of all as a matrix, and [`Batch::edit_where`] changes simulations
+//! between two steps.
 //!
 //! ## Parameters for each simulation
 //!
-//! For domain randomisation, [`Batch::with_parameters`] gives each simulation other values of chosen
-//! [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes, damping,
-//! stiffness, armature, gains, gears, gravity. The values come from distributions and are
+//! For domain randomisation, [`Batch::with_parameters`] gives each simulation other values of
+//! chosen [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes,
+//! damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are
 //! determined by a seed, the index of the simulation and the number of its episode:
 //!
 //! ```

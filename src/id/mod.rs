@@ -34,9 +34,10 @@ for_each_kind!(declare_ids);
 ///
 /// A joint's id is not the index of its first degree of freedom: see `Joint::dofs`.
 ///
-/// Functions that have a model or a simulation take an [`IntoId`]: a name, an index, an id or a view.
-/// Functions without a model, such as [`PdController::set_target`](crate::PdController::set_target)
-/// and [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a view, and public fields hold
+/// Functions that have a model or a simulation take an [`IntoId`]: a name, an index, an id or a
+/// view. Functions without a model, such as
+/// [`PdController::set_target`](crate::PdController::set_target) and
+/// [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a view, and public fields hold
 /// ids.
 ///
 /// ```

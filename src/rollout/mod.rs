@@ -88,8 +88,8 @@ enum Controls<'a> {
 /// 1. applies [`with_model_edits`](Self::with_model_edits), and resets the simulation;
 /// 2. sets the initial state, and records it as row 0;
 /// 3. in each step sets the controls, calls [`Data::step`], and records sensor readings, outputs
-///    and the new state. [`with_forward_after_step`](Self::with_forward_after_step) updates the quantities
-///    that the outputs are computed from.
+///    and the new state. [`with_forward_after_step`](Self::with_forward_after_step) updates the
+///    quantities that the outputs are computed from.
 ///
 /// ```
 /// use mujoco_safe::rollout::Rollout;
@@ -225,15 +225,16 @@ impl<'a> Rollout<'a> {
     /// Records `noutput` additional values after each step, which the closure writes to a row of
     /// zeros. At that point, as always after [`Data::step`], the simulation is in the new state and
     /// its computed quantities belong to the old state.
-    /// [`with_forward_after_step`](Self::with_forward_after_step) computes them for the new state first.
+    /// [`with_forward_after_step`](Self::with_forward_after_step) computes them for the new state
+    /// first.
     pub fn with_outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
         self
     }
 
     /// Calls [`Data::forward`] after each step, so that all quantities that the closure of
-    /// [`with_outputs`](Self::with_outputs) reads, such as poses, contacts and sensor readings, belong to the
-    /// new state.
+    /// [`with_outputs`](Self::with_outputs) reads, such as poses, contacts and sensor readings,
+    /// belong to the new state.
     ///
     /// The recorded states and sensor readings are bit for bit the same with and without this call,
     /// unless a controller reads computed quantities: these too then belong to the present state,

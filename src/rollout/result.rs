@@ -122,8 +122,8 @@ impl RolloutResult {
         self.block(&self.sensordata, rollout, self.sizes.steps, self.sizes.sensordata)
     }
 
-    /// Returns the values of the [`with_outputs`](super::Rollout::with_outputs) closure in one rollout
-    /// `(nstep, noutput)`.
+    /// Returns the values of the [`with_outputs`](super::Rollout::with_outputs) closure in one
+    /// rollout `(nstep, noutput)`.
     ///
     /// # Panics
     ///

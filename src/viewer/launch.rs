@@ -70,9 +70,9 @@ impl Viewer {
         self
     }
 
-    /// As [`with_controller`](Self::with_controller), with a closure that declares the [`Instruments`] of the
-    /// controller: plotted values, parameters with sliders, and geoms. [`Instruments`] has an
-    /// example. The closure returns nothing or a [`Result`](crate::Result).
+    /// As [`with_controller`](Self::with_controller), with a closure that declares the
+    /// [`Instruments`] of the controller: plotted values, parameters with sliders, and geoms.
+    /// [`Instruments`] has an example. The closure returns nothing or a [`Result`](crate::Result).
     ///
     /// The viewer calls the closure in the thread of the controller: before each image of the
     /// simulation in the controller mode, and immediately when the user moves a slider, so that the

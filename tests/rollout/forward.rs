@@ -1,4 +1,4 @@
-//! `forward_after_step` updates what closures read, and changes no simulation.
+//! `with_forward_after_step` updates what closures read, and changes no simulation.
 
 use std::sync::Arc;
 

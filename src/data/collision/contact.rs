@@ -94,8 +94,8 @@ impl<'d> Contact<'d> {
     }
 
     /// Returns the axes of the contact frame as rows, world frame: the normal, which points from
-    /// the first geom to the second, and two tangents. [`math::rot_vec_mat`](crate::math::rot_vec_mat)
-    /// rotates a vector into this frame.
+    /// the first geom to the second, and two tangents.
+    /// [`math::rot_vec_mat`](crate::math::rot_vec_mat) rotates a vector into this frame.
     pub fn frame(&self) -> &'d [f64; 9] {
         &self.raw.frame
     }

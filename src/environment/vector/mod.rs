@@ -102,7 +102,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Batch::with_parameters`], [`Batch::sample_parameters`] and [`reset`](Self::reset).
+    /// The errors of [`Batch::with_parameters`], [`Batch::sample_parameters`] and
+    /// [`reset`](Self::reset).
     pub fn with_parameters(mut self, parameters: Parameters) -> Result<Self> {
         self.batch = self.batch.with_parameters(parameters)?;
         self.has_parameters = true;

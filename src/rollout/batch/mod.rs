@@ -72,8 +72,8 @@ pub struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     /// Creates `count` simulations in the reference position. By default the observation is the
-    /// physics state `[qpos; qvel; act]`; see [`with_observations`](Self::with_observations). Takes a [`Model`], an
-    /// `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
+    /// physics state `[qpos; qvel; act]`; see [`with_observations`](Self::with_observations). Takes
+    /// a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
     ///
     /// # Errors
     ///
@@ -118,8 +118,8 @@ impl<'a> Batch<'a> {
     /// The batch calls it after each step, reset and edit. After a step, computed quantities such
     /// as poses and contacts belong to the state before the step. After a reset or an edit, only
     /// the quantities that its closure has computed are available.
-    /// [`with_forward_after_step`](Self::with_forward_after_step) computes all quantities for the present
-    /// state first.
+    /// [`with_forward_after_step`](Self::with_forward_after_step) computes all quantities for the
+    /// present state first.
     ///
     /// # Panics
     ///
@@ -133,9 +133,9 @@ impl<'a> Batch<'a> {
     }
 
     /// Calls [`Data::forward`] after each [`step`](Self::step), each reset and each edit, so that
-    /// all quantities that the closure of [`with_observations`](Self::with_observations) reads belong to the present
-    /// state. This includes sensor readings, which otherwise lag by one engine step like all
-    /// computed quantities.
+    /// all quantities that the closure of [`with_observations`](Self::with_observations) reads
+    /// belong to the present state. This includes sensor readings, which otherwise lag by one
+    /// engine step like all computed quantities.
     ///
     /// The simulations are bit for bit the same with and without this call. A simulation in which
     /// it fails counts as [failed](Self::failure).

@@ -103,9 +103,9 @@ impl Batch<'_> {
     /// as [`set_parameters`](Self::set_parameters) sets them.
     ///
     /// A value is determined by the seed, the index of the simulation (plus the
-    /// [`with_first_index`](Self::with_first_index)), the number of its [`episode`](Self::episode) and the
-    /// position of the parameter in the list. For other values in each episode, draw before or
-    /// after each reset:
+    /// [`with_first_index`](Self::with_first_index)), the number of its [`episode`](Self::episode)
+    /// and the position of the parameter in the list. For other values in each episode, draw before
+    /// or after each reset:
     ///
     /// ```
     /// # use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
