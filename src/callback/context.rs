@@ -105,7 +105,7 @@ impl ControlContext<'_> {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn set_ctrl<Q: IntoId<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
-        let id = actuator.id(self.data.model().as_ref());
+        let id = actuator.id_in(self.data.model().as_ref());
         Q::found(id, |id| {
             let control = self.data.model().first_control(id.index());
             self.ctrl_mut()[control] = ctrl;
@@ -126,7 +126,7 @@ impl SensorContext<'_> {
     ///
     /// If the id belongs to another model.
     pub fn data_mut<Q: IntoId<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
-        let id = sensor.id(self.data.model().as_ref());
+        let id = sensor.id_in(self.data.model().as_ref());
         Q::found(id, |id| {
             let range = self.data.model().sensor(id).data_range();
             &mut self.sensordata_mut()[range]

@@ -202,7 +202,7 @@ impl ModelMut<'_> {
         actuator: impl IntoId<kind::Actuator>,
         options: &LengthRangeOptions,
     ) -> Result<[f64; 2]> {
-        let index = actuator.id(&**self)?.index();
+        let index = actuator.id_in(&**self)?.index();
         let output = self.first_output(index);
         options.check(self.timestep())?;
         if self.is_excluded(index, options.mode) {

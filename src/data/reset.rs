@@ -51,7 +51,7 @@ impl Data {
     #[doc(alias = "mj_resetDataKeyframe")]
     #[doc(alias = "resetkey")]
     pub fn reset_to_key(&mut self, key: impl IntoId<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model.as_ref())?;
+        let key: Id<kind::Keyframe> = key.id_in(self.model.as_ref())?;
         self.reset_with("mj_resetDataKeyframe", |m, d| {
             // SAFETY: a model, a data of this model, and a keyframe of the model.
             unsafe { guard::mj_reset_data_keyframe(m, d, key.index() as c_int) }
@@ -94,7 +94,7 @@ impl Data {
     /// ```
     #[doc(alias = "mj_setKeyframe")]
     pub fn set_keyframe(&mut self, key: impl IntoId<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model().as_ref())?;
+        let key: Id<kind::Keyframe> = key.id_in(self.model().as_ref())?;
         // No results depend on keyframes, so they stay valid.
         self.write_keyframe(key.index())
     }

@@ -223,8 +223,8 @@ impl<O, K: ElementKind> IntoId<K> for View<'_, O, K> {
 
     #[inline]
     #[track_caller]
-    fn id(self, model: &impl Lookup) -> Result<Id<K>> {
-        self.id.id(model)
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
+        self.id.id_in(model)
     }
 
     #[inline]
@@ -278,7 +278,7 @@ macro_rules! kinds {
             #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
             pub fn $one_mut<'e, Q: IntoId<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
-                let id = key.id(&**self);
+                let id = key.id_in(&**self);
                 Q::found(id, |id| ViewMut::new(self, id))
             }
         )*}
@@ -297,7 +297,7 @@ macro_rules! kinds {
             #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
             pub fn $one_mut<Q: IntoId<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
-                let id = key.id(self.model().as_ref());
+                let id = key.id_in(self.model().as_ref());
                 Q::found(id, |id| ViewMut::new(self, id))
             }
 

@@ -73,7 +73,7 @@
 //! let (mut scene, mut camera) = (Scene::new(data.model(), 1000)?, Camera::free(data.model()));
 //! scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
 //! let arrow = NewGeom::connector(Connector::Arrow, 0.02, [0.0, 0.0, 1.0], [0.5, 0.0, 1.0]);
-//! scene.add_geom(&arrow.rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
+//! scene.add_geom(&arrow.with_rgba([1.0, 0.0, 0.0, 1.0]).with_label("goal")?)?;
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!

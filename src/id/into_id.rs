@@ -18,9 +18,9 @@ pub trait IntoId<K: ElementKind>: Sealed + Sized {
 
     /// Returns the id of the element in a model.
     #[doc(hidden)]
-    fn id(self, model: &impl Lookup) -> Result<Id<K>>;
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>>;
 
-    /// Converts the result of [`id`](Self::id) into a view or a reference.
+    /// Converts the result of [`id_in`](Self::id_in) into a view or a reference.
     #[doc(hidden)]
     fn found<T>(id: Result<Id<K>>, make: impl FnOnce(Id<K>) -> T) -> Self::Found<T>;
 
@@ -28,7 +28,7 @@ pub trait IntoId<K: ElementKind>: Sealed + Sized {
     #[doc(hidden)]
     #[inline]
     fn find<T>(self, model: &impl Lookup, make: impl FnOnce(Id<K>) -> T) -> Self::Found<T> {
-        Self::found(self.id(model), make)
+        Self::found(self.id_in(model), make)
     }
 }
 
@@ -53,7 +53,7 @@ macro_rules! fallible {
         impl<K: ElementKind> IntoId<K> for $key {
             type Found<T> = Result<T>;
 
-            fn id(self, model: &impl Lookup) -> Result<Id<K>> {
+            fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
                 model.$lookup(self)
             }
 
@@ -75,7 +75,7 @@ impl<K: ElementKind> IntoId<K> for Id<K> {
 
     #[inline]
     #[track_caller]
-    fn id(self, model: &impl Lookup) -> Result<Id<K>> {
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
         model.check_id(self);
         Ok(self)
     }

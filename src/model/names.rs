@@ -113,7 +113,7 @@ impl Model {
     /// ```
     #[doc(alias = "mj_name2id")]
     pub fn id<K: ElementKind>(&self, element: impl IntoId<K>) -> Result<Id<K>> {
-        element.id(self)
+        element.id_in(self)
     }
 
     /// Panics if the id belongs to another model.

@@ -38,7 +38,7 @@ pub trait CameraSource: Sealed {
 impl<K: IntoId<kind::Camera>> CameraSource for K {
     #[track_caller]
     fn with_camera<T>(self, model: &Model, call: impl FnOnce(&mut Camera) -> Result<T>) -> Result<T> {
-        call(&mut Camera::fixed(model, self.id(model)?))
+        call(&mut Camera::fixed(model, self.id_in(model)?))
     }
 }
 

@@ -18,11 +18,11 @@ enum Frame {
 
 impl Frame {
     fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
-        body.id(model).map(Self::Body)
+        body.id_in(model).map(Self::Body)
     }
 
     fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
-        site.id(model).map(Self::Site)
+        site.id_in(model).map(Self::Site)
     }
 
     fn position(self, data: &Data) -> &[f64; 3] {

@@ -74,7 +74,7 @@ impl JointPosition {
     ///
     /// If the id belongs to another model.
     pub fn new(model: &Model, joint: impl IntoId<kind::Joint>) -> Result<Self> {
-        let joint = joint.id(model)?.index();
+        let joint = joint.id_in(model)?.index();
         Ok(Self::with_joints(model, Coordinates::of(model, Some(joint))))
     }
 
@@ -182,7 +182,7 @@ impl JointVelocity {
     ///
     /// If the id belongs to another model.
     pub fn new(model: &Model, joint: impl IntoId<kind::Joint>) -> Result<Self> {
-        let joint = joint.id(model)?.index();
+        let joint = joint.id_in(model)?.index();
         Ok(Self::with_dofs(model, Coordinates::new(model, joint).dofs))
     }
 

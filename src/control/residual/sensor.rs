@@ -44,7 +44,7 @@ impl SensorReading {
     ///
     /// If the id belongs to another model.
     pub fn new(model: &Model, sensor: impl IntoId<kind::Sensor>) -> Result<Self> {
-        let sensor = sensor.id(model)?.index();
+        let sensor = sensor.id_in(model)?.index();
         let (first, size) = (ffi::size(model.sensor_adr()[sensor]), ffi::size(model.sensor_dim()[sensor]));
         Ok(Self { readings: first..first + size, target: vec![0.0; size], lineage: model.lineage() })
     }

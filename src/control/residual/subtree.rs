@@ -97,7 +97,7 @@ impl Subtree {
     }
 
     fn new(quantity: Quantity, model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
-        let body = body.id(model)?;
+        let body = body.id_in(model)?;
         let mass = model.body_subtreemass()[body.index()];
         // The engine has other formulas for a subtree without mass.
         if mass < mujoco_sys::mjMINVAL {

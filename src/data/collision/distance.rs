@@ -81,7 +81,7 @@ impl Data {
         distmax: f64,
     ) -> Result<Option<GeomDistance>> {
         let model = &**self.model();
-        let geoms = [geom1.id(model)?.index(), geom2.id(model)?.index()];
+        let geoms = [geom1.id_in(model)?.index(), geom2.id_in(model)?.index()];
         self.check_parts("geom_distance", PipelineFlags::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
             return Err(Error::out_of_range("distmax of geom_distance", distmax, "finite and not negative"));

@@ -257,7 +257,7 @@ impl Data {
         geom_type: u32,
         expected: &str,
     ) -> Result<usize> {
-        let geom = geom.id(&**self.model())?;
+        let geom = geom.id_in(&**self.model())?;
         self.check_parts(call, PipelineFlags::KINEMATICS)?;
         let found = self.model().geom_type()[geom.index()];
         if found == geom_type as i32 {

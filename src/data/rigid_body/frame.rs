@@ -161,7 +161,7 @@ impl Data {
         body: impl IntoId<kind::Body>,
         qfrc_target: &mut [f64],
     ) -> Result<()> {
-        let body = body.id(&**self.model())?;
+        let body = body.id_in(&**self.model())?;
         self.check_computed("apply_ft", Stage::Position)?;
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
         let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
@@ -199,7 +199,7 @@ impl Data {
         quat: [f64; 4],
         body: impl IntoId<kind::Body>,
     ) -> Result<([f64; 3], [f64; 9])> {
-        let body = body.id(&**self.model())?;
+        let body = body.id_in(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;
         let (mut xpos, mut xmat) = ([0.0; 3], [0.0; 9]);
         // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only

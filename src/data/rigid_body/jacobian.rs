@@ -342,7 +342,7 @@ impl Data {
     #[doc(alias = "mj_angmomMat")]
     pub fn angmom_mat_into(&self, body: impl IntoId<kind::Body>, matrix: &mut Matrix) -> Result<()> {
         let model = self.model();
-        let root = body.id(&**model)?;
+        let root = body.id_in(&**model)?;
         self.check_parts("angmom_mat", INPUTS)?;
         Error::check_shape("the matrix of angmom_mat", matrix.shape(), (3, model.nv()))?;
         matrix.as_mut_slice().fill(0.0);
@@ -394,7 +394,7 @@ impl Data {
 
     #[inline]
     fn index_for<K: ElementKind>(&self, call: &'static str, key: impl IntoId<K>) -> Result<c_int> {
-        let id = key.id(&**self.model())?;
+        let id = key.id_in(&**self.model())?;
         self.check_parts(call, INPUTS)?;
         Ok(id.index() as c_int)
     }

@@ -200,7 +200,7 @@ impl Renderer {
     #[doc(alias = "mjr_uploadMesh")]
     pub fn update_mesh(&mut self, model: &Model, mesh: impl IntoId<kind::Mesh>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = mesh.id(model)?;
+        let id = mesh.id_in(model)?;
         let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
         *bounds = AssetBounds::new(model);
@@ -225,7 +225,7 @@ impl Renderer {
         field: impl IntoId<kind::HeightField>,
     ) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = field.id(model)?;
+        let id = field.id_in(model)?;
         let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_height_field(gpu, model, id))?;
         bounds.update_height_field(model, id);
@@ -246,7 +246,7 @@ impl Renderer {
     #[doc(alias = "mjr_uploadTexture")]
     pub fn update_texture(&mut self, model: &Model, texture: impl IntoId<kind::Texture>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = texture.id(model)?;
+        let id = texture.id_in(model)?;
         let Assets { gpu, textures, .. } = &mut self.assets;
         gpu.guarded(|| {
             textures.update(gpu, model, id);
