@@ -227,7 +227,10 @@ impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> From<&nalgebra::Matrix<f64, R, C,
     /// Copies a matrix or a view of nalgebra into row-major order.
     fn from(matrix: &nalgebra::Matrix<f64, R, C, S>) -> Self {
         let (nrows, ncols) = matrix.shape();
-        let values = matrix.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>()).collect();
+        let mut values = Vec::with_capacity(nrows * ncols);
+        for row in 0..nrows {
+            values.extend((0..ncols).map(|column| matrix[(row, column)]));
+        }
         Self { nrows, ncols, values }
     }
 }

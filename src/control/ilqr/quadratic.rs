@@ -94,9 +94,9 @@ impl QuadraticCost {
         Ok(Self {
             state: state.to_vec(),
             controls: vec![0.0; nu],
-            step: twice(q),
-            terminal: twice(terminal),
-            by_controls: twice(r),
+            step: twice(&q),
+            terminal: twice(&terminal),
+            by_controls: twice(&r),
             mixed: s.map(twice_cross_term),
             quaternions: quaternions(&model),
             buffers: Buffers::default(),
@@ -194,11 +194,14 @@ fn subtract(values: &[f64], references: &[f64], differences: &mut [f64]) {
 }
 
 /// Returns the sum of a square matrix and its transpose.
-fn twice(matrix: Matrix) -> Matrix {
-    let transpose = matrix.clone().into_transposed();
-    let mut sum = matrix.into_transposed() + transpose.transpose();
-    sum.fill_upper_triangle_with_lower_triangle();
-    Matrix::from_transposed(sum)
+fn twice(matrix: &Matrix) -> Matrix {
+    let mut sum = matrix.clone();
+    for row in 0..matrix.nrows() {
+        for column in 0..matrix.ncols() {
+            sum[(row, column)] += matrix[(column, row)];
+        }
+    }
+    sum
 }
 
 /// Returns twice a matrix.
