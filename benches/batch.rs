@@ -139,7 +139,7 @@ fn parameters(model: &Model) -> Result<Parameters> {
 fn compare_parameters(model: &Arc<Model>, pool: &ThreadPool) -> Result<()> {
     let start = |_: usize, _: u64, data: &mut Data| data.reset_to_key("stand");
     let mut plain = Batch::new(model, COUNT)?;
-    let mut varied = Batch::new(model, COUNT)?.vary(parameters(model)?)?;
+    let mut varied = Batch::new(model, COUNT)?.with_parameters(parameters(model)?)?;
     let before = resident();
     let drawing = Instant::now();
     pool.install(|| varied.sample_parameters(|_| true, 1))?;

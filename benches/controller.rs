@@ -12,7 +12,7 @@ mod common;
 
 use common::models::Balance;
 use mujoco_safe::{Controller, Data, Lqr, Matrix, Result};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Number of calls per run.
 const CALLS: u32 = 100;
@@ -31,7 +31,7 @@ fn main() -> Result<()> {
     let solution = Lqr::solve(&balance.system()?, &balance.weights)?;
     let mut data = balance.data;
 
-    let gain: DMatrix<f64> = solution.k;
+    let gain = solution.k.to_nalgebra();
     let (qpos0, ctrl0) = (data.qpos().to_vec(), DVector::from_column_slice(data.ctrl()));
     let allocating = |data: &mut Data| -> Result<()> {
         let mut dq = DVector::zeros(data.model().nv());

@@ -65,7 +65,7 @@ use crate::scenes::Setting;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-const SIZES: [[u32; 2]; 2] = [[640, 480], [1280, 720]];
+const SIZES: [[usize; 2]; 2] = [[640, 480], [1280, 720]];
 /// Pairs of turns per setting.
 const ROUNDS: usize = 9;
 /// Approximate processor time of a turn, s.
@@ -162,7 +162,7 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn new(gpu: &Gpu, setting: Setting, [width, height]: [u32; 2], options: RendererOptions) -> Result<Self> {
+    fn new(gpu: &Gpu, setting: Setting, [width, height]: [usize; 2], options: RendererOptions) -> Result<Self> {
         let mut data = setting.after_steps();
         let scene = setting.scene(&mut data);
         let renderer = Renderer::on(gpu, data.model(), width, height, options)?;
@@ -191,7 +191,7 @@ impl Drawing {
 fn compare(
     title: &str,
     setting: Setting,
-    size: [u32; 2],
+    size: [usize; 2],
     options: RendererOptions,
     rounds: usize,
     engine: Option<&mut Engine>,
@@ -255,7 +255,7 @@ fn threads(rounds: usize) -> Result<()> {
 
 /// Compares the processor time of colours, depth and segmentation together with that of colours
 /// alone.
-fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
+fn outputs(name: &str, size: [usize; 2], rounds: usize) -> Result<()> {
     let mut drawing = Drawing::new(&Gpu::new()?, scenes::named(name), size, RendererOptions::default())?;
     let of_one = drawing.turn(3)? / 3.0;
     let pictures = (0.5 * TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
@@ -335,7 +335,7 @@ fn prepare(rounds: usize) -> Result<()> {
         for index in 0..geoms {
             let at = |place: usize| (place % 22) as f64 * 0.2 - 2.2;
             let pos = [at(index), at(index / 22), at(index / 484)];
-            scene.add_geom(&NewGeom::sphere(0.05).pos(pos))?;
+            scene.add_geom(&NewGeom::sphere(0.05).with_pos(pos))?;
         }
         let mut renderer = Renderer::new(data.model(), 640, 480)?;
         renderer.prepare(&scene)?;

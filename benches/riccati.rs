@@ -57,10 +57,8 @@ fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeig
     let mut child = Command::new(python).args(["-c", SCIPY]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
     let mut input = child.stdin.take().expect("the stream is piped");
     let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
-    let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-    for matrix in [a.clone_owned(), b.clone_owned(), weights.q.clone(), weights.r.clone()] {
-        // The transpose iterates in row-major order.
-        let entries: Vec<String> = matrix.transpose().iter().map(|entry| format!("{entry:e}")).collect();
+    for matrix in [&system.a, &system.b, &weights.q, &weights.r] {
+        let entries: Vec<String> = matrix.as_slice().iter().map(|entry| format!("{entry:e}")).collect();
         writeln!(input, "{} {} {}", matrix.nrows(), matrix.ncols(), entries.join(" "))?;
     }
     let mut line = || output.next().unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()));
@@ -70,7 +68,8 @@ fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeig
     let (mut ours, mut theirs, mut residual) = (Vec::new(), Vec::new(), 0.0);
     for _ in 0..PAIRS {
         let start = Instant::now();
-        let outcome = Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(&mut workspace, &mut solution);
+        let outcome =
+            Riccati::new(&system.a, &system.b, &weights.q, &weights.r).solve_into(&mut workspace, &mut solution);
         ours.push(start.elapsed().as_secs_f64());
         outcome.expect("the equation was solved before");
         writeln!(input)?;

@@ -50,12 +50,12 @@ impl Runs {
     /// Runs the rollouts in a pool, or in this thread.
     fn rollout(&mut self, pool: Option<&ThreadPool>) {
         let rollout = Rollout::on(&self.workers, ROLLOUTS, self.steps)
-            .initial_state(StateSpec::INTEGRATION, &self.start)
-            .controls(&self.controls);
+            .with_initial_state(StateSpec::INTEGRATION, &self.start)
+            .with_controls(&self.controls);
         let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
         let outcomes = match pool {
             Some(pool) => pool.install(|| rollout.run_into(buffers)),
-            None => rollout.chunk(ROLLOUTS).run_into(buffers),
+            None => rollout.with_chunk(ROLLOUTS).run_into(buffers),
         };
         assert!(outcomes.expect("the sizes match").iter().all(Result::is_ok), "the simulation is stable");
     }

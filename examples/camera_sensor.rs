@@ -16,9 +16,9 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use common::command_line;
+use mujoco_safe::element::Object;
 use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{DepthImage, Renderer, SegmentationImage};
-use mujoco_safe::scene::SceneObject;
 use mujoco_safe::{Data, Model};
 
 /// Simulation time between two images, s.
@@ -35,7 +35,7 @@ struct Arguments {
     seconds: f64,
     /// Image size in pixels
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = command_line::size)]
-    size: [u32; 2],
+    size: [usize; 2],
     /// Folder for every tenth image; without it, no images are written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -113,7 +113,7 @@ impl Detection {
     fn find(object: GeomId, depth: &DepthImage, segmentation: &SegmentationImage) -> Option<Self> {
         let (mut pixels, mut columns, mut distance) = (0.0, 0.0, f64::INFINITY);
         for (index, segment) in segmentation.pixels().enumerate() {
-            if segment.is_some_and(|segment| segment.object == Some(SceneObject::Geom(object))) {
+            if segment.is_some_and(|segment| segment.object == Some(Object::Geom(object))) {
                 pixels += 1.0;
                 columns += (index % segmentation.width()) as f64 + 0.5;
                 distance = distance.min(f64::from(depth.as_slice()[index]));

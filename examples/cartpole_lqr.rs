@@ -16,7 +16,7 @@ use std::sync::Arc;
 use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
-use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample};
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Trajectory, sample};
 
 /// Balances a cart-pole with a linear-quadratic regulator.
 #[derive(Parser)]
@@ -54,7 +54,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     // Minimise the sum of xᵀQx + uᵀRu over an infinite horizon.
     let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
     let solution = Lqr::solve(&system, &weights)?;
-    let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+    let mut lqr = Lqr::with_gain(&data, solution.k)?;
 
     // Simulate from a tilted pole.
     data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;

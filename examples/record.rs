@@ -43,7 +43,7 @@ struct Arguments {
     frames_per_second: f64,
     /// Image size in pixels
     #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = command_line::size)]
-    size: [u32; 2],
+    size: [usize; 2],
 }
 
 fn main() -> std::process::ExitCode {

@@ -73,14 +73,14 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         .with_style(ProgressStyle::with_template("{bar:40} {pos}/{len} rollouts, {elapsed}")?);
     let start = Instant::now();
     let result = Rollout::new(model.clone(), arguments.rollouts, steps)
-        .controllers(|index| {
+        .with_controllers(|index| {
             let (mut lqr, push) = (lqr.clone(), pushes[index]);
             move |data: &mut Data| {
                 data.xfrc_applied_mut()[pole.index()][0] = if data.time() < PUSH_DURATION { push } else { 0.0 };
                 lqr.control(data)
             }
         })
-        .progress(|_| {
+        .with_progress(|_| {
             bar.inc(1);
             ControlFlow::Continue(())
         })

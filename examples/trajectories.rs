@@ -33,7 +33,7 @@ struct Arguments {
     seconds: f64,
     /// Image size of each half in pixels
     #[arg(long, value_name = "WxH", default_value = "320x360", value_parser = command_line::size)]
-    size: [u32; 2],
+    size: [usize; 2],
     /// Play the trajectories in a window instead, forwards and backwards (requires
     /// `--features viewer`)
     #[arg(long)]
@@ -73,7 +73,6 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
     let mut camera = Camera { distance: 3.2, azimuth: 200.0, elevation: -12.0, ..Camera::free(data.model()) };
     camera.lookat = [0.0, 0.0, 0.75];
 
-    let (width, height) = (width as usize, height as usize);
     let mut both = RgbImage::new(width * trajectories.len(), height);
     let mut half = RgbImage::default();
     let bar = command_line::progress_bar(arguments.seconds)?;

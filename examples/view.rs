@@ -28,7 +28,7 @@ struct Arguments {
     keyframe: Option<String>,
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", value_parser = command_line::size)]
-    size: Option<[u32; 2]>,
+    size: Option<[usize; 2]>,
     /// Play a recorded trajectory of this model; can be repeated
     #[arg(long = "trajectory", value_name = "FILE.csv")]
     trajectories: Vec<PathBuf>,
@@ -61,6 +61,6 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         let keyframe = data.model().keyframe(name)?.id();
         data.reset_to_key(keyframe)?;
     }
-    Viewer::new().options(options).trajectories(trajectories?).run(data)?;
+    Viewer::new().with_options(options).with_trajectories(trajectories?).run(data)?;
     Ok(())
 }

@@ -9,7 +9,6 @@ use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::derivative::{TransitionOptions, TransitionOutputs};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{Batch, Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, rayon};
-use nalgebra::DMatrix;
 
 use crate::Outcome;
 use crate::models::Balance;
@@ -103,8 +102,8 @@ impl Library {
         self.states.resize(count * (steps + 1) * width, 0.0);
         let begin = Instant::now();
         let rollout = Rollout::on(&self.workers, count, steps)
-            .initial_state(StateSpec::INTEGRATION, &self.start)
-            .controls(&self.controls[..count * steps * model.nu()]);
+            .with_initial_state(StateSpec::INTEGRATION, &self.start)
+            .with_controls(&self.controls[..count * steps * model.nu()]);
         let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
         let outcomes = rollout.run_into(buffers)?;
         let seconds = begin.elapsed().as_secs_f64();
@@ -185,23 +184,21 @@ impl RiccatiProblem {
 
     pub(crate) fn solve(&mut self) -> Outcome<(f64, f64)> {
         let Self { system, weights, workspace, solution } = self;
-        let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
         let begin = Instant::now();
-        Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(workspace, solution)?;
+        Riccati::new(&system.a, &system.b, &weights.q, &weights.r).solve_into(workspace, solution)?;
         Ok((begin.elapsed().as_secs_f64(), self.solution.relative_residual))
     }
 
     /// Serialises the problem: one line with the shapes, then one line each for A, B, Q and R.
     pub(crate) fn text(&self) -> String {
-        let (a, b) = (self.system.a.to_nalgebra().clone_owned(), self.system.b.to_nalgebra().clone_owned());
-        let matrices: [DMatrix<f64>; 4] = [a, b, self.weights.q.clone(), self.weights.r.clone()];
+        let matrices = [&self.system.a, &self.system.b, &self.weights.q, &self.weights.r];
         let mut text = String::new();
-        for matrix in &matrices {
+        for matrix in matrices {
             let _ = write!(text, "{} {} ", matrix.nrows(), matrix.ncols());
         }
-        for matrix in &matrices {
+        for matrix in matrices {
             text.push('\n');
-            for entry in &matrix.transpose() {
+            for entry in matrix.as_slice() {
                 let _ = write!(text, "{entry:e} ");
             }
         }

@@ -447,7 +447,7 @@ engine_enum! {
 #[non_exhaustive]
 pub enum SameFrame {
     /// Differs from both frames of the body.
-    Neither,
+    None,
     /// Coincides with the body frame.
     Body,
     /// Coincides with the inertial frame of the body.
@@ -462,7 +462,7 @@ impl SameFrame {
     /// Converts a flag of the engine. Returns `None` for an unknown value.
     pub(crate) fn from_raw(raw: u8) -> Option<Self> {
         Some(match u32::from(raw) {
-            0 => Self::Neither,
+            0 => Self::None,
             1 => Self::Body,
             2 => Self::Inertia,
             sys::mjSAMEFRAME_BODYROT => Self::BodyRotation,

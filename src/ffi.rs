@@ -7,7 +7,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 
 use mujoco_sys::guard;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::messages;
 
 /// Integer type of a size in some version of the engine.
@@ -156,6 +156,7 @@ pub(crate) unsafe fn text(text: *const c_char) -> String {
 pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<CString> {
     CString::new(text).map_err(|error| {
         Error::invalid(
+            InvalidKind::Text,
             what,
             format!("text with a NUL byte at position {}", error.nul_position()),
             "text without NUL bytes",

@@ -160,7 +160,7 @@ pub use crate::control::{Lqr, LqrWeights};
 pub use crate::controller::{Controller, PdController, RandomController, ZeroController};
 pub use crate::data::{Data, Stage, StateSpec};
 pub use crate::derivative::{Differences, Lineariser, StateSpace};
-pub use crate::error::{Error, Result};
+pub use crate::error::{Error, InvalidKind, Result};
 use crate::macros::with_aliases;
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{LoadOptions, Model, ModelMut, Options};

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 
 /// Creates the error for a number of elements that do not fit in memory.
 pub(crate) fn no_room(what: &str, count: usize) -> Error {
-    Error::invalid(format!("the number of {what}"), count, "as many as there is memory for")
+    Error::out_of_range(format!("the number of {what}"), count, "as many as there is memory for")
 }
 
 /// Checks that there is enough memory for elements of a size in bytes, before many allocations for

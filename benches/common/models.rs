@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Result, StateSpace, sample};
-use nalgebra::{DMatrix, DVector, dvector};
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Result, StateSpace, sample};
+use nalgebra::{DMatrix, DVector};
 
 /// Simulation at a set-point, including controls, with the cost weights of deviations.
 pub(crate) struct Balance {
@@ -14,8 +14,7 @@ pub(crate) struct Balance {
 impl Balance {
     /// Creates the upright cart-pole: 4 states, 1 control.
     pub(crate) fn cartpole() -> Result<Self> {
-        let q = DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]);
-        let weights = LqrWeights { q, r: DMatrix::identity(1, 1), s: None };
+        let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
         Ok(Self { data: Data::new(sample::cartpole())?, weights })
     }
 
@@ -69,7 +68,7 @@ impl Balance {
         let mut q = DMatrix::identity(2 * nv, 2 * nv) * 1e-10;
         let mut positions = q.view_mut((0, 0), (nv, nv));
         positions += position_cost;
-        Ok(Self { data, weights: LqrWeights { q, r: DMatrix::identity(model.nu(), model.nu()), s: None } })
+        Ok(Self { data, weights: LqrWeights::new(q, Matrix::identity(model.nu())) })
     }
 
     /// Linearises the simulation at the set-point.

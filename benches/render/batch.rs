@@ -60,13 +60,13 @@ impl<'a> Both<'a> {
         gpu: &Gpu,
         setting: &'a Setting,
         simulations: &'a mut [Data],
-        size: u32,
+        size: usize,
         options: RendererOptions,
     ) -> Result<Self> {
         let model = simulations[0].model();
         let renderer = || Renderer::on(gpu, model, size, size, options);
         let (single, many, scene) = (renderer()?, renderer()?, Scene::new(model, 1000)?);
-        let pixels = COUNT * size as usize * size as usize;
+        let pixels = COUNT * size * size;
         let (rgb, metres, ids) = (vec![0; 3 * pixels], vec![0.0; pixels], vec![0; pixels]);
         Ok(Self { simulations, setting, scene, single, many, rgb, metres, ids })
     }

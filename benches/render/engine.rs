@@ -51,7 +51,7 @@ impl Engine {
     }
 
     /// Opens a scene in the state of a simulation.
-    pub fn open(&mut self, setting: &Setting, data: &Data, size: [u32; 2], options: &RendererOptions) -> Result<()> {
+    pub fn open(&mut self, setting: &Setting, data: &Data, size: [usize; 2], options: &RendererOptions) -> Result<()> {
         let visual: Vec<&str> = setting.visual.iter_names().map(|(name, _)| name).collect();
         let render: Vec<&str> = setting.render.iter_names().map(|(name, _)| name).collect();
         self.request(&json!({

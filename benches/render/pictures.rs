@@ -12,9 +12,9 @@ use crate::difference::{Difference, side_by_side};
 use crate::engine::Engine;
 use crate::{more_scenes, scenes};
 
-const SIZE: [u32; 2] = [640, 480];
+const SIZE: [usize; 2] = [640, 480];
 /// Size of small images, whose shadow maps have fewer texels.
-const SMALL: [u32; 2] = [84, 84];
+const SMALL: [usize; 2] = [84, 84];
 /// Largest share of pixels with a channel that is off by more than 8 of 255.
 const OUTLIERS: f64 = 0.007;
 /// Images of a scene on the sheet have a quarter of the width and height.
@@ -42,11 +42,11 @@ pub fn compare_all(arm: &Arm, engine: &mut Engine) -> Result<()> {
         // updated its scene before, too.
         let mut camera = setting.camera(data.model());
         scene.update(&mut data, &setting.options(), None, &mut camera, Categories::all())?;
-        let mut pair = |size: [u32; 2]| -> Result<[RgbImage; 2]> {
+        let mut pair = |size: [usize; 2]| -> Result<[RgbImage; 2]> {
             let ours = Renderer::on(&gpu, data.model(), size[0], size[1], options)?.rgb(&scene)?;
             engine.open(&setting, &data, size, &options)?;
             engine.picture(&raw)?;
-            let [width, height] = size.map(|length| length as usize);
+            let [width, height] = size;
             Ok([RgbImage::from_rgb(width, height, fs::read(&raw)?)?, ours])
         };
         let [engines, ours] = pair(SMALL)?;

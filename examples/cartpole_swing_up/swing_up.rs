@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{CostExpansion, Ilqr, IlqrOptions, IlqrSolution, TrajectoryCost};
 use mujoco_safe::derivative::TransitionOptions;
-use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, Result, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -164,12 +163,11 @@ impl TrackThenHold {
         let mut transition = Lineariser::new(model.clone(), TransitionOptions::default().with_threads(threads))?;
         let (system, _) = transition.linear_system(&mut upright)?;
         let solution = Lqr::solve(&system, &weights)?;
-        let hold = Lqr::with_gain(&upright, Matrix::from(&solution.k))?;
+        let hold = Lqr::with_gain(&upright, solution.k)?;
         // Track the plan with the weights of the final regulator, and use its cost-to-go as the
         // terminal cost.
-        let terminal: DMatrix<f64> = solution.p;
         let (states, controls) = (plan.states.clone(), plan.controls.clone());
-        let track = TimeVaryingLqr::along(&mut transition, data, states, controls, &weights, &terminal)?;
+        let track = TimeVaryingLqr::along(&mut transition, data, states, controls, &weights, &solution.p)?;
         Ok(Self { track, hold, plan_end: steps as f64 * model.timestep() })
     }
 }

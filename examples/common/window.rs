@@ -19,7 +19,7 @@ pub fn show(
     controller: impl Controller + Send + 'static,
     trajectories: Vec<Trajectory>,
 ) -> Result<(), Box<dyn Error>> {
-    viewer(title).controller(controller).trajectories(trajectories).run(data)?;
+    viewer(title).with_controller(controller).with_trajectories(trajectories).run(data)?;
     Ok(())
 }
 
@@ -28,8 +28,8 @@ pub fn show(
 #[cfg(feature = "viewer")]
 pub fn show_plan(title: &str, data: Data, plan: LivePlan, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     viewer(title)
-        .instrumented_controller(plan, |plan, _, instruments| plan.declare(instruments))
-        .trajectories(trajectories)
+        .with_instrumented_controller(plan, |plan, _, instruments| plan.declare(instruments))
+        .with_trajectories(trajectories)
         .run(data)?;
     Ok(())
 }
@@ -37,13 +37,13 @@ pub fn show_plan(title: &str, data: Data, plan: LivePlan, trajectories: Vec<Traj
 /// Plays recorded trajectories until the window is closed.
 #[cfg(feature = "viewer")]
 pub fn replay(title: &str, data: Data, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
-    viewer(title).trajectories(trajectories).run(data)?;
+    viewer(title).with_trajectories(trajectories).run(data)?;
     Ok(())
 }
 
 #[cfg(feature = "viewer")]
 fn viewer(title: &str) -> Viewer {
-    Viewer::new().options(ViewerOptions::default().with_title(title))
+    Viewer::new().with_options(ViewerOptions::default().with_title(title))
 }
 
 /// Returns an error: the viewer is not built.

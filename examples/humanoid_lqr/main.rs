@@ -24,7 +24,7 @@ use std::sync::Arc;
 use arguments::Arguments;
 use clap::Parser;
 use common::balance::{set_point, weights};
-use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
+use mujoco_safe::{Data, Differences, Lqr, Model, sample};
 use set_point::SetPoint;
 use simulate::{Disturbance, simulate};
 use weights::{Dofs, weights};
@@ -83,7 +83,7 @@ fn balance(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
     // 4. Compute the gain.
     let solution = Lqr::solve(&system, &weights)?;
-    let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+    let mut lqr = Lqr::with_gain(&data, solution.k)?;
     report(format!(
         "Riccati: {} doublings, relative residual {:.1e}, 1 − spectral radius {:.1e}",
         solution.iterations,

@@ -6,7 +6,7 @@ use mujoco_safe::element::{Body, Joint};
 use mujoco_safe::enums::JointType;
 use mujoco_safe::id::BodyId;
 use mujoco_safe::nalgebra::DMatrix;
-use mujoco_safe::{Data, LqrWeights, Model, Result};
+use mujoco_safe::{Data, LqrWeights, Matrix, Model, Result};
 
 /// Weight of the centre of mass relative to the foot. It dominates: the deviation is in metres,
 /// those of joints in radians.
@@ -74,5 +74,5 @@ pub fn weights(data: &mut Data, torso: Body<'_>, foot: Body<'_>, dofs: &Dofs) ->
     let mut q = DMatrix::identity(nx, nx) * REGULARISATION;
     let mut block = q.view_mut((0, 0), (nv, nv));
     block += position;
-    Ok(LqrWeights { q, r: DMatrix::identity(nu, nu), s: None })
+    Ok(LqrWeights::new(q, Matrix::identity(nu)))
 }

@@ -124,11 +124,11 @@ impl Planner {
         let steps = (HORIZON / self.workers.model().timestep()).round() as usize;
         let (lqr, cost) = (&self.lqr, &self.cost);
         let result = Rollout::on(&self.workers, SAMPLES, steps)
-            .initial_state(STATE, &self.state)
-            .controllers(|index| Policy { lqr: lqr.clone(), perturbation: &candidates[index] })
-            .record(StateSpec::empty())
-            .outputs(OUTPUTS, |data, row| cost.write_outputs(data, row))
-            .chunk(1)
+            .with_initial_state(STATE, &self.state)
+            .with_controllers(|index| Policy { lqr: lqr.clone(), perturbation: &candidates[index] })
+            .with_recorded_states(StateSpec::empty())
+            .with_outputs(OUTPUTS, |data, row| cost.write_outputs(data, row))
+            .with_chunk(1)
             .run()?;
         let costs: Vec<f64> = (0..SAMPLES).map(|index| cost.mean(result.outputs_of(index).rows())).collect();
         let best = (0..SAMPLES).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0);

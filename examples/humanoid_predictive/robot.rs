@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Model, Result, sample};
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Model, Result, sample};
 
 use crate::set_point::SetPoint;
 use crate::simulate::{PUSH_AT, Push};
@@ -38,10 +38,10 @@ impl Robot {
             weights(&mut data, torso, foot, &Dofs::of(&model, torso, foot))
         });
         let (left, right) = (left?, right?);
-        let cost = LqrWeights { q: left.q + right.q, ..left };
+        let cost = LqrWeights::new(left.q.to_nalgebra() + right.q.to_nalgebra(), left.r);
         let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
         let solution = Lqr::solve(&system, &cost)?;
-        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+        let lqr = Lqr::with_gain(&data, solution.k)?;
         Ok(Self { model, set_point, height, lqr })
     }
 }

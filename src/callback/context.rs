@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use crate::data::{Data, Stage};
 use crate::ffi;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 
 /// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable
@@ -99,13 +99,13 @@ impl ControlContext<'_> {
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
-    /// data.set_callbacks(Callbacks::new().control(|context| context.set_ctrl("slide", 0.5).expect("a known name")));
+    /// data.set_callbacks(Callbacks::new().with_control(|context| context.set_ctrl("slide", 0.5).expect("a known name")));
     /// data.step()?;
     /// assert_eq!(data.ctrl(), [0.5]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn set_ctrl<Q: Key<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
-        let id = actuator.id(self.data.model().as_ref());
+    pub fn set_ctrl<Q: IntoId<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
+        let id = actuator.id_in(self.data.model().as_ref());
         Q::found(id, |id| {
             let control = self.data.model().first_control(id.index());
             self.ctrl_mut()[control] = ctrl;
@@ -125,8 +125,8 @@ impl SensorContext<'_> {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn data_mut<Q: Key<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
-        let id = sensor.id(self.data.model().as_ref());
+    pub fn data_mut<Q: IntoId<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
+        let id = sensor.id_in(self.data.model().as_ref());
         Q::found(id, |id| {
             let range = self.data.model().sensor(id).data_range();
             &mut self.sensordata_mut()[range]

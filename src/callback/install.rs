@@ -18,7 +18,7 @@ impl Data {
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.1;
     /// let mut pushes = Vec::new();
-    /// let balance = Callbacks::new().control(|context| {
+    /// let balance = Callbacks::new().with_control(|context| {
     ///     let push = 30.0 * context.qpos()[1] + 5.0 * context.qvel()[1];
     ///     context.ctrl_mut()[0] = push;
     ///     pushes.push(push);
@@ -36,7 +36,7 @@ impl Data {
     /// # use mujoco_safe::{Data, sample};
     /// let mut data = Data::new(sample::cartpole()).unwrap();
     /// let mut kept = None;
-    /// let callbacks = Callbacks::new().control(|context| kept = Some(context.ctrl_mut())); // borrowed data escapes
+    /// let callbacks = Callbacks::new().with_control(|context| kept = Some(context.ctrl_mut())); // borrowed data escapes
     /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
     /// ```
     #[doc(alias = "mjcb_control")]
@@ -78,7 +78,7 @@ impl Data {
     ///         let mut data = Data::new(sample::cartpole())?;
     ///         let target = Arc::new(Mutex::new(0.0));
     ///         let shared = target.clone();
-    ///         data.set_callbacks(Callbacks::new().control(move |context| {
+    ///         data.set_callbacks(Callbacks::new().with_control(move |context| {
     ///             let error = context.qpos()[0] - *shared.lock().unwrap();
     ///             let (angle, qvel) = (context.qpos()[1], context.qvel());
     ///             let push = 0.8 * error + 1.2 * qvel[0] + 10.0 * angle + 2.5 * qvel[1];
@@ -106,14 +106,14 @@ impl Data {
     /// # use mujoco_safe::{Data, sample};
     /// let mut data = Data::new(sample::cartpole()).unwrap();
     /// let mut calls = 0;
-    /// data.set_callbacks(Callbacks::new().control(|_| calls += 1)); // `calls` does not live long enough
+    /// data.set_callbacks(Callbacks::new().with_control(|_| calls += 1)); // `calls` does not live long enough
     /// ```
     ///
     /// A closure cannot replace the callbacks of its own simulation:
     ///
     /// ```compile_fail,E0596
     /// # use mujoco_safe::callback::Callbacks;
-    /// let callbacks = Callbacks::new().control(|context| {
+    /// let callbacks = Callbacks::new().with_control(|context| {
     ///     context.set_callbacks(Callbacks::new()); // cannot borrow data as mutable
     /// });
     /// ```

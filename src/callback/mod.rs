@@ -8,7 +8,7 @@
 //! // A spring of 20 N/m between the cart and the origin.
 //! let mut data = Data::new(sample::cartpole())?;
 //! data.qpos_mut()[0] = 0.5;
-//! let spring = Callbacks::new().passive(|passive| {
+//! let spring = Callbacks::new().with_passive(|passive| {
 //!     let x = passive.qpos()[0];
 //!     passive.qfrc_passive_mut()[0] -= 20.0 * x;
 //! });
@@ -19,11 +19,11 @@
 //!
 //! | closure | called | valid results | sets |
 //! |---|---|---|---|
-//! | [`control`](Callbacks::control) | before actuator forces are computed | positions, velocities | controls, applied forces |
-//! | [`passive`](Callbacks::passive) | after passive forces were computed | positions | passive forces |
-//! | [`sensor`](Callbacks::sensor) | after the evaluation of the sensors of a stage, if `user` sensors are among them | the stage | readings |
-//! | [`contact_filter`](Callbacks::contact_filter) | for each pair of geoms in the broad phase | positions (frames only) | collision of the pair |
-//! | [`actuator_dynamics`](Callbacks::actuator_dynamics), [`actuator_gain`](Callbacks::actuator_gain), [`actuator_bias`](Callbacks::actuator_bias) | for each actuator whose `dyntype`, `gaintype` or `biastype` is `user` | positions, velocities | the derivative, gain or bias |
+//! | [`with_control`](Callbacks::with_control) | before actuator forces are computed | positions, velocities | controls, applied forces |
+//! | [`with_passive`](Callbacks::with_passive) | after passive forces were computed | positions | passive forces |
+//! | [`with_sensor`](Callbacks::with_sensor) | after the evaluation of the sensors of a stage, if `user` sensors are among them | the stage | readings |
+//! | [`with_contact_filter`](Callbacks::with_contact_filter) | for each pair of geoms in the broad phase | positions (frames only) | collision of the pair |
+//! | [`with_actuator_dynamics`](Callbacks::with_actuator_dynamics), [`with_actuator_gain`](Callbacks::with_actuator_gain), [`with_actuator_bias`](Callbacks::with_actuator_bias) | for each actuator whose `dyntype`, `gaintype` or `biastype` is `user` | positions, velocities | the derivative, gain or bias |
 //!
 //! # Safety and cost
 //!
@@ -69,7 +69,7 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// let mut data = Data::new(sample::cartpole()).unwrap();
 /// let callbacks = {
 ///     let mut calls = 0;
-///     Callbacks::new().control(|_| calls += 1) // `calls` does not live long enough
+///     Callbacks::new().with_control(|_| calls += 1) // `calls` does not live long enough
 /// };
 /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
 /// ```
@@ -79,7 +79,7 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// ```compile_fail,E0277
 /// # use mujoco_safe::callback::Callbacks;
 /// let calls = std::rc::Rc::new(std::cell::Cell::new(0));
-/// let callbacks = Callbacks::new().control(|_| calls.set(calls.get() + 1)); // `Rc` cannot be sent between threads
+/// let callbacks = Callbacks::new().with_control(|_| calls.set(calls.get() + 1)); // `Rc` cannot be sent between threads
 /// ```
 #[derive(Default)]
 #[must_use = "closures are called after Data::set_callbacks or within Data::with_callbacks"]
@@ -106,14 +106,14 @@ impl<'c> Callbacks<'c> {
     /// the linearisation. If a control is NaN or beyond ±10¹⁰, the call returns
     /// [`Error::Unstable`](crate::Error::Unstable) and the data is poisoned.
     #[doc(alias = "mjcb_control")]
-    pub fn control(mut self, control: impl FnMut(&mut ControlContext<'_>) + Send + 'c) -> Self {
+    pub fn with_control(mut self, control: impl FnMut(&mut ControlContext<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
         self
     }
 
     /// Adds to the engine's passive forces of springs, dampers and the medium.
     #[doc(alias = "mjcb_passive")]
-    pub fn passive(mut self, passive: impl FnMut(&mut PassiveContext<'_>) + Send + 'c) -> Self {
+    pub fn with_passive(mut self, passive: impl FnMut(&mut PassiveContext<'_>) + Send + 'c) -> Self {
         self.passive = Some(Box::new(passive));
         self
     }
@@ -133,7 +133,7 @@ impl<'c> Callbacks<'c> {
     /// let sensor = model.sensor("momentum")?.id();
     /// let mut data = Data::new(model)?;
     /// data.qvel_mut()[2] = 1.5;
-    /// let callbacks = Callbacks::new().sensor(|context| {
+    /// let callbacks = Callbacks::new().with_sensor(|context| {
     ///     let momentum = [0, 1, 2].map(|axis| 2.0 * context.qvel()[axis]);
     ///     context.data_mut(sensor).copy_from_slice(&momentum);
     /// });
@@ -142,7 +142,7 @@ impl<'c> Callbacks<'c> {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjcb_sensor")]
-    pub fn sensor(mut self, sensor: impl FnMut(&mut SensorContext<'_>) + Send + 'c) -> Self {
+    pub fn with_sensor(mut self, sensor: impl FnMut(&mut SensorContext<'_>) + Send + 'c) -> Self {
         self.sensor = Some(Box::new(sensor));
         self
     }
@@ -159,13 +159,13 @@ impl<'c> Callbacks<'c> {
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.reset_to_key("stand")?;
     /// let floor = data.model().geom("floor")?.id();
-    /// let ghost = Callbacks::new().contact_filter(|_, geoms, collide| collide && !geoms.contains(&floor));
+    /// let ghost = Callbacks::new().with_contact_filter(|_, geoms, collide| collide && !geoms.contains(&floor));
     /// data.with_callbacks(ghost, |data| data.forward())?;
     /// assert!(data.contacts().filter_map(|contact| contact.geoms()).all(|geoms| !geoms.contains(&floor)));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjcb_contactfilter")]
-    pub fn contact_filter(mut self, filter: impl FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c) -> Self {
+    pub fn with_contact_filter(mut self, filter: impl FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c) -> Self {
         self.contact_filter = Some(Box::new(filter));
         self
     }
@@ -174,7 +174,7 @@ impl<'c> Callbacks<'c> {
     /// default is 0. For an actuator with several activations (`actdim`, with newer engines), a
     /// step returns [`Error::Unsupported`](crate::Error::Unsupported).
     #[doc(alias = "mjcb_act_dyn")]
-    pub fn actuator_dynamics(mut self, derivative: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
+    pub fn with_actuator_dynamics(mut self, derivative: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_dynamics = Some(Box::new(derivative));
         self
     }
@@ -182,7 +182,7 @@ impl<'c> Callbacks<'c> {
     /// Computes the gain of an actuator whose `gaintype` is `user`: the force per unit of control
     /// or activation. The default is 1.
     #[doc(alias = "mjcb_act_gain")]
-    pub fn actuator_gain(mut self, gain: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
+    pub fn with_actuator_gain(mut self, gain: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_gain = Some(Box::new(gain));
         self
     }
@@ -190,7 +190,7 @@ impl<'c> Callbacks<'c> {
     /// Computes the bias of an actuator whose `biastype` is `user`: an additional force. The
     /// default is 0.
     #[doc(alias = "mjcb_act_bias")]
-    pub fn actuator_bias(mut self, bias: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
+    pub fn with_actuator_bias(mut self, bias: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_bias = Some(Box::new(bias));
         self
     }

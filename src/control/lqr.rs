@@ -66,7 +66,7 @@ impl Lqr {
         let outputs = TransitionOutputs { a: Some(&mut system.a), b: Some(&mut system.b), ..Default::default() };
         Lineariser::new(data.model().clone(), TransitionOptions::default())?.linear_system_into(data, outputs)?;
         let solution = Self::solve(&system, weights)?;
-        Self::with_gain(data, Matrix::from(&solution.k))
+        Self::with_gain(data, solution.k)
     }
 
     /// Solves the Riccati equation for a linear system and weights. The solution contains the gain
@@ -76,8 +76,7 @@ impl Lqr {
     ///
     /// [`RiccatiError`] if there is no stabilising gain, or if shapes do not match.
     pub fn solve(system: &StateSpace, weights: &LqrWeights) -> Result<RiccatiSolution, RiccatiError> {
-        let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-        let equation = Riccati::new(&a, &b, &weights.q, &weights.r);
+        let equation = Riccati::new(&system.a, &system.b, &weights.q, &weights.r);
         match &weights.s {
             None => equation.solve(),
             Some(s) => equation.with_cross_term(s).solve(),

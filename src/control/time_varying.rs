@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 use super::LqrWeights;
 use super::feedback::{Feedback, clamp};
 use super::riccati::{RiccatiError, RiccatiRecursion};
@@ -11,7 +9,7 @@ use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::derivative::{self, LinearisationReport, Lineariser, StateSpace};
 use crate::error::{Error, Result};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, StridedView};
 use crate::memory;
 
 /// Regulator that follows a trajectory with a table of gains, one for each step.
@@ -29,7 +27,6 @@ use crate::memory;
 /// use mujoco_safe::control::TimeVaryingLqr;
 /// use mujoco_safe::derivative::TransitionOptions;
 /// use mujoco_safe::{Controller, Data, Lineariser, LqrWeights, Matrix, StateSpec, sample};
-/// use nalgebra::DMatrix;
 ///
 /// // Record a pole that falls for a second.
 /// let mut data = Data::new(sample::cartpole())?;
@@ -45,7 +42,7 @@ use crate::memory;
 /// data.set_state(StateSpec::INTEGRATION, &start)?;
 /// let weights = LqrWeights::diagonal(&[10.0, 100.0, 1.0, 1.0], &[0.01]);
 /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
-/// let mut follow = TimeVaryingLqr::along(&mut lineariser, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
+/// let mut follow = TimeVaryingLqr::along(&mut lineariser, &data, states, controls, &weights, &Matrix::identity(4))?;
 /// data.qpos_mut()[1] = 0.25;
 /// for _ in 0..100 {
 ///     follow.control(&mut data)?;
@@ -82,13 +79,13 @@ impl TimeVaryingLqr {
     ///
     /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of
     /// a wrong shape or a cost without a minimum, and the errors of [`Lineariser::along`].
-    pub fn along(
+    pub fn along<'t>(
         lineariser: &mut Lineariser,
         data: &Data,
         states: Matrix,
         controls: Matrix,
         weights: &LqrWeights,
-        terminal: &DMatrix<f64>,
+        terminal: impl Into<StridedView<'t>>,
     ) -> Result<Self> {
         check_trajectory(data, &states, &controls)?;
         let (steps, width) = (controls.nrows(), states.ncols());
@@ -106,18 +103,15 @@ impl TimeVaryingLqr {
     /// # Errors
     ///
     /// As for [`RiccatiRecursion::step_back`].
-    pub fn solve<'a>(
+    pub fn solve<'a, 't>(
         systems: impl DoubleEndedIterator<Item = &'a StateSpace>,
         weights: &LqrWeights,
-        terminal: &DMatrix<f64>,
+        terminal: impl Into<StridedView<'t>>,
     ) -> Result<Vec<Matrix>, RiccatiError> {
         let mut recursion = RiccatiRecursion::new(terminal, weights.r.nrows())?;
         let mut gains = systems
             .rev()
-            .map(|system| {
-                let gain = recursion.step_back(&system.a.to_nalgebra(), &system.b.to_nalgebra(), weights)?;
-                Ok(Matrix::from(gain))
-            })
+            .map(|system| recursion.step_back(&system.a, &system.b, weights).cloned())
             .collect::<Result<Vec<_>, _>>()?;
         gains.reverse();
         Ok(gains)
@@ -240,7 +234,7 @@ impl Controller for TimeVaryingLqr {
 fn check_trajectory(data: &Data, states: &Matrix, controls: &Matrix) -> Result<()> {
     let (model, steps) = (data.model(), controls.nrows());
     if steps == 0 {
-        return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
+        return Err(Error::out_of_range("the number of steps of a trajectory", 0, "at least 1"));
     }
     Error::check_shape("the controls of a trajectory", controls.shape(), (steps, model.nu()))?;
     let expected = (steps + 1, model.state_size(StateSpec::PHYSICS));

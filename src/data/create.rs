@@ -46,7 +46,8 @@ impl Data {
     /// Sleeping bodies wake.
     ///
     /// The closure returns nothing or a [`Result`], as for
-    /// [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the value in its `Ok`.
+    /// [`Rollout::with_model_edits`](crate::Rollout::with_model_edits); the call returns the value
+    /// in its `Ok`.
     ///
     /// # Errors
     ///

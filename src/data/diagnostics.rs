@@ -95,8 +95,8 @@ pub struct SolverIteration {
     pub nupdate: usize,
 }
 
-impl From<&mjSolverStat> for SolverIteration {
-    fn from(raw: &mjSolverStat) -> Self {
+impl SolverIteration {
+    fn from_raw(raw: &mjSolverStat) -> Self {
         let count = |raw: i32| usize::try_from(raw).unwrap_or(0);
         Self {
             improvement: raw.improvement,
@@ -159,7 +159,7 @@ impl Data {
     /// ```
     #[doc(alias = "mjSolverStat")]
     pub fn solver(&self) -> impl ExactSizeIterator<Item = SolverIteration> {
-        self.solver_statistics(0).iter().map(SolverIteration::from)
+        self.solver_statistics(0).iter().map(SolverIteration::from_raw)
     }
 
     /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of

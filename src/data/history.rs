@@ -91,7 +91,7 @@ impl Model {
                 let cursor = history[at];
                 if !((0.0..f64::from(samples)).contains(&cursor) && cursor.fract() == 0.0) {
                     let what = format!("history[{at}], the index of the newest sample of {kind} {element},");
-                    return Err(Error::invalid(what, cursor, format!("a whole number from 0 to {}", samples - 1)));
+                    return Err(Error::out_of_range(what, cursor, format!("a whole number from 0 to {}", samples - 1)));
                 }
             }
         }

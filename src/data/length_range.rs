@@ -12,7 +12,7 @@ use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 use super::{Data, Warning};
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 use crate::macros::with_methods;
 use crate::model::{DisableFlags, Model, ModelMut};
@@ -111,7 +111,7 @@ impl LengthRangeOptions {
             ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
         ];
         fields.into_iter().find(|(_, _, allowed, _)| !allowed).map_or(Ok(()), |(field, value, _, expected)| {
-            Err(Error::invalid(format!("{field} of the options of set_length_range"), value, expected))
+            Err(Error::out_of_range(format!("{field} of the options of set_length_range"), value, expected))
         })
     }
 }
@@ -199,10 +199,10 @@ impl ModelMut<'_> {
     #[doc(alias = "mj_setLengthRange")]
     pub fn set_length_range(
         &mut self,
-        actuator: impl Key<kind::Actuator>,
+        actuator: impl IntoId<kind::Actuator>,
         options: &LengthRangeOptions,
     ) -> Result<[f64; 2]> {
-        let index = actuator.id(&**self)?.index();
+        let index = actuator.id_in(&**self)?.index();
         let output = self.first_output(index);
         options.check(self.timestep())?;
         if self.is_excluded(index, options.mode) {

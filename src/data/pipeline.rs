@@ -283,7 +283,7 @@ impl Data {
     #[doc(alias = "mj_forwardSkip")]
     pub fn forward_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs) = match skip {
-            Stage::Nothing => (mjSTAGE_NONE, C::empty()),
+            Stage::None => (mjSTAGE_NONE, C::empty()),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::PROJECTION | C::CURRENT),
             Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::FIRST_HALF),
         };
@@ -307,7 +307,7 @@ impl Data {
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs, results) = match skip {
-            Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::VELOCITY | C::SOLVED | C::CURRENT),
+            Stage::None => (mjSTAGE_NONE, C::empty(), C::VELOCITY | C::SOLVED | C::CURRENT),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, (C::VELOCITY | C::SOLVED) - C::POSITION),
             Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::SOLVED),
         };

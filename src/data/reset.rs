@@ -8,7 +8,7 @@ use mujoco_sys::{guard, mjData, mjModel};
 use super::StateSpec;
 use super::{Data, PipelineFlags};
 use crate::error::Result;
-use crate::id::{Id, Key};
+use crate::id::{Id, IntoId};
 use crate::kind;
 
 /// # Reset and keyframes
@@ -50,8 +50,8 @@ impl Data {
     /// ```
     #[doc(alias = "mj_resetDataKeyframe")]
     #[doc(alias = "resetkey")]
-    pub fn reset_to_key(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model.as_ref())?;
+    pub fn reset_to_key(&mut self, key: impl IntoId<kind::Keyframe>) -> Result<()> {
+        let key: Id<kind::Keyframe> = key.id_in(self.model.as_ref())?;
         self.reset_with("mj_resetDataKeyframe", |m, d| {
             // SAFETY: a model, a data of this model, and a keyframe of the model.
             unsafe { guard::mj_reset_data_keyframe(m, d, key.index() as c_int) }
@@ -93,8 +93,8 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_setKeyframe")]
-    pub fn set_keyframe(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model().as_ref())?;
+    pub fn set_keyframe(&mut self, key: impl IntoId<kind::Keyframe>) -> Result<()> {
+        let key: Id<kind::Keyframe> = key.id_in(self.model().as_ref())?;
         // No results depend on keyframes, so they stay valid.
         self.write_keyframe(key.index())
     }

@@ -57,13 +57,13 @@ impl StepDifferences {
     /// and activations.
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<Kinks> {
         let mut kinks = Kinks::empty();
-        advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
+        advance(&mut point.data, Stage::None, settings.wanted.sensors)?;
         if is_solver_at_limit(&point.data) {
             point.restore()?;
             if self.solver.depends_on_iterations(point, settings.step.eps)? {
                 kinks |= Kinks::DIFFERENCES;
             }
-            advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
+            advance(&mut point.data, Stage::None, settings.wanted.sensors)?;
         }
         sample(&point.data, &mut self.samples[BASE]);
         self.may_jump = has_contact_that_jumps(&point.data);
@@ -146,7 +146,7 @@ impl StepDifferences {
         let skip = match input {
             Input::Control(_) | Input::Activation(_) => Stage::Velocity,
             Input::Velocity(_) => Stage::Position,
-            Input::Position(_) => Stage::Nothing,
+            Input::Position(_) => Stage::None,
         };
         advance(&mut point.data, skip, settings.wanted.sensors)?;
         sample(&point.data, &mut self.samples[index]);
@@ -157,10 +157,10 @@ impl StepDifferences {
 /// Takes a step that reuses the results of the stages up to `skip`.
 fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
     // A Runge–Kutta step leaves results of intermediate states, which cannot be reused.
-    if data.model().options().integrator == Integrator::Rk4 || (skip == Stage::Nothing && sensors) {
+    if data.model().options().integrator == Integrator::Rk4 || (skip == Stage::None && sensors) {
         return data.step_for_differences();
     }
-    if skip == Stage::Nothing {
+    if skip == Stage::None {
         data.fwd_position()?;
     } else {
         // The state was restored to the one that the position and velocity results belong to.

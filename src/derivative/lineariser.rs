@@ -71,7 +71,7 @@ impl Lineariser {
         }
         if !(1..=MAX_THREADS).contains(&options.threads) {
             let expected = format!("from 1 to {MAX_THREADS}, as each has its own simulation");
-            return Err(Error::invalid("threads of TransitionOptions", options.threads, expected));
+            return Err(Error::out_of_range("threads of TransitionOptions", options.threads, expected));
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
         let base = vec![0.0; model.state_size(StateSpec::INTEGRATION)];

@@ -67,5 +67,5 @@ fn check_eps(call: &str, eps: f64) -> Result<()> {
     if (MIN_EPS..=MAX_EPS).contains(&eps) {
         return Ok(());
     }
-    Err(Error::invalid(format!("eps of {call}"), eps, format!("between {MIN_EPS:e} and {MAX_EPS}")))
+    Err(Error::out_of_range(format!("eps of {call}"), eps, format!("between {MIN_EPS:e} and {MAX_EPS}")))
 }

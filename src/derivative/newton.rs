@@ -204,7 +204,7 @@ impl Newton {
 /// Computes the accelerations of the present state, and the sensors as requested. Returns `false`
 /// if they are beyond the engine's limit.
 fn has_accelerations(data: &mut Data, sensors: SensorUpdate) -> Result<bool> {
-    data.forward_skip(Stage::Nothing, sensors)?;
+    data.forward_skip(Stage::None, sensors)?;
     Ok(data.qacc().iter().all(|value| value.abs() <= mjMAXVAL))
 }
 

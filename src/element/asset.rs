@@ -3,8 +3,6 @@
 use std::fmt;
 use std::ops::Range;
 
-use nalgebra::{DMatrixView, Dyn};
-
 use super::{View, ViewMut, range};
 use crate::enums::TextureType;
 use crate::ffi;
@@ -107,29 +105,6 @@ impl ExactSizeIterator for Bones<'_> {}
 impl fmt::Debug for Bones<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_list().entries(self.clone()).finish()
-    }
-}
-
-/// # Methods of [`HeightField`](super::HeightField)
-impl<'a> View<'a, Model, kind::HeightField> {
-    /// Returns the elevations as a matrix `(nrow, ncol)`: a view of the engine's memory, not a
-    /// copy.
-    ///
-    /// ```
-    /// use mujoco_safe::Model;
-    ///
-    /// let mut model = Model::from_xml_str(
-    ///     "<mujoco><asset><hfield name='hills' nrow='2' ncol='3' size='1 1 0.5 0.1'/></asset></mujoco>",
-    /// )?;
-    /// model.edit().height_field_mut("hills")?.data_mut()[5] = 0.25;
-    /// let hills = model.height_field("hills")?;
-    /// assert_eq!(hills.matrix().shape(), (2, 3));
-    /// assert_eq!(hills.matrix()[(1, 2)], 0.25);
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    pub fn matrix(&self) -> DMatrixView<'a, f32, Dyn, Dyn> {
-        let (rows, columns) = (self.nrow(), self.ncol());
-        DMatrixView::from_slice_with_strides(self.data(), rows, columns, columns, 1)
     }
 }
 

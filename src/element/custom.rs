@@ -93,7 +93,8 @@ fields!(Keyframe on Model {
 /// freedom are not kinds, so their variants are written out.
 macro_rules! objects {
     ($($(#[$doc:meta])* $name:ident = $object:ident;)*) => {
-        /// Element of any kind: a member of a tuple, or the object that a sensor is attached to.
+        /// Element of any kind: a member of a tuple, the object that a sensor is attached to, or
+        /// the element that a geom of a scene represents.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum Object {
@@ -111,7 +112,7 @@ macro_rules! objects {
         impl Object {
             /// Converts a type and an index of the engine. Returns `None` for the type "unknown"
             /// and for the index -1.
-            pub(super) fn from_raw(object_type: i32, index: i32, lineage: Lineage) -> Option<Self> {
+            pub(crate) fn from_raw(object_type: i32, index: i32, lineage: Lineage) -> Option<Self> {
                 let index = usize::try_from(index).ok()?;
                 match u32::try_from(object_type).ok()? {
                     $(sys::$object => Some(Self::$name(Id::new(index, lineage))),)*

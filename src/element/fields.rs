@@ -96,8 +96,7 @@ macro_rules! fields {
                 #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless the value is one of `", stringify!($($allowed),+), "`.")]
                 pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
                     if ![$($allowed),+].contains(&value) {
-                        return Err($crate::Error::invalid(
-                            format!("{} of {self:?}", stringify!($name)),
+                        return Err($crate::Error::out_of_range(format!("{} of {self:?}", stringify!($name)),
                             value,
                             concat!("one of ", stringify!($($allowed),+)),
                         ));

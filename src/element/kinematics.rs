@@ -60,7 +60,7 @@ impl ViewMut<'_, ModelMut<'_>, kind::Body> {
         let (mass, inertia) = (mass * factor, inertia.map(|moment| moment * factor));
         if !is_valid || !mass.is_finite() || inertia.iter().any(|moment| !moment.is_finite()) {
             let expected = "positive and finite, and leave mass and inertia finite";
-            return Err(Error::invalid(format!("the factor for the mass of {self:?}"), factor, expected));
+            return Err(Error::out_of_range(format!("the factor for the mass of {self:?}"), factor, expected));
         }
         self.owner.body_mass_mut()[index] = mass;
         self.owner.body_inertia_mut()[index] = inertia;

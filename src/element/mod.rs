@@ -131,7 +131,7 @@ use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::sealed::Sealed;
-use crate::id::{Id, Key, Lookup};
+use crate::id::{Id, IntoId, Lookup};
 use crate::kind::{self, ElementKind};
 use crate::macros::with_aliases;
 use crate::model::{Model, ModelMut};
@@ -218,13 +218,13 @@ impl<O, K> From<View<'_, O, K>> for Id<K> {
 
 impl<O, K> Sealed for View<'_, O, K> {}
 
-impl<O, K: ElementKind> Key<K> for View<'_, O, K> {
+impl<O, K: ElementKind> IntoId<K> for View<'_, O, K> {
     type Found<T> = T;
 
     #[inline]
     #[track_caller]
-    fn id(self, model: &impl Lookup) -> Result<Id<K>> {
-        self.id.id(model)
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
+        self.id.id_in(model)
     }
 
     #[inline]
@@ -260,7 +260,7 @@ macro_rules! kinds {
             #[doc = concat!("Returns the ", stringify!($one), " for a key.")]
             #[doc(alias = $short)]
             #[inline]
-            pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
+            pub fn $one<Q: IntoId<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
                 key.find(self, |id| View::new(self, id))
             }
 
@@ -277,8 +277,8 @@ macro_rules! kinds {
         impl<'m> ModelMut<'m> {$(
             #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
-            pub fn $one_mut<'e, Q: Key<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
-                let id = key.id(&**self);
+            pub fn $one_mut<'e, Q: IntoId<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
+                let id = key.id_in(&**self);
                 Q::found(id, |id| ViewMut::new(self, id))
             }
         )*}
@@ -290,14 +290,14 @@ macro_rules! kinds {
             #[doc = concat!("Returns the ", stringify!($one), " for a key.")]
             #[doc(alias = $short)]
             #[inline]
-            pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
+            pub fn $one<Q: IntoId<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
                 key.find(self.model().as_ref(), |id| View::new(self, id))
             }
 
             #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
-            pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
-                let id = key.id(self.model().as_ref());
+            pub fn $one_mut<Q: IntoId<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
+                let id = key.id_in(self.model().as_ref());
                 Q::found(id, |id| ViewMut::new(self, id))
             }
 

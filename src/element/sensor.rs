@@ -31,7 +31,7 @@ fields!(Sensor on Model {
     datatype: {SensorDataType} = |sensor| SensorDataType::of_field(sensor.owner.sensor_datatype()[sensor.index()]);
     /// Stage of the pipeline that the reading requires.
     needstage: {Stage} = |sensor| match sensor.owner.sensor_needstage()[sensor.index()] as u32 {
-        sys::mjSTAGE_NONE => Stage::Nothing,
+        sys::mjSTAGE_NONE => Stage::None,
         sys::mjSTAGE_POS => Stage::Position,
         sys::mjSTAGE_VEL => Stage::Velocity,
         sys::mjSTAGE_ACC => Stage::Acceleration,

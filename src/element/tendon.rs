@@ -19,7 +19,7 @@ impl<'a> View<'a, Data, kind::Tendon> {
     fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
         // The options determine the layout that the engine has written, so they must not have
         // changed since.
-        if self.owner.stage() == Stage::Nothing {
+        if self.owner.stage() == Stage::None {
             return None;
         }
         Some(JacobianRow::new(self.owner.tendon_row(self.index()), self.owner.model().nv()))

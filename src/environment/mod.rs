@@ -112,7 +112,7 @@ pub trait Task: Send + Sync {
     ///
     /// Poses, contacts and sensor readings belong to the state before the last engine step, unless
     /// the environment was created with
-    /// [`forward_after_step`](VectorEnvironment::forward_after_step).
+    /// [`with_forward_after_step`](VectorEnvironment::with_forward_after_step).
     fn observe(&self, data: &Data, observation: &mut [f64]);
 
     /// Returns the reward of a step, and if the episode ends in its new state.

@@ -23,8 +23,8 @@ pub enum UnstableField {
 ///
 /// Positions, velocities and controls are checked before the engine is called. In that case the
 /// data is unchanged, and a program can correct the value. An acceleration that is out of range,
-/// and a control that a [closure](crate::callback::Callbacks::control) sets, are detected during
-/// the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
+/// and a control that a [closure](crate::callback::Callbacks::with_control) sets, are detected
+/// during the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Instability {

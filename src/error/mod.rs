@@ -66,7 +66,8 @@ pub enum Error {
     /// [`Engine`](Self::Engine).
     #[error("the {callback} callback panicked: {message}")]
     Callback {
-        /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure.
+        /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure, without
+        /// `with_`.
         callback: &'static str,
         /// Message of the panic.
         message: String,
@@ -128,12 +129,12 @@ pub enum Error {
         reason: String,
     },
 
-    /// The engine could not write a model.
+    /// The engine could not write a model, or a recording of frames failed.
     #[error("cannot save to {path}: {reason}")]
     Save {
         /// The file to write.
         path: PathBuf,
-        /// Cause of the failure.
+        /// Cause of the failure, and a remedy if there is one.
         reason: String,
     },
 
@@ -148,15 +149,6 @@ pub enum Error {
         path: PathBuf,
         /// The fields whose values differ in the reloaded model.
         fields: Vec<UnsavedField>,
-    },
-
-    /// A recording of frames failed.
-    #[error("cannot record {path}: {reason}")]
-    Recording {
-        /// Output path of the recording.
-        path: PathBuf,
-        /// Cause of the failure, and a remedy if there is one.
-        reason: String,
     },
 
     /// A file could not be read or written.
@@ -214,9 +206,11 @@ pub enum Error {
         found: (usize, usize),
     },
 
-    /// A value is not allowed.
+    /// A value is not allowed. `kind` is for programs, the texts are for people.
     #[error("{what} is {value}, but must be {expected}")]
     Invalid {
+        /// Kind of the mistake.
+        kind: InvalidKind,
         /// The argument or field.
         what: String,
         /// The invalid value.
@@ -313,8 +307,23 @@ impl Error {
     }
 
     /// Returns the error about a value that is not allowed.
-    pub(crate) fn invalid(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
-        Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }
+    pub(crate) fn invalid(
+        kind: InvalidKind,
+        what: impl Into<String>,
+        value: impl fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Invalid { kind, what: what.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// Returns the error about a number outside of its range.
+    pub(crate) fn out_of_range(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
+        Self::invalid(InvalidKind::OutOfRange, what, value, expected)
+    }
+
+    /// Returns the error about a number that is infinite or NaN.
+    pub(crate) fn not_finite(what: impl Into<String>, value: impl fmt::Display) -> Self {
+        Self::invalid(InvalidKind::NotFinite, what, value, "finite")
     }
 
     /// Returns the error about something that only other versions of the engine have.
@@ -345,6 +354,34 @@ impl Error {
         let path = path.into();
         move |source| Self::File { path, source }
     }
+}
+
+/// Kind of an [`Error::Invalid`].
+///
+/// ```
+/// use mujoco_safe::{Error, InvalidKind, math, sample};
+///
+/// let error = sample::humanoid().edit().set_timestep(-0.001).unwrap_err();
+/// assert!(matches!(error, Error::Invalid { kind: InvalidKind::OutOfRange, .. }));
+/// let error = math::euler2quat(&[0.0; 3], "xyw").unwrap_err();
+/// assert!(matches!(error, Error::Invalid { kind: InvalidKind::Text, .. }));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum InvalidKind {
+    /// A number is infinite or NaN, and any finite number is allowed.
+    NotFinite,
+    /// A number, a size or an interval is outside of its range. NaN is outside of each.
+    OutOfRange,
+    /// A text has the wrong format: a NUL byte, not a number, an unknown letter.
+    Text,
+    /// A name is none of the known ones. For names of elements see [`Error::NoSuchName`].
+    Unknown,
+    /// A name or a parameter is given twice.
+    Duplicate,
+    /// An element or an object does not fit the call: a geom without a height field, the root of a
+    /// spec for a removal.
+    Unsuitable,
 }
 
 /// A field of a model that the model's XML cannot represent.

@@ -7,7 +7,7 @@ use super::Result;
 /// A call with such a closure returns the closure's error as its own, so one `?` is enough. A
 /// closure for [`Data::edit_model`](crate::Data::edit_model) can return a value in `Ok`; the other
 /// closures of this crate, such as a [`Controller`](crate::Controller) or the edit of a
-/// [`Rollout`](crate::Rollout::edit_model), return `()` or `Result<()>`.
+/// [`with_model_edits`](crate::Rollout::with_model_edits), return `()` or `Result<()>`.
 ///
 /// ```
 /// use mujoco_safe::{Data, sample};

@@ -125,7 +125,7 @@
 //!
 //! # Names, ids, indices and views
 //!
-//! An element is selected by a [`Key`](crate::id::Key): its name, its index, its
+//! An element is selected by a [`IntoId`](crate::id::IntoId): its name, its index, its
 //! [`Id`](crate::id::Id), or a view of it. A name or an index can be unknown, so the lookup returns
 //! a [`Result`](crate::Result). An id and a view always refer to an element, so the lookup returns
 //! a view without an error.
@@ -161,8 +161,8 @@
 //! | results of functions | [`Matrix`] | [`Data::full_m`] |
 //!
 //! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`]
-//! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] copies. An
-//! element of a [`Matrix`] is `matrix[(row, column)]`.
+//! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] and
+//! `Matrix::from` copy. An element of a [`Matrix`] is `matrix[(row, column)]`.
 //!
 //! # Units
 //!

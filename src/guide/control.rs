@@ -47,9 +47,9 @@
 //!
 //! A control law that needs quantities of the *present* state, such as the bias force, sets the
 //! controls between [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control`
-//! callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in each
-//! substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a
-//! simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
+//! callback](crate::callback::Callbacks::with_control), which the Runge–Kutta integrator calls in
+//! each substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in
+//! a simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
 //! can borrow local variables. The cookbook compensates
 //! [gravity](crate::guide::cookbook#gravity-compensation) in this way.
 //!
@@ -98,7 +98,7 @@
 //!
 //! ```
 //! use mujoco_safe::control::riccati::RiccatiError;
-//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Matrix, sample};
+//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
@@ -106,7 +106,7 @@
 //! let solution = Lqr::solve(&system, &weights)?;
 //! assert!(solution.spectral_radius < 1.0);       // the closed loop is stable
 //! assert!(solution.relative_residual < 1e-9);
-//! let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+//! let mut lqr = Lqr::with_gain(&data, solution.k)?;
 //! data.qpos_mut()[1] = 0.1;
 //! for _ in 0..1000 {
 //!     lqr.control(&mut data)?;
@@ -134,14 +134,13 @@
 //!
 //! ```
 //! use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
-//! use mujoco_safe::nalgebra::DMatrix;
 //! use mujoco_safe::{Controller, Data, LqrWeights, Matrix, sample};
 //!
 //! // Move the cart to 0.5 m in a second.
 //! let mut data = Data::new(sample::cartpole())?;
 //! let model = data.model().clone();
 //! let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
-//! let cost = QuadraticCost::new(model.clone(), &[0.5, 0.0, 0.0, 0.0], weights, DMatrix::identity(4, 4) * 100.0)?;
+//! let cost = QuadraticCost::new(model.clone(), &[0.5, 0.0, 0.0, 0.0], weights, Matrix::from_diagonal(&[100.0; 4]))?;
 //! let plan = Ilqr::new(model, IlqrOptions::default())?.solve(&data, &Matrix::zeros(100, 1), &cost)?;
 //!
 //! // Follow the plan from a disturbed state.
@@ -243,7 +242,7 @@
 //!
 //! # Predictive control in the viewer
 //!
-//! The viewer runs any controller. With [`Viewer::instrumented_controller`][instrumented], a
+//! The viewer runs any controller. With [`Viewer::with_instrumented_controller`][instrumented], a
 //! closure also declares its [`Instruments`][instruments]: values that are plotted over time,
 //! parameters that the user changes with sliders, and paths in the scene. Here they are the cost of
 //! each term in the first step of the plan, the weights, and the planned path of the pole's tip. A
@@ -270,7 +269,7 @@
 //! let mut planned = Data::new(model.clone())?;
 //! let (tip, mut costs) = (model.site("tip")?.id(), vec![0.0; 3]);
 //! Viewer::new()
-//!     .instrumented_controller(controller, move |controller, _, instruments| -> Result<()> {
+//!     .with_instrumented_controller(controller, move |controller, _, instruments| -> Result<()> {
 //!         for term in controller.cost_mut().terms_mut() {
 //!             let mut weight = term.weight;
 //!             if instruments.parameter(term.name(), &mut weight, 1e-3..=1e3) {
@@ -351,8 +350,8 @@
 //!     fn control(&mut self, data: &mut Data) -> Result<()> {
 //!         let (state, count) = (data.state(StateSpec::FULL_PHYSICS), self.candidates.len() / HORIZON);
 //!         let result = Rollout::on(&self.workers, count, HORIZON)
-//!             .initial_state(StateSpec::FULL_PHYSICS, &state)
-//!             .controls(&self.candidates)
+//!             .with_initial_state(StateSpec::FULL_PHYSICS, &state)
+//!             .with_controls(&self.candidates)
 //!             .run()?;
 //!         let cost = |roll: usize| {
 //!             let x = DVectorView::from_slice(result.state(roll, HORIZON), 4);
@@ -366,7 +365,8 @@
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
-//! let cost_to_go = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?.p;
+//! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
+//! let cost_to_go = Lqr::solve(&system, &weights)?.p.to_nalgebra();
 //! let candidates = (-8..=8).flat_map(|force| [0.1 * f64::from(force); HORIZON]).collect();
 //! let mut predictive = Predictive { workers: Workers::new(data.model().clone()), candidates, cost_to_go };
 //! data.qpos_mut()[1] = 0.3;

@@ -142,7 +142,7 @@
 //! let options = RayOptions::default().with_bodyexclude(data.model().body("robot")?);
 //! let mut hits = vec![None; directions.len()];
 //! let origin = *data.site("lidar")?.xpos();
-//! data.multi_ray_into(origin, &directions, 10.0, &options, &mut hits)?;
+//! data.multi_ray_into(origin, &directions, &options, 10.0, &mut hits)?;
 //! let ahead = hits[45].expect("a wall");
 //! assert!((ahead.distance - 1.9).abs() < 1e-9);
 //! assert_eq!(data.geom(ahead.geom).name(), Some("wall"));
@@ -195,8 +195,8 @@
 //!
 //! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that
 //! the results do not depend on the threads.
-//! [`forward_after_step`](crate::Rollout::forward_after_step) updates the poses that the outputs
-//! read. With the feature `npz`, `result.save_npz(path)?` writes all arrays for NumPy.
+//! [`with_forward_after_step`](crate::Rollout::with_forward_after_step) updates the poses that the
+//! outputs read. With the feature `npz`, `result.save_npz(path)?` writes all arrays for NumPy.
 //!
 //! ```
 //! use mujoco_safe::{Rollout, sample};
@@ -209,14 +209,14 @@
 //! let model = sample::cartpole();
 //! let (pole, hinge) = (model.body("pole")?.id(), model.joint("hinge")?.id());
 //! let result = Rollout::new(model, nroll, nstep)
-//!     .edit_model(|roll, edit| {
+//!     .with_model_edits(|roll, edit| {
 //!         edit.body_mut(pole).scale_mass(scales[roll])?;
 //!         edit.joint_mut(hinge).damping_mut()[0] *= scales[roll];
 //!         edit.update_constants()
 //!     })
-//!     .shared_controls(&vec![0.1; nstep]) // (nstep, nu)
-//!     .outputs(1, |data, row| row[0] = data.body(pole).xpos()[0])
-//!     .forward_after_step()
+//!     .with_shared_controls(&vec![0.1; nstep]) // (nstep, nu)
+//!     .with_outputs(1, |data, row| row[0] = data.body(pole).xpos()[0])
+//!     .with_forward_after_step()
 //!     .run()?;
 //! assert!(result.outcomes().iter().all(Result::is_ok));
 //! assert_eq!(result.outputs().len(), nroll * nstep);
@@ -247,12 +247,12 @@
 //! // Readings for each column [damping, relative mass], one column of readings each.
 //! let simulate = |parameters: &DMatrix<f64>| -> Result<DMatrix<f64>> {
 //!     let result = Rollout::new(&model, parameters.ncols(), controls.len())
-//!         .edit_model(|roll, edit| {
+//!         .with_model_edits(|roll, edit| {
 //!             edit.joint_mut(hinge).damping_mut()[0] = parameters[(0, roll)];
 //!             edit.body_mut(arm).scale_mass(parameters[(1, roll)])?;
 //!             edit.update_constants()
 //!         })
-//!         .shared_controls(&controls)
+//!         .with_shared_controls(&controls)
 //!         .run()?;
 //!     Ok(DMatrix::from_column_slice(controls.len(), parameters.ncols(), result.sensordata()))
 //! };

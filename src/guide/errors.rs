@@ -35,11 +35,12 @@
 //! | [`Load`](Error::Load) | the XML is not a valid model for the engine | the message has the line; see [troubleshooting](super::troubleshooting#models) |
 //! | [`InvalidBinary`](Error::InvalidBinary) | a damaged binary model, or one of another version | compile the XML again |
 //! | [`File`](Error::File) | a file cannot be read or written | check path and permissions |
-//! | [`Save`](Error::Save), [`XmlLosesEdits`](Error::XmlLosesEdits), [`XmlReplaced`](Error::XmlReplaced) | XML cannot represent the model, or another model was loaded since | [`Model::save_binary`](crate::Model::save_binary) |
+//! | [`XmlLosesEdits`](Error::XmlLosesEdits), [`XmlReplaced`](Error::XmlReplaced) | XML cannot represent the model, or another model was loaded since | [`Model::save_binary`](crate::Model::save_binary) |
+//! | [`Save`](Error::Save) | the engine cannot write a model, or a recording failed | the message; install `ffmpeg`, or another format |
 //! | [`NoSuchName`](Error::NoSuchName), [`NoSuchIndex`](Error::NoSuchIndex), [`NoSuchField`](Error::NoSuchField) | an unknown name or index | the error lists the known names |
 //! | [`NotComputed`](Error::NotComputed) | a result has not been computed | the call that the message names, usually [`Data::forward`] |
 //! | [`Shape`](Error::Shape) | a vector or matrix of the wrong shape | the message has both shapes |
-//! | [`Invalid`](Error::Invalid) | a value out of range | the message has the allowed values |
+//! | [`Invalid`](Error::Invalid) | a value that is not allowed; its [`InvalidKind`](crate::InvalidKind) tells a program why | the message has the allowed values |
 //! | [`OtherModel`](Error::OtherModel) | a scene, lineariser or simulation of another model | create both from one model or its clones |
 //! | [`Unstable`](Error::Unstable) | NaN, or a value beyond ±10¹⁰ | a smaller time step, softer contacts, more damping; limits on controls |
 //! | [`Callback`](Error::Callback) | a closure panicked in a step | correct the closure, reset |
@@ -47,13 +48,13 @@
 //! | [`Engine`](Error::Engine) | the engine raised an error, for example a stack overflow | the message; a larger `nstack` in the model's `size` |
 //! | [`Poisoned`](Error::Poisoned) | an earlier call failed | [`Data::reset`] |
 //! | [`Solver`](Error::Solver) | no regulator exists | [`Error::solver`] returns the [`RiccatiError`](crate::control::riccati::RiccatiError) |
-//! | [`Recording`](Error::Recording), [`SceneFull`](Error::SceneFull) | a recording failed; more geoms than the scene has room for | install `ffmpeg`, or another format; a larger [`Scene`](crate::Scene) |
+//! | [`SceneFull`](Error::SceneFull) | more geoms than the scene has room for | a larger [`Scene`](crate::Scene) |
 //! | [`Unsupported`](Error::Unsupported) | the operation is not possible with this model or this engine | the message |
 //! | [`OutOfMemory`](Error::OutOfMemory), [`LoaderLocked`](Error::LoaderLocked) | memory is exhausted; the compiler was interrupted by such a failure | restart the process |
 //! | [`EngineVersion`](Error::EngineVersion) | the library at run time has another version than the headers | see [`engines`](super::engines) |
 //!
-//! Rendering returns `RenderError`, the viewer `ViewerError`; both contain an [`Error`] of the
-//! engine. A rollout has one [`RolloutError`](crate::rollout::RolloutError) per failed simulation.
+//! Rendering returns `RenderError`, the viewer `ViewerError`; both contain an [`Error`] as
+//! `Other`. A rollout has one [`RolloutError`](crate::rollout::RolloutError) per failed simulation.
 //!
 //! # Poisoning
 //!

@@ -49,8 +49,8 @@
 //! | `mjd_transitionFD(model, data, ϵ, true, A, B, nothing, nothing)` | [`data.transition_fd(eps, Differences::Central)?`](Data::transition_fd) |
 //! | `ared(A, B, R, Q, S)` of MatrixEquations.jl | [`Riccati::new(&a, &b, &q, &r)`](crate::control::riccati::Riccati)`.with_cross_term(&s).solve()?`: Q before R |
 //! | `visualise!(model, data)` | `Viewer::new().run(data)?`, feature `viewer`: see [`pictures`](super::pictures) |
-//! | `visualise!(model, data, controller=ctrl!)` | `Viewer::new().controller(controller).run(data)?` |
-//! | `visualise!(model, data, trajectories=states)` | `Viewer::new().trajectories([trajectory]).run(data)?`, with a [`Trajectory`](crate::Trajectory) |
+//! | `visualise!(model, data, controller=ctrl!)` | `Viewer::new().with_controller(controller).run(data)?` |
+//! | `visualise!(model, data, trajectories=states)` | `Viewer::new().with_trajectories([trajectory]).run(data)?`, with a [`Trajectory`](crate::Trajectory) |
 //! | `LibMuJoCo.mju_add` | [`sys`](crate::sys): the raw bindings |
 //!
 //! `install_visualiser` and `init_visualiser` have no counterpart: the Cargo feature `viewer`
@@ -60,15 +60,12 @@
 //!
 //! ```
 //! use mujoco_safe::control::riccati::Riccati;
-//! use mujoco_safe::nalgebra::{DMatrix, dvector};
-//! use mujoco_safe::{Data, Differences, sample};
+//! use mujoco_safe::{Data, Differences, Matrix, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! let system = data.transition_fd(1e-6, Differences::Central)?;
-//! let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-//! let q = DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]);
-//! let r = DMatrix::from_diagonal(&dvector![1.0]);
-//! let k = Riccati::new(&a, &b, &q, &r).solve()?.k;
+//! let q = Matrix::from_diagonal(&[1.0, 10.0, 1.0, 5.0]);
+//! let k = Riccati::new(&system.a, &system.b, &q, &Matrix::identity(1)).solve()?.k.to_nalgebra();
 //!
 //! data.qpos_mut()[1] = 0.1;
 //! for _ in 0..1000 {

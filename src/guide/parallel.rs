@@ -8,7 +8,7 @@
 //! | the same with rewards, ends of episodes and resets (reinforcement learning) | [`VectorEnvironment`] |
 //! | rollouts in every control step | [`Rollout::on`] with [`Workers`] |
 //! | linearisation in several threads | [`Lineariser`](crate::Lineariser) with [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads) |
-//! | many machines | a process per machine: the example `mpi` distributes a batch over MPI ranks, with the same random numbers for any number of ranks ([`Batch::first_index`]) |
+//! | many machines | a process per machine: the example `mpi` distributes a batch over MPI ranks, with the same random numbers for any number of ranks ([`Batch::with_first_index`]) |
 //! | a learner in Python | the example `python`: a module whose NumPy arrays borrow the rows of a batch (`scripts/python-module`) |
 //!
 //! # Shared and owned
@@ -35,13 +35,13 @@
 //! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
 //! let lqr = Lqr::at_present_state(&mut Data::new(model.clone())?, &weights)?;
 //! let result = Rollout::new(model, 8, 300)
-//!     .initial_state(StateSpec::PHYSICS, &[0.0, 0.1, 0.0, 0.0])
-//!     .controllers(|_| lqr.clone())
-//!     .edit_model(|index, edit| {
+//!     .with_initial_state(StateSpec::PHYSICS, &[0.0, 0.1, 0.0, 0.0])
+//!     .with_controllers(|_| lqr.clone())
+//!     .with_model_edits(|index, edit| {
 //!         edit.body_mut(pole).scale_mass(0.8 + 0.1 * index as f64)?;
 //!         edit.update_constants()
 //!     })
-//!     .outputs(1, |data, row| row[0] = data.actuator_force()[0])
+//!     .with_outputs(1, |data, row| row[0] = data.actuator_force()[0])
 //!     .run()?;
 //! for (index, outcome) in result.outcomes().iter().enumerate() {
 //!     match outcome {
@@ -53,7 +53,7 @@
 //! ```
 //!
 //! A failure ends one rollout and leaves NaN in its remaining rows; the others continue.
-//! [`Rollout::run_into`] writes to existing buffers. [`Rollout::progress`] reports completed
+//! [`Rollout::run_into`] writes to existing buffers. [`Rollout::with_progress`] reports completed
 //! rollouts and can cancel the rest.
 //!
 //! ## Rows and times
@@ -64,11 +64,11 @@
 //! | [`sensordata`](crate::rollout::RolloutResult::sensordata) | `(nroll, nstep, nsensordata)` | the readings in the state of row `k` |
 //! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
 //!
-//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads belongs
-//! to row `k + 1`; poses, contacts and forces belong to row `k`, because [a step does not update
-//! them](super::concepts#age-of-results). [`forward_after_step`](Rollout::forward_after_step)
-//! updates them before the closure runs, at the cost of one more evaluation of forward dynamics per
-//! step.
+//! The closure of [`with_outputs`](Rollout::with_outputs) runs after a step. The state that it
+//! reads belongs to row `k + 1`; poses, contacts and forces belong to row `k`, because [a step does
+//! not update them](super::concepts#age-of-results).
+//! [`with_forward_after_step`](Rollout::with_forward_after_step) updates them before the closure
+//! runs, at the cost of one more evaluation of forward dynamics per step.
 //!
 //! ## Files
 //!
@@ -85,7 +85,7 @@
 //! use mujoco_safe::{Matrix, sample};
 //!
 //! let gains = Matrix::from_rows(&[[0.3, 3.0, 0.4, 0.6]]); // (nu, nobs)
-//! let mut batch = Batch::new(sample::cartpole(), 32)?.substeps(2); // observations: [qpos; qvel; act]
+//! let mut batch = Batch::new(sample::cartpole(), 32)?.with_substeps(2); // observations: [qpos; qvel; act]
 //! batch.reset_where(|_| true, |index, _, data| data.qpos_mut()[1] = 0.01 * index as f64 - 0.16)?;
 //! for _ in 0..100 {
 //!     batch.step(|observations, controls| {
@@ -103,16 +103,17 @@
 //! ```
 //!
 //! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its
-//! error. The closure of [`observe`](Batch::observe) reads the simulation after a step, so the
-//! remark on the age of poses applies to it too; [`Batch::forward_after_step`] updates them.
-//! [`Batch::data`] returns a copy of one simulation, for example to draw it, [`Batch::states`] the
-//! states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
+//! error. The closure of [`with_observations`](Batch::with_observations) reads the simulation after
+//! a step, so the remark on the age of poses applies to it too; [`Batch::with_forward_after_step`]
+//! updates them. [`Batch::data`] returns a copy of one simulation, for example to draw it,
+//! [`Batch::states`] the states of all as a matrix, and [`Batch::edit_where`] changes simulations
+//! between two steps.
 //!
 //! ## Parameters for each simulation
 //!
-//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen
-//! [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes, damping,
-//! stiffness, armature, gains, gears, gravity. The values come from distributions and are
+//! For domain randomisation, [`Batch::with_parameters`] gives each simulation other values of
+//! chosen [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes,
+//! damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are
 //! determined by a seed, the index of the simulation and the number of its episode:
 //!
 //! ```
@@ -124,7 +125,7 @@
 //! let parameters = Parameters::new()
 //!     .with(&model, Parameter::MassFactor(torso), Distribution::LogUniform { low: 0.8, high: 1.25 })?
 //!     .with(&model, Parameter::GeomFriction(floor, 0), Distribution::Uniform { low: 0.4, high: 1.0 })?;
-//! let mut batch = Batch::new(model, 16)?.vary(parameters)?;
+//! let mut batch = Batch::new(model, 16)?.with_parameters(parameters)?;
 //! batch.sample_parameters(|_| true, 42)?;
 //! batch.step(|_, _| ())?;
 //! # assert!(batch.failures().next().is_none());
@@ -169,9 +170,9 @@
 //! use mujoco_safe::environment::{HalfCheetah, VectorEnvironment};
 //!
 //! let cheetahs = VectorEnvironment::new(HalfCheetah::model(), HalfCheetah, 16, 42)?
-//!     .action_delay(0..=2)? // steps of the environment
-//!     .action_noise(&[0.05; 6])?
-//!     .observation_noise(&[0.01; 17])?;
+//!     .with_action_delay(0..=2)? // steps of the environment
+//!     .with_action_noise(&[0.05; 6])?
+//!     .with_observation_noise(&[0.01; 17])?;
 //! assert_eq!(cheetahs.observations().shape(), (16, 17));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```

@@ -53,9 +53,10 @@
 //!
 //! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into a
 //! new `Arc`. Each edit of a shared model by [`Data::edit_model`] copies the model once, with its
-//! meshes and textures; a rollout with [`edit_model`](crate::rollout::Rollout::edit_model) reuses
-//! its copies. With 2.2.2 and 3.5.0, loading a binary model ([`Model::from_binary_path`]) skips the
-//! XML compiler, which can take seconds for large meshes.
+//! meshes and textures; a rollout with
+//! [`with_model_edits`](crate::rollout::Rollout::with_model_edits) reuses its copies. With 2.2.2
+//! and 3.5.0, loading a binary model ([`Model::from_binary_path`]) skips the XML compiler, which
+//! can take seconds for large meshes.
 //!
 //! # Threads
 //!

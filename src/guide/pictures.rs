@@ -73,7 +73,7 @@
 //! let (mut scene, mut camera) = (Scene::new(data.model(), 1000)?, Camera::free(data.model()));
 //! scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
 //! let arrow = NewGeom::connector(Connector::Arrow, 0.02, [0.0, 0.0, 1.0], [0.5, 0.0, 1.0]);
-//! scene.add_geom(&arrow.rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
+//! scene.add_geom(&arrow.with_rgba([1.0, 0.0, 0.0, 1.0]).with_label("goal")?)?;
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
@@ -149,12 +149,12 @@
 //! use mujoco_safe::{Data, RandomController, sample};
 //!
 //! // The viewer steps. It returns the simulation in its final state.
-//! let mut data = Viewer::new().controller(RandomController::new(1)).run(Data::new(sample::humanoid())?)?;
+//! let mut data = Viewer::new().with_controller(RandomController::new(1)).run(Data::new(sample::humanoid())?)?;
 //!
 //! // The program steps, and shows a goal.
 //! data.reset()?;
 //! viewer::run(ViewerOptions::default().with_title("goal"), |handle| -> Result<(), ViewerError> {
-//!     handle.geoms_mut().push(NewGeom::sphere(0.05).pos([1.0, 0.0, 0.5]));
+//!     handle.geoms_mut().push(NewGeom::sphere(0.05).with_pos([1.0, 0.0, 0.5]));
 //!     while handle.is_running() {
 //!         if handle.is_paused() {
 //!             handle.wait(Duration::from_millis(20));
@@ -171,7 +171,7 @@
 //! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches
 //! [`Data::time`].
 //!
-//! [`Viewer::instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a
+//! [`Viewer::with_instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a
 //! controller: plots of its values, sliders for its parameters, and paths or other geoms in the
 //! scene. [`ViewerHandle::instruments`][handle_instruments] does so for a program. See
 //! [control](super::control#predictive-control-in-the-viewer).

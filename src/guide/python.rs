@@ -100,7 +100,7 @@
 //! | `d.contact[i].pos`, `d.contact[i].dist` | [`contact.pos()`](crate::data::Contact::pos), [`contact.dist()`](crate::data::Contact::dist) |
 //! | `mujoco.mj_contactForce(m, d, i, f)`, `f[0]` | [`contact.force()?.force[0]`](crate::data::Contact::force), the normal force; [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
-//! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, cutoff, &options, &mut hits)?`](Data::multi_ray_into) |
+//! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, &options, cutoff, &mut hits)?`](Data::multi_ray_into) |
 //! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
 //! | `mujoco.mj_kinematics(m, d)`, `mujoco.mj_comPos(m, d)` before a Jacobian | [`d.kinematics()?`](Data::kinematics), [`d.com_pos()?`](Data::com_pos); or [`d.fwd_position()?`](Data::fwd_position) |
 //! | `J = np.vstack([jp, jr])` | [`d.jac_site("tip")?.stacked()`](crate::data::Jacobian::stacked) |
@@ -125,9 +125,9 @@
 //! | `m.geom('floor').friction[0] = f`, `m.dof_damping[3:] *= s` | `m.edit().geom_mut("floor")?.friction_mut()[0] = f`, [`m.edit().dof_damping_mut()[3..]`](ModelMut::dof_damping_mut) |
 //! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)?`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
 //! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))?`](ModelMut::equality_mut) |
-//! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().control(f))`](Data::set_callbacks): one simulation, see the [example with a struct](Data::set_callbacks); often unnecessary: set the controls before `d.step()?`; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
+//! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().with_control(f))`](Data::set_callbacks): one simulation, see the [example with a struct](Data::set_callbacks); often unnecessary: set the controls before `d.step()?`; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
 //! | `mujoco.set_mjcb_control(None)` | `d.set_callbacks(Callbacks::new())` |
-//! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
+//! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.with_initial_states(…).with_controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`VectorEnvironment`](crate::environment::VectorEnvironment), or [`Batch`](crate::rollout::Batch) |
 //! | `ThreadPoolExecutor` with one `MjData` per thread | `(0..n).into_par_iter().map(episode).collect::<Result<Vec<_>, _>>()?` of [`rayon`], or [`std::thread::scope`], with one [`Data`] per task |
 //! | `np.savez(path, qpos=…)` | `npz::save(path, &[Array::new("qpos", &[n, nq], &qpos)])?`, feature `npz` |
@@ -146,9 +146,9 @@
 //! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |
 //! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation] |
 //! | `mujoco.mjr_render(…)`, `mujoco.mjr_readPixels(rgb, depth, …)` | `snapshot.rgb()?`, `snapshot.depth()?`: the first row is the top, depth in metres without conversion |
-//! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(SceneObject::Geom(id))` for a geom |
+//! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(Object::Geom(id))` for a geom |
 //! | depth to points | `depth.points(&snapshot.pinhole_camera()?)`, see [points from a depth image](super::pictures#points-from-a-depth-image) |
-//! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).pos(p))?`](crate::Scene::add_geom) |
+//! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).with_pos(p))?`](crate::Scene::add_geom) |
 //! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |
 //! | `mujoco.viewer.launch_passive(m, d)` | [`viewer::launch(options)?`][launch], or [`viewer::run`][run] on macOS |
 //! | `v.sync()`, `v.is_running()`, `v.user_scn` | [`handle.sync(&mut d)?`][handle], `handle.is_running()`, `handle.geoms_mut()` |
@@ -187,8 +187,8 @@
 //! let initial: Vec<f64> = (0..nroll).flat_map(|roll| [0.0, 0.01 * roll as f64, 0.0, 0.0]).collect();
 //! let controls = vec![0.1; nroll * nstep]; // nu = 1
 //! let result = Rollout::new(sample::cartpole(), nroll, nstep)
-//!     .initial_states(StateSpec::PHYSICS, &initial)
-//!     .controls(&controls)
+//!     .with_initial_states(StateSpec::PHYSICS, &initial)
+//!     .with_controls(&controls)
 //!     .run()?;
 //! assert!(result.outcomes().iter().all(Result::is_ok));
 //! assert_eq!(result.states_of(15).shape(), (51, 4));

@@ -1,6 +1,6 @@
-//! Typed ids of elements, and the keys by which elements are looked up.
+//! Typed ids of elements, and the trait of all arguments that select an element.
 
-mod key;
+mod into_id;
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -8,8 +8,8 @@ use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::ops::Range;
 
-pub use self::key::Key;
-pub(crate) use self::key::Lookup;
+pub use self::into_id::IntoId;
+pub(crate) use self::into_id::Lookup;
 use crate::kind::for_each_kind;
 pub(crate) use crate::kind::sealed;
 use crate::kind::{self, ElementKind};
@@ -34,9 +34,10 @@ for_each_kind!(declare_ids);
 ///
 /// A joint's id is not the index of its first degree of freedom: see `Joint::dofs`.
 ///
-/// Functions that have a model or a simulation take a [`Key`]: a name, an index, an id or a view.
-/// Functions without a model, such as [`PdController::set_target`](crate::PdController::set_target)
-/// and [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a view, and public fields hold
+/// Functions that have a model or a simulation take an [`IntoId`]: a name, an index, an id or a
+/// view. Functions without a model, such as
+/// [`PdController::set_target`](crate::PdController::set_target) and
+/// [`NewGeom::mesh`](crate::scene::NewGeom::mesh), take an id or a view, and public fields hold
 /// ids.
 ///
 /// ```

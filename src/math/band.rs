@@ -40,7 +40,7 @@ impl BandShape {
     /// or if the size overflows `usize`.
     pub fn new(ntotal: usize, nband: usize, ndense: usize) -> Result<Self> {
         let invalid = |what: &str, value: usize, expected: String| {
-            Err(Error::Invalid { what: format!("{what} of a band matrix"), value: value.to_string(), expected })
+            Err(Error::out_of_range(format!("{what} of a band matrix"), value, expected))
         };
         if ndense > ntotal {
             return invalid("ndense", ndense, format!("at most ntotal, which is {ntotal}"));

@@ -281,7 +281,7 @@ impl Bounds<'_> {
         for i in 0..n {
             let (lower, upper) = (self.lower(i), self.upper(i));
             if !(lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY) {
-                return Err(Error::invalid(
+                return Err(Error::out_of_range(
                     format!("the interval {i} of the box"),
                     format!("[{lower}, {upper}]"),
                     "one whose lower bound does not exceed its upper bound",
@@ -295,6 +295,6 @@ impl Bounds<'_> {
 fn check_finite(what: &str, values: &[f64]) -> Result<()> {
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(Error::invalid(format!("{what}[{index}] of BoxQp::solve"), values[index], "finite")),
+        Some(index) => Err(Error::not_finite(format!("{what}[{index}] of BoxQp::solve"), values[index])),
     }
 }

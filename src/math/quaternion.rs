@@ -19,7 +19,7 @@
 use mujoco_sys as sys;
 
 use super::{array, rot_vec_mat_t};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 
 /// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes
 /// `[1, 0, 0, 0]`.
@@ -183,7 +183,9 @@ pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 pub fn euler2quat(euler: &[f64; 3], seq: &str) -> Result<[f64; 4]> {
-    let invalid = || Error::invalid("seq of euler2quat", format!("{seq:?}"), "three letters of x, y, z, X, Y, Z");
+    let invalid = || {
+        Error::invalid(InvalidKind::Text, "seq of euler2quat", format!("{seq:?}"), "three letters of x, y, z, X, Y, Z")
+    };
     let letters: [u8; 3] = seq.as_bytes().try_into().map_err(|_| invalid())?;
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     for (angle, letter) in euler.iter().zip(letters) {

@@ -9,7 +9,7 @@ use mujoco_sys::{self as sys, mjMINVAL};
 
 use super::count;
 use crate::enums::GeomType;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 
 /// Returns the distance along a ray to a geom at the position `pos` with the rotation matrix `mat`
 /// and the engine's three sizes; `None` without an intersection. Planes are one-sided: rays
@@ -48,6 +48,7 @@ pub fn ray_geom(
         GeomType::Box => sys::mjGEOM_BOX,
         other => {
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "geomtype of ray_geom",
                 format!("{other:?}"),
                 "a plane, sphere, capsule, ellipsoid, cylinder or box",
@@ -83,7 +84,7 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
     count("the faces of ray_skin", faces.len())?;
     count("the vertices of ray_skin", vertices.len())?;
     if let Some(wrong) = faces.iter().find(|&&index| usize::try_from(index).map_or(true, |index| index >= vert.len())) {
-        return Err(Error::invalid(
+        return Err(Error::out_of_range(
             "an index in face of ray_skin",
             wrong,
             format!("the index of one of {} vertices", vert.len()),
@@ -108,15 +109,13 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
 /// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process,
 /// and a non-finite ray.
 pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
-    let invalid =
-        |what: &str, value: &[f64; 3], expected: &str| Err(Error::invalid(what, format!("{value:?}"), expected));
     if !pnt.iter().all(|value| value.is_finite()) {
-        return invalid("the point of a ray", pnt, "finite");
+        return Err(Error::not_finite("the point of a ray", format!("{pnt:?}")));
     }
     let length = vec.iter().map(|value| value * value).sum::<f64>().sqrt();
     if length.is_finite() && length >= mjMINVAL {
         Ok(())
     } else {
-        invalid("the direction of a ray", vec, "finite and not zero")
+        Err(Error::out_of_range("the direction of a ray", format!("{vec:?}"), "finite and not zero"))
     }
 }

@@ -52,7 +52,7 @@ pub fn halton(index: u32, base: u32) -> Result<f64> {
     let largest = c_int::MAX;
     let number = |what: &str, value: u32, least: c_int| {
         c_int::try_from(value).ok().filter(|&value| value >= least).ok_or_else(|| {
-            Error::invalid(format!("the {what} of halton"), value, format!("between {least} and {largest}"))
+            Error::out_of_range(format!("the {what} of halton"), value, format!("between {least} and {largest}"))
         })
     };
     let (index, base) = (number("index", index, 0)?, number("base", base, 2)?);

@@ -40,13 +40,15 @@
 
 #[cfg(feature = "ndarray")]
 mod ndarray;
+mod strided;
 mod view;
 
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dim, RawStorage};
 
+pub use self::strided::StridedView;
 pub use self::view::{MatrixView, MatrixViewMut};
 
 /// Number of values, 128 MiB, beyond which [`Matrix::zeros`] checks the available memory first.
@@ -92,6 +94,20 @@ impl Matrix {
             assert!(probe.is_ok(), "there is not enough memory for a matrix of {nrows} rows and {ncols} columns");
         }
         Self { nrows, ncols, values: vec![0.0; count] }
+    }
+
+    /// Creates the identity of size `n`.
+    pub fn identity(n: usize) -> Self {
+        Self::from_diagonal(&vec![1.0; n])
+    }
+
+    /// Creates a square matrix from its diagonal; the other entries are zero.
+    pub fn from_diagonal(diagonal: &[f64]) -> Self {
+        let mut matrix = Self::zeros(diagonal.len(), diagonal.len());
+        for (index, value) in diagonal.iter().enumerate() {
+            matrix[(index, index)] = *value;
+        }
+        matrix
     }
 
     /// Creates a matrix from its rows.
@@ -207,10 +223,22 @@ impl Matrix {
     }
 }
 
-impl From<&DMatrix<f64>> for Matrix {
-    /// Copies the matrix into row-major order.
-    fn from(matrix: &DMatrix<f64>) -> Self {
-        Self::from_transposed(matrix.transpose())
+impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> From<&nalgebra::Matrix<f64, R, C, S>> for Matrix {
+    /// Copies a matrix or a view of nalgebra into row-major order.
+    fn from(matrix: &nalgebra::Matrix<f64, R, C, S>) -> Self {
+        let (nrows, ncols) = matrix.shape();
+        let mut values = Vec::with_capacity(nrows * ncols);
+        for row in 0..nrows {
+            values.extend((0..ncols).map(|column| matrix[(row, column)]));
+        }
+        Self { nrows, ncols, values }
+    }
+}
+
+impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> From<nalgebra::Matrix<f64, R, C, S>> for Matrix {
+    /// Copies a matrix or a view of nalgebra into row-major order.
+    fn from(matrix: nalgebra::Matrix<f64, R, C, S>) -> Self {
+        Self::from(&matrix)
     }
 }
 

@@ -62,7 +62,7 @@ impl Model {
             if !((0.0..f64::from(count)).contains(&cell) && cell.fract() == 0.0) {
                 let constraint = self.described(Kind::Equality, equality);
                 let what = format!("eq_data[{equality}][{axis}], an index of the cell that {constraint} strains,");
-                return Err(Error::invalid(what, cell, format!("a whole number from 0 to {}", count - 1)));
+                return Err(Error::out_of_range(what, cell, format!("a whole number from 0 to {}", count - 1)));
             }
         }
         Ok(())
@@ -101,7 +101,7 @@ impl Model {
         let names: Vec<&str> = needed.iter().map(|&(name, _)| name).collect();
         let value = if names.is_empty() { "zero".to_owned() } else { format!("positive in {}", names.join(", ")) };
         let expected = format!("positive in as many parameters as the actuator has activations, {count}");
-        Err(Error::invalid(
+        Err(Error::out_of_range(
             format!("the list of states of {}", self.described(Kind::Actuator, actuator)),
             value,
             expected,

@@ -134,7 +134,7 @@ impl<'m> ModelMut<'m> {
     #[doc(alias = "mj_setTotalmass")]
     pub fn set_total_mass(&mut self, mass: f64) -> Result<()> {
         if !(mass.is_finite() && mass > 0.0) {
-            return Err(crate::error::Error::invalid("the total mass", mass, "positive and finite"));
+            return Err(crate::error::Error::out_of_range("the total mass", mass, "positive and finite"));
         }
         self.clear_simple_body_flags();
         // SAFETY: a model that is borrowed exclusively; the function scales its masses and
@@ -336,7 +336,11 @@ impl<'m> ModelMut<'m> {
             if !is_valid {
                 let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
                 let what = format!("the {quantity} of body {name}");
-                return Err(crate::error::Error::invalid(what, value, "at least 1e-15, because the body has joints"));
+                return Err(crate::error::Error::out_of_range(
+                    what,
+                    value,
+                    "at least 1e-15, because the body has joints",
+                ));
             }
         }
         Ok(())

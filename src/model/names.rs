@@ -8,7 +8,7 @@ use super::Model;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::sealed::Sealed;
-use crate::id::{Id, Lookup};
+use crate::id::{Id, IntoId, Lookup};
 use crate::kind::{ElementKind, Kind};
 
 /// # Names and counts
@@ -87,40 +87,33 @@ impl Model {
         unsafe { ffi::array(self.raw().text_data.cast::<u8>(), self.ntextdata()) }
     }
 
-    /// Returns the id of the element with a name.
+    /// Returns the id of the element with a name or an index, or of a view.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] with the existing names.
+    /// [`Error::NoSuchName`] with the existing names, [`Error::NoSuchIndex`] with their number.
+    ///
+    /// # Panics
+    ///
+    /// If an id or a view belongs to another model.
+    ///
+    /// ```
+    /// use mujoco_safe::id::{BodyId, IntoId};
+    /// use mujoco_safe::{Model, Result, kind, sample};
+    ///
+    /// fn heaviest_of(model: &Model, body: impl IntoId<kind::Body>) -> Result<Option<BodyId>> {
+    ///     let root = model.id(body)?;
+    ///     let children = model.bodies().filter(|body| body.index() > 0 && body.parent() == root);
+    ///     Ok(children.max_by(|a, b| a.mass().total_cmp(&b.mass())).map(|body| body.id()))
+    /// }
+    ///
+    /// let model = sample::humanoid();
+    /// assert_eq!(heaviest_of(&model, "world")?, Some(model.id("torso")?));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
     #[doc(alias = "mj_name2id")]
-    pub fn id<K: ElementKind>(&self, name: &str) -> Result<Id<K>> {
-        let unknown = || Error::NoSuchName {
-            kind: K::KIND,
-            name: name.to_owned(),
-            known: self.names(K::KIND).map(str::to_owned).collect(),
-        };
-        // Reject the empty name here, because the engine would return an unnamed element for it.
-        let name_c = Some(name)
-            .filter(|name| !name.is_empty())
-            .and_then(|name| std::ffi::CString::new(name).ok())
-            .ok_or_else(unknown)?;
-        // SAFETY: a valid type and string; returns -1 or an index.
-        let index = unsafe { sys::mj_name2id(self.as_ptr(), K::KIND.object_type(), name_c.as_ptr()) };
-        usize::try_from(index).map(|index| Id::new(index, self.lineage)).map_err(|_| unknown())
-    }
-
-    /// Returns the id at an index, counted from 0.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoSuchIndex`] if the index is out of bounds.
-    pub fn id_at<K: ElementKind>(&self, index: usize) -> Result<Id<K>> {
-        let count = self.count(K::KIND);
-        if index < count {
-            Ok(Id::new(index, self.lineage))
-        } else {
-            Err(Error::NoSuchIndex { kind: K::KIND, index, count })
-        }
+    pub fn id<K: ElementKind>(&self, element: impl IntoId<K>) -> Result<Id<K>> {
+        element.id_in(self)
     }
 
     /// Panics if the id belongs to another model.
@@ -138,11 +131,28 @@ impl Sealed for Model {}
 
 impl Lookup for Model {
     fn id_of_name<K: ElementKind>(&self, name: &str) -> Result<Id<K>> {
-        self.id(name)
+        let unknown = || Error::NoSuchName {
+            kind: K::KIND,
+            name: name.to_owned(),
+            known: self.names(K::KIND).map(str::to_owned).collect(),
+        };
+        // Reject the empty name here, because the engine would return an unnamed element for it.
+        let name_c = Some(name)
+            .filter(|name| !name.is_empty())
+            .and_then(|name| std::ffi::CString::new(name).ok())
+            .ok_or_else(unknown)?;
+        // SAFETY: a valid type and string; returns -1 or an index.
+        let index = unsafe { sys::mj_name2id(self.as_ptr(), K::KIND.object_type(), name_c.as_ptr()) };
+        usize::try_from(index).map(|index| Id::new(index, self.lineage)).map_err(|_| unknown())
     }
 
     fn id_of_index<K: ElementKind>(&self, index: usize) -> Result<Id<K>> {
-        self.id_at(index)
+        let count = self.count(K::KIND);
+        if index < count {
+            Ok(Id::new(index, self.lineage))
+        } else {
+            Err(Error::NoSuchIndex { kind: K::KIND, index, count })
+        }
     }
 
     #[inline]

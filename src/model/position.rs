@@ -84,5 +84,5 @@ impl Model {
 }
 
 fn check_interval(dt: f64, allowed: bool, expected: &str) -> Result<()> {
-    if dt.is_finite() && allowed { Ok(()) } else { Err(Error::invalid("dt", dt, expected)) }
+    if dt.is_finite() && allowed { Ok(()) } else { Err(Error::out_of_range("dt", dt, expected)) }
 }

@@ -48,7 +48,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 pub use self::element::Element;
 use self::element::Values;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::file;
 
 /// Start of every array: the magic string and version 1.0 of the format.
@@ -95,6 +95,7 @@ impl<'a> Array<'a> {
         }
         let reserved = RESERVED.iter().collect::<String>();
         Err(Error::invalid(
+            InvalidKind::Text,
             "the name of an array",
             format!("{name:?}"),
             format!(
@@ -107,13 +108,13 @@ impl<'a> Array<'a> {
         let Self { name, shape, values } = self;
         if shape.len() > MOST_DIMENSIONS {
             let what = format!("the number of dimensions of the array '{name}'");
-            return Err(Error::invalid(what, shape.len(), format!("at most {MOST_DIMENSIONS}")));
+            return Err(Error::out_of_range(what, shape.len(), format!("at most {MOST_DIMENSIONS}")));
         }
         let expected = shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length));
         if expected == Some(values.len()) {
             return Ok(());
         }
-        Err(Error::invalid(
+        Err(Error::out_of_range(
             format!("the number of values of the array '{name}' of shape {}", self.tuple()),
             values.len(),
             expected
@@ -169,7 +170,12 @@ pub fn save(path: impl AsRef<Path>, arrays: &[Array<'_>]) -> Result<()> {
         array.check_name()?;
         array.check_shape()?;
         if !names.insert(array.name) {
-            return Err(Error::invalid("the name of an array", format!("{:?} twice", array.name), "unique"));
+            return Err(Error::invalid(
+                InvalidKind::Duplicate,
+                "the name of an array",
+                format!("{:?} twice", array.name),
+                "unique",
+            ));
         }
     }
     file::replace(path.as_ref(), |out| write(arrays, out))

@@ -71,7 +71,7 @@ impl Clock {
         if frames <= Self::MAX_GAP {
             return Ok(frames as u64);
         }
-        Err(Error::invalid(
+        Err(Error::out_of_range(
             "the time of an image",
             format!("{time} s"),
             format!("at most {} s after the previous image", Self::MAX_GAP * self.interval),

@@ -154,7 +154,7 @@ fn not_started(path: &Path, options: &RecorderOptions, error: &io::Error) -> Err
     } else {
         format!("{program} cannot be started: {error}")
     };
-    Error::Recording { path: path.to_owned(), reason }
+    Error::Save { path: path.to_owned(), reason }
 }
 
 fn failed(path: &Path, message: &str) -> Error {
@@ -163,7 +163,7 @@ fn failed(path: &Path, message: &str) -> Error {
     } else {
         ""
     };
-    Error::Recording { path: path.to_owned(), reason: format!("ffmpeg failed: {message}{advice}") }
+    Error::Save { path: path.to_owned(), reason: format!("ffmpeg failed: {message}{advice}") }
 }
 
 /// Pads an image to even width and height by repeating its last column and row, as 4:2:0 chroma

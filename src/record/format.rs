@@ -24,7 +24,7 @@ impl Format {
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for an unknown extension.
+    /// [`Error::Save`] for an unknown extension.
     ///
     /// ```
     /// use mujoco_safe::record::Format;
@@ -45,7 +45,7 @@ impl Format {
             "png" | "apng" => Ok(Self::AnimatedPng),
             "gif" => Ok(Self::Gif),
             "mp4" | "mov" | "mkv" => Ok(Self::Video),
-            _ => Err(Error::Recording {
+            _ => Err(Error::Save {
                 path: path.to_owned(),
                 reason: format!(
                     "the extension .{extension} is not supported; use .gif, .png, .apng, .mp4, .mov, .mkv, a numbered name such as \

@@ -39,7 +39,7 @@ impl AnimatedGif {
         options: &RecorderOptions,
     ) -> Result<Self> {
         let (Ok(width), Ok(height)) = (u16::try_from(width), u16::try_from(height)) else {
-            return Err(Error::invalid(
+            return Err(Error::out_of_range(
                 "the size of an image for a GIF",
                 format!("{width} × {height}"),
                 format!("at most {0} × {0}", u16::MAX),

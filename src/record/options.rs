@@ -55,10 +55,10 @@ impl RecorderOptions {
         // The lower limit keeps the duration of a frame within the range of the formats.
         if !(1e-3..=maximum).contains(&self.frames_per_second) {
             let expected = format!("from 0.001 to {maximum}");
-            return Err(Error::invalid("RecorderOptions::frames_per_second", self.frames_per_second, expected));
+            return Err(Error::out_of_range("RecorderOptions::frames_per_second", self.frames_per_second, expected));
         }
         if !(1e-9..=1e9).contains(&self.speed) {
-            return Err(Error::invalid("RecorderOptions::speed", self.speed, "from 1e-9 to 1e9"));
+            return Err(Error::out_of_range("RecorderOptions::speed", self.speed, "from 1e-9 to 1e9"));
         }
         Ok(())
     }

@@ -70,7 +70,7 @@ impl Recorder {
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for an unknown extension, or for a video without `ffmpeg`.
+    /// [`Error::Save`] for an unknown extension, or for a video without `ffmpeg`.
     /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for options out of range.
     pub fn create(path: impl AsRef<Path>, options: RecorderOptions) -> Result<Self> {
         let path = path.as_ref();
@@ -125,7 +125,7 @@ impl Recorder {
     /// [`Error::Invalid`] for an empty image, for a change of size, and for a time that is not
     /// finite or more than 100,000 frames after the previous image. The recording can continue.
     ///
-    /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then
+    /// [`Error::File`] or [`Error::Save`] if the image cannot be written. The recording then
     /// ends without a file, except for the files of a sequence.
     pub fn push(&mut self, picture: &RgbImage, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
@@ -142,7 +142,7 @@ impl Recorder {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
         if !time.is_finite() {
-            return Err(Error::invalid("the time of an image", time, "finite"));
+            return Err(Error::not_finite("the time of an image", time));
         }
         if matches!(self.state, State::Ended) {
             return Err(self.ended_error());
@@ -169,7 +169,7 @@ impl Recorder {
     ///
     /// # Errors
     ///
-    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if the recording has no image.
+    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Save`] if the recording has no image.
     pub fn finish(self) -> Result<Summary> {
         self.finish_after(1)
     }
@@ -186,7 +186,7 @@ impl Recorder {
     /// than 100,000 frames after the last image; the file then ends with this image.
     pub fn finish_at(self, time: f64) -> Result<Summary> {
         if !time.is_finite() {
-            return Err(Error::invalid("the end time of a recording", time, "finite"));
+            return Err(Error::not_finite("the end time of a recording", time));
         }
         let shown = self.clock.until(time)?;
         self.finish_after(shown)
@@ -195,7 +195,7 @@ impl Recorder {
     /// Completes the file, with the last image shown for `shown` frames.
     fn finish_after(mut self, shown: u64) -> Result<Summary> {
         if let State::Empty(_) = self.state {
-            return Err(Error::Recording { path: self.path.clone(), reason: "no image was recorded".to_owned() });
+            return Err(Error::Save { path: self.path.clone(), reason: "no image was recorded".to_owned() });
         }
         if let State::Ended = self.state {
             return Err(self.ended_error());
@@ -214,14 +214,18 @@ impl Recorder {
         // No format supports lengths above `i32::MAX`.
         let size = [width, height].map(|length| i32::try_from(length).map_or(0, |length| length as u32));
         if size.contains(&0) {
-            return Err(Error::invalid("the size of an image", given(), format!("from 1 × 1 to {0} × {0}", i32::MAX)));
+            return Err(Error::out_of_range(
+                "the size of an image",
+                given(),
+                format!("from 1 × 1 to {0} × {0}", i32::MAX),
+            ));
         }
         match self.size {
             [0, 0] => Ok(size),
             before if before == size => Ok(size),
             [width, height] => {
                 let expected = format!("{width} × {height}, the size of the previous images");
-                Err(Error::invalid("the size of an image", given(), expected))
+                Err(Error::out_of_range("the size of an image", given(), expected))
             }
         }
     }
@@ -257,7 +261,7 @@ impl Recorder {
     }
 
     fn ended_error(&self) -> Error {
-        Error::Recording { path: self.path.clone(), reason: "an earlier write failed".to_owned() }
+        Error::Save { path: self.path.clone(), reason: "an earlier write failed".to_owned() }
     }
 }
 

@@ -2,10 +2,11 @@
 //! transparent geoms.
 
 use crate::element::HeightField;
+use crate::element::Object;
 use crate::id::HeightFieldId;
 use crate::model::Model;
 use crate::render::settings::is_drawable;
-use crate::scene::{Scene, SceneGeom, SceneGeomType, SceneObject};
+use crate::scene::{Scene, SceneGeom, SceneGeomType};
 
 /// Bounding sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +94,7 @@ pub(crate) const ARROWHEAD_SCALE: f32 = 1.75;
 /// sorting.
 #[doc(alias = "mjv_rbound")]
 pub(crate) fn sorting_radius(geom: SceneGeom<'_>) -> f32 {
-    if matches!(geom.object(), Some(SceneObject::Geom(_))) {
+    if matches!(geom.object(), Some(Object::Geom(_))) {
         return geom.modelrbound();
     }
     let [x, y, z] = geom.size();
@@ -138,7 +139,7 @@ fn bounding_sphere(points: impl Iterator<Item = [f32; 3]> + Clone) -> Option<Sph
 
 /// Returns the sphere around the bounding box of a skin, whose vertices are in the world frame.
 fn skin_volume(scene: &Scene, geom: SceneGeom<'_>) -> BoundingVolume {
-    let Some(SceneObject::Skin(skin)) = geom.object() else { return BoundingVolume::Empty };
+    let Some(Object::Skin(skin)) = geom.object() else { return BoundingVolume::Empty };
     let Some(skin) = scene.skins().nth(skin.index()) else { return BoundingVolume::Empty };
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for vertex in skin.vertices {
@@ -234,10 +235,13 @@ mod tests {
             (NewGeom::convex_hull(mesh.id()), ends(mesh.vert())),
         ];
         for (geom, points) in cases {
-            assert_encloses(pushed(&model, &geom.pos(pos).mat(mat)), &points);
+            assert_encloses(pushed(&model, &geom.with_pos(pos).with_mat(mat)), &points);
         }
         let field = NewGeom::height_field(model.height_field("h").unwrap().id());
-        assert_encloses(pushed(&model, &field.pos(pos).mat(mat)), &ends(&[[2.0, 3.0, -0.25], [-2.0, -3.0, 0.0]]));
+        assert_encloses(
+            pushed(&model, &field.with_pos(pos).with_mat(mat)),
+            &ends(&[[2.0, 3.0, -0.25], [-2.0, -3.0, 0.0]]),
+        );
     }
 
     #[test]
@@ -279,7 +283,7 @@ mod tests {
 
     #[test]
     fn scaling_matrix_increases_the_radius() {
-        let stretched = NewGeom::sphere(1.0).mat([5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let stretched = NewGeom::sphere(1.0).with_mat([5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
         let BoundingVolume::Sphere(Sphere { radius, .. }) = pushed(&model(), &stretched) else { panic!() };
         assert!(radius >= 5.0);
     }

@@ -6,9 +6,9 @@ use crate::error::debug_as_display;
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The scene, the model or an argument is invalid.
+    /// Another error of this crate: the scene, the model or an argument is invalid.
     #[error(transparent)]
-    Engine(#[from] crate::error::Error),
+    Other(#[from] crate::error::Error),
 
     /// No suitable graphics adapter exists.
     #[error(

@@ -34,12 +34,12 @@ pub enum Lighting {
 pub struct RendererOptions {
     /// MSAA samples per pixel: 1, 2, 4 or 8, subject to the adapter's support. `None` selects the
     /// model's [`offsamples`](crate::model::VisualQuality::offsamples).
-    pub samples: Option<u32>,
+    pub samples: Option<usize>,
     /// Width and height of shadow maps, texels; 0 disables shadows. `None` selects the model's
     /// [`shadowsize`](crate::model::VisualQuality::shadowsize). Maps are rendered with fewer texels
     /// for small images: see the [differences from the
     /// engine](crate::render#differences-from-the-engines-renderer).
-    pub shadow_size: Option<u32>,
+    pub shadow_size: Option<usize>,
     /// Frequency of the lighting computation.
     pub lighting: Lighting,
     /// Number of active lights: the first lights of the scene, of which the first is the headlight,
@@ -49,8 +49,8 @@ pub struct RendererOptions {
 }
 
 with_methods!(RendererOptions {
-    with_samples(samples: u32) = Some(samples),
-    with_shadow_size(shadow_size: u32) = Some(shadow_size),
+    with_samples(samples: usize) = Some(samples),
+    with_shadow_size(shadow_size: usize) = Some(shadow_size),
     with_lighting(lighting: Lighting),
     with_max_lights(max_lights: usize) = Some(max_lights),
 });

@@ -11,7 +11,7 @@
 //! // Simulate the cart-pole from five angles for a second, without control.
 //! let states: Vec<f64> = (0..5).flat_map(|i| [0.0, 0.1 * f64::from(i), 0.0, 0.0]).collect();
 //! let rollout = Rollout::new(sample::cartpole(), 5, 100);
-//! let result = rollout.initial_states(StateSpec::PHYSICS, &states).run()?;
+//! let result = rollout.with_initial_states(StateSpec::PHYSICS, &states).run()?;
 //! assert!(result.outcomes().iter().all(Result::is_ok));
 //! assert_eq!(result.states().len(), 5 * 101 * 4);
 //! assert_eq!(result.state(0, 100), [0.0; 4]); // upright
@@ -85,11 +85,11 @@ enum Controls<'a> {
 ///
 /// Each rollout
 ///
-/// 1. applies [`edit_model`](Self::edit_model), and resets the simulation;
+/// 1. applies [`with_model_edits`](Self::with_model_edits), and resets the simulation;
 /// 2. sets the initial state, and records it as row 0;
 /// 3. in each step sets the controls, calls [`Data::step`], and records sensor readings, outputs
-///    and the new state. [`forward_after_step`](Self::forward_after_step) updates the quantities
-///    that the outputs are computed from.
+///    and the new state. [`with_forward_after_step`](Self::with_forward_after_step) updates the
+///    quantities that the outputs are computed from.
 ///
 /// ```
 /// use mujoco_safe::rollout::Rollout;
@@ -99,14 +99,14 @@ enum Controls<'a> {
 /// let model = sample::humanoid();
 /// let stand = model.key_qpos().row(2).to_vec();
 /// let result = Rollout::new(model, 8, 20)
-///     .initial_state(StateSpec::QPOS, &stand)
-///     .controllers(|index| RandomController::new(index as u64))
-///     .edit_model(|index, model| {
+///     .with_initial_state(StateSpec::QPOS, &stand)
+///     .with_controllers(|index| RandomController::new(index as u64))
+///     .with_model_edits(|index, model| {
 ///         model.set_total_mass(40.0 + index as f64)?;
 ///         model.update_constants()
 ///     })
-///     .record(StateSpec::QPOS | StateSpec::QVEL)
-///     .outputs(1, |data, row| row[0] = data.actuator_force().iter().map(|force| force.powi(2)).sum())
+///     .with_recorded_states(StateSpec::QPOS | StateSpec::QVEL)
+///     .with_outputs(1, |data, row| row[0] = data.actuator_force().iter().map(|force| force.powi(2)).sum())
 ///     .run()?;
 /// assert_eq!(result.states_of(7).shape(), (21, 28 + 27));
 /// assert_eq!(result.outputs_of(7).shape(), (20, 1));
@@ -155,26 +155,26 @@ impl<'a> Rollout<'a> {
     /// Sets the common initial state `(nstate)`: the components in `spec`; the others have their
     /// values after a reset. Inputs, such as [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in
     /// all steps.
-    pub fn initial_state(mut self, spec: StateSpec, state: &'a [f64]) -> Self {
+    pub fn with_initial_state(mut self, spec: StateSpec, state: &'a [f64]) -> Self {
         self.initial = Initial::Shared(spec, state);
         self
     }
 
     /// Sets the initial state of each rollout `(nroll, nstate)`, as
-    /// [`initial_state`](Self::initial_state) does for all.
-    pub fn initial_states(mut self, spec: StateSpec, states: &'a [f64]) -> Self {
+    /// [`with_initial_state`](Self::with_initial_state) does for all.
+    pub fn with_initial_states(mut self, spec: StateSpec, states: &'a [f64]) -> Self {
         self.initial = Initial::Each(spec, states);
         self
     }
 
     /// Sets the controls of each rollout and step `(nroll, nstep, nu)`.
-    pub fn controls(mut self, controls: &'a [f64]) -> Self {
+    pub fn with_controls(mut self, controls: &'a [f64]) -> Self {
         self.controls = Controls::Each(controls);
         self
     }
 
     /// Sets the controls of each step `(nstep, nu)`, common to all rollouts.
-    pub fn shared_controls(mut self, controls: &'a [f64]) -> Self {
+    pub fn with_shared_controls(mut self, controls: &'a [f64]) -> Self {
         self.controls = Controls::Shared(controls);
         self
     }
@@ -188,17 +188,17 @@ impl<'a> Rollout<'a> {
     ///
     /// // Compare four gains of the same feedback, and record the controls.
     /// let result = Rollout::new(sample::cartpole(), 4, 50)
-    ///     .controllers(|index| {
+    ///     .with_controllers(|index| {
     ///         let gain = index as f64;
     ///         move |data: &mut Data| data.ctrl_mut()[0] = gain * (0.1 - data.qpos()[0])
     ///     })
-    ///     .outputs(1, |data, row| row.copy_from_slice(data.ctrl()))
+    ///     .with_outputs(1, |data, row| row.copy_from_slice(data.ctrl()))
     ///     .run()?;
     /// assert_eq!(result.outputs_of(0).as_slice(), [0.0; 50]);
     /// assert_eq!(result.outputs_of(3)[(0, 0)], 3.0 * 0.1);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn controllers<C: Controller + 'a>(mut self, make: impl Fn(usize) -> C + Send + Sync + 'a) -> Self {
+    pub fn with_controllers<C: Controller + 'a>(mut self, make: impl Fn(usize) -> C + Send + Sync + 'a) -> Self {
         self.controls = Controls::From(Box::new(move |index| Box::new(make(index))));
         self
     }
@@ -208,7 +208,7 @@ impl<'a> Rollout<'a> {
     /// The edit applies to one rollout only; other rollouts and the shared model are unaffected.
     /// Parts of the model that an edit cannot change are not copied. The closure returns nothing or
     /// a [`Result`]; an error fails the rollout at step 0.
-    pub fn edit_model<O: Outcome<Value = ()>>(
+    pub fn with_model_edits<O: Outcome<Value = ()>>(
         mut self,
         edit: impl Fn(usize, &mut ModelMut<'_>) -> O + Send + Sync + 'a,
     ) -> Self {
@@ -217,7 +217,7 @@ impl<'a> Rollout<'a> {
     }
 
     /// Sets the recorded components of the state; [`StateSpec::PHYSICS`] by default.
-    pub fn record(mut self, spec: StateSpec) -> Self {
+    pub fn with_recorded_states(mut self, spec: StateSpec) -> Self {
         self.record = spec;
         self
     }
@@ -225,15 +225,16 @@ impl<'a> Rollout<'a> {
     /// Records `noutput` additional values after each step, which the closure writes to a row of
     /// zeros. At that point, as always after [`Data::step`], the simulation is in the new state and
     /// its computed quantities belong to the old state.
-    /// [`forward_after_step`](Self::forward_after_step) computes them for the new state first.
-    pub fn outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
+    /// [`with_forward_after_step`](Self::with_forward_after_step) computes them for the new state
+    /// first.
+    pub fn with_outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
         self
     }
 
     /// Calls [`Data::forward`] after each step, so that all quantities that the closure of
-    /// [`outputs`](Self::outputs) reads, such as poses, contacts and sensor readings, belong to the
-    /// new state.
+    /// [`with_outputs`](Self::with_outputs) reads, such as poses, contacts and sensor readings,
+    /// belong to the new state.
     ///
     /// The recorded states and sensor readings are bit for bit the same with and without this call,
     /// unless a controller reads computed quantities: these too then belong to the present state,
@@ -251,14 +252,14 @@ impl<'a> Rollout<'a> {
     /// let model = sample::cartpole();
     /// let cart = model.body("cart")?.id();
     /// let result = Rollout::new(model, 1, 50)
-    ///     .shared_controls(&[1.0; 50])
-    ///     .outputs(1, |data, row| row[0] = data.body(cart).xpos()[0])
-    ///     .forward_after_step()
+    ///     .with_shared_controls(&[1.0; 50])
+    ///     .with_outputs(1, |data, row| row[0] = data.body(cart).xpos()[0])
+    ///     .with_forward_after_step()
     ///     .run()?;
     /// assert!((0..50).all(|step| result.outputs_of(0)[(step, 0)] == result.state(0, step + 1)[0]));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn forward_after_step(mut self) -> Self {
+    pub fn with_forward_after_step(mut self) -> Self {
         self.forward = true;
         self
     }
@@ -275,21 +276,21 @@ impl<'a> Rollout<'a> {
     /// use mujoco_safe::sample;
     ///
     /// let result = Rollout::new(sample::cartpole(), 10, 50)
-    ///     .chunk(10)
-    ///     .progress(|done| if done < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+    ///     .with_chunk(10)
+    ///     .with_progress(|done| if done < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
     ///     .run()?;
     /// assert!(result.outcomes()[..3].iter().all(Result::is_ok));
     /// assert!(matches!(result.outcomes()[3], Err(RolloutError::Cancelled { step: 0 })));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn progress(mut self, hook: impl Fn(usize) -> ControlFlow<()> + Send + Sync + 'a) -> Self {
+    pub fn with_progress(mut self, hook: impl Fn(usize) -> ControlFlow<()> + Send + Sync + 'a) -> Self {
         self.progress = Some(Box::new(hook));
         self
     }
 
     /// Sets the number of rollouts that a thread takes at a time, at least one. The result does not
     /// depend on it. If it is `nroll` or more, all rollouts run in the calling thread.
-    pub fn chunk(mut self, rollouts: usize) -> Self {
+    pub fn with_chunk(mut self, rollouts: usize) -> Self {
         self.chunk = Some(rollouts.max(1));
         self
     }
@@ -341,7 +342,7 @@ impl<'a> Rollout<'a> {
     /// let mut heights = vec![0.0; nroll * nstep];
     /// let buffers = RolloutBuffers { outputs: Some(&mut heights), ..Default::default() };
     /// let outcomes = Rollout::new(sample::humanoid(), nroll, nstep)
-    ///     .outputs(1, |data, row| row[0] = data.qpos()[2])
+    ///     .with_outputs(1, |data, row| row[0] = data.qpos()[2])
     ///     .run_into(buffers)?;
     /// assert!(outcomes.iter().all(Result::is_ok));
     /// assert!(heights[nstep - 1] < heights[0]);

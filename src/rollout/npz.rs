@@ -33,7 +33,7 @@ impl RolloutResult {
     /// use mujoco_safe::{RandomController, sample};
     ///
     /// let result = Rollout::new(sample::cartpole(), 8, 100)
-    ///     .controllers(|index| RandomController::new(index as u64))
+    ///     .with_controllers(|index| RandomController::new(index as u64))
     ///     .run()?;
     /// let path = std::env::temp_dir().join("mujoco_safe_rollouts.npz");
     /// result.save_npz(&path)?;

@@ -98,7 +98,7 @@ impl RolloutResult {
         &self.sensordata
     }
 
-    /// Returns all values of the [`outputs`](super::Rollout::outputs) closure
+    /// Returns all values of the [`with_outputs`](super::Rollout::with_outputs) closure
     /// `(nroll, nstep, noutput)`.
     pub fn outputs(&self) -> &[f64] {
         &self.outputs
@@ -122,8 +122,8 @@ impl RolloutResult {
         self.block(&self.sensordata, rollout, self.sizes.steps, self.sizes.sensordata)
     }
 
-    /// Returns the values of the [`outputs`](super::Rollout::outputs) closure in one rollout
-    /// `(nstep, noutput)`.
+    /// Returns the values of the [`with_outputs`](super::Rollout::with_outputs) closure in one
+    /// rollout `(nstep, noutput)`.
     ///
     /// # Panics
     ///

@@ -27,8 +27,8 @@ use crate::parallel::Idle;
 ///     // Try eight constant forces, and apply the one after which the pole is the most upright.
 ///     let forces: Vec<f64> = (0..8).flat_map(|force| [f64::from(force - 4) / 4.0; 20]).collect();
 ///     let result = Rollout::on(&workers, 8, 20)
-///         .initial_state(StateSpec::PHYSICS, &state)
-///         .controls(&forces)
+///         .with_initial_state(StateSpec::PHYSICS, &state)
+///         .with_controls(&forces)
 ///         .run()?;
 ///     let best = (0..8).min_by(|&a, &b| result.state(a, 20)[1].abs().total_cmp(&result.state(b, 20)[1].abs()));
 ///     state.copy_from_slice(result.state(best.unwrap(), 20));

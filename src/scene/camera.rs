@@ -9,7 +9,7 @@ use crate::data::{Data, Stage};
 use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, CameraId, Id, Key};
+use crate::id::{BodyId, CameraId, Id, IntoId};
 use crate::kind;
 use crate::model::Model;
 
@@ -103,7 +103,7 @@ impl Camera {
     ///
     /// If the id or the view belongs to another model.
     #[track_caller]
-    pub fn tracking<Q: Key<kind::Body>>(model: &Model, body: Q) -> Q::Found<Self> {
+    pub fn tracking<Q: IntoId<kind::Body>>(model: &Model, body: Q) -> Q::Found<Self> {
         body.find(model, |body| Self { view: CameraView::Tracking(body), ..Self::free(model) })
     }
 
@@ -114,7 +114,7 @@ impl Camera {
     ///
     /// If the id or the view belongs to another model.
     #[track_caller]
-    pub fn fixed<Q: Key<kind::Camera>>(model: &Model, camera: Q) -> Q::Found<Self> {
+    pub fn fixed<Q: IntoId<kind::Camera>>(model: &Model, camera: Q) -> Q::Found<Self> {
         camera.find(model, |camera| Self { view: CameraView::Fixed(camera), ..Self::default() })
     }
 
@@ -148,12 +148,12 @@ impl Camera {
     /// let scene = Scene::new(&model, 100)?;
     /// let mut camera = Camera::free(&model);
     /// let before = camera.distance;
-    /// camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.05])?;
+    /// camera.move_by(&model, MouseAction::Zoom, [0.0, 0.05], &scene)?;
     /// assert!(camera.distance < before);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjv_moveCamera")]
-    pub fn move_by(&mut self, model: &Model, scene: &Scene, action: MouseAction, [dx, dy]: [f64; 2]) -> Result<()> {
+    pub fn move_by(&mut self, model: &Model, action: MouseAction, [dx, dy]: [f64; 2], scene: &Scene) -> Result<()> {
         scene.check_model(model, "the scene that a camera is moved in")?;
         let mut raw = self.raw(model)?;
         check_motion([dx, dy])?;
@@ -203,7 +203,7 @@ impl Camera {
         if numbers.iter().chain(&self.lookat).all(|&number| (number as f32).is_finite()) {
             return Ok(());
         }
-        Err(Error::invalid("a number of the camera", format!("{self:?}"), "finite in single precision"))
+        Err(Error::out_of_range("a number of the camera", format!("{self:?}"), "finite in single precision"))
     }
 }
 
@@ -218,7 +218,7 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
     if motion.iter().all(|number| number.is_finite()) {
         return Ok(());
     }
-    Err(Error::invalid("the motion of the mouse", format!("{motion:?}"), "finite"))
+    Err(Error::not_finite("the motion of the mouse", format!("{motion:?}")))
 }
 
 impl Scene {

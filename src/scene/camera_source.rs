@@ -2,7 +2,7 @@
 
 use super::Camera;
 use crate::error::Result;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind::{self, sealed::Sealed};
 use crate::model::Model;
 
@@ -35,10 +35,10 @@ pub trait CameraSource: Sealed {
     fn with_camera<T>(self, model: &Model, call: impl FnOnce(&mut Camera) -> Result<T>) -> Result<T>;
 }
 
-impl<K: Key<kind::Camera>> CameraSource for K {
+impl<K: IntoId<kind::Camera>> CameraSource for K {
     #[track_caller]
     fn with_camera<T>(self, model: &Model, call: impl FnOnce(&mut Camera) -> Result<T>) -> Result<T> {
-        call(&mut Camera::fixed(model, self.id(model)?))
+        call(&mut Camera::fixed(model, self.id_in(model)?))
     }
 }
 

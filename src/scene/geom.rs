@@ -2,17 +2,14 @@
 
 use std::fmt;
 
-use mujoco_sys::{self as sys, adapted, mjOBJ_UNKNOWN, mjvGeom};
+use mujoco_sys::{self as sys, adapted, mjvGeom};
 
 use super::{Categories, Scene};
+use crate::element::Object;
 use crate::enums::engine_enum;
 use crate::error::Result;
 use crate::ffi;
-use crate::id::{
-    ActuatorId, BodyId, CameraId, EqualityId, GeomId, HeightFieldId, Id, JointId, LightId, Lineage, MeshId, SensorId,
-    SiteId, SkinId, TendonId, TextureId,
-};
-use crate::kind::Kind;
+use crate::id::{HeightFieldId, Id, Lineage, MeshId, SkinId, TextureId};
 use crate::model::Model;
 
 engine_enum! {
@@ -62,44 +59,6 @@ engine_enum! {
         /// Triangle of its origin and two points, at `size[0]` along x and `size[1]` along y. With
         /// engines from 3.0.
         Triangle = mjGEOM_TRIANGLE,
-    }
-}
-
-/// Element of the model that a geom of a scene represents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-#[allow(missing_docs, reason = "each variant is named after its kind of element")]
-pub enum SceneObject {
-    Body(BodyId),
-    Joint(JointId),
-    Geom(GeomId),
-    Site(SiteId),
-    Camera(CameraId),
-    Light(LightId),
-    Tendon(TendonId),
-    Actuator(ActuatorId),
-    Equality(EqualityId),
-    Skin(SkinId),
-    /// Rangefinder, with engines from 3.3.7.
-    Sensor(SensorId),
-}
-
-impl SceneObject {
-    fn new(kind: Kind, index: usize, lineage: Lineage) -> Option<Self> {
-        Some(match kind {
-            Kind::Body => Self::Body(Id::new(index, lineage)),
-            Kind::Joint => Self::Joint(Id::new(index, lineage)),
-            Kind::Geom => Self::Geom(Id::new(index, lineage)),
-            Kind::Site => Self::Site(Id::new(index, lineage)),
-            Kind::Camera => Self::Camera(Id::new(index, lineage)),
-            Kind::Light => Self::Light(Id::new(index, lineage)),
-            Kind::Tendon => Self::Tendon(Id::new(index, lineage)),
-            Kind::Actuator => Self::Actuator(Id::new(index, lineage)),
-            Kind::Equality => Self::Equality(Id::new(index, lineage)),
-            Kind::Skin => Self::Skin(Id::new(index, lineage)),
-            Kind::Sensor => Self::Sensor(Id::new(index, lineage)),
-            _ => return None,
-        })
     }
 }
 
@@ -214,12 +173,8 @@ impl<'s> SceneGeom<'s> {
     /// the user.
     #[doc(alias = "objtype")]
     #[doc(alias = "objid")]
-    pub fn object(self) -> Option<SceneObject> {
-        if self.raw.objtype == mjOBJ_UNKNOWN as i32 {
-            return None;
-        }
-        let kind = Kind::ALL.iter().find(|kind| kind.object_type() == self.raw.objtype)?;
-        SceneObject::new(*kind, usize::try_from(self.raw.objid).ok()?, self.lineage)
+    pub fn object(self) -> Option<Object> {
+        Object::from_raw(self.raw.objtype, self.raw.objid, self.lineage)
     }
 
     /// Returns the segmentation id: the index of the geom in the scene.

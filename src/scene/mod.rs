@@ -5,7 +5,8 @@
 //! read it through the accessors.
 //!
 //! ```
-//! use mujoco_safe::scene::{Camera, Categories, Scene, SceneObject, SceneOptions, VisualFlags};
+//! use mujoco_safe::element::Object;
+//! use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions, VisualFlags};
 //! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::humanoid())?;
@@ -18,7 +19,7 @@
 //!
 //! for geom in scene.geoms() {
 //!     // Draw geom.geom_type() with geom.size(), geom.pos(), geom.mat() and geom.rgba().
-//!     if let Some(SceneObject::Joint(joint)) = geom.object() {
+//!     if let Some(Object::Joint(joint)) = geom.object() {
 //!         assert!(data.joint(joint).name().is_some());
 //!     }
 //! }
@@ -66,7 +67,7 @@ use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 pub use self::camera_source::CameraSource;
 pub use self::flex::SceneFlex;
 use self::geom::MaterialTexture;
-pub use self::geom::{SceneGeomMut, SceneObject, SceneSkin};
+pub use self::geom::{SceneGeomMut, SceneSkin};
 pub use self::new_geom::{Connector, TextureRepeat};
 pub use self::selection::Selection;
 pub use self::viewpoint::{Head, Transform};
@@ -151,7 +152,7 @@ impl Scene {
     #[doc(alias = "mjv_defaultScene")]
     pub fn new(model: &Model, max_geoms: usize) -> Result<Self> {
         let Ok(maxgeom) = c_int::try_from(max_geoms) else {
-            return Err(Error::invalid(
+            return Err(Error::out_of_range(
                 "the capacity of a scene",
                 format!("{max_geoms} geoms"),
                 format!("at most {}", c_int::MAX),

@@ -8,7 +8,7 @@ use mujoco_sys::{self as sys, guard, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene, SceneGeomType};
 use crate::enums::engine_enum;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{HeightFieldId, MeshId, TextureId};
 
@@ -49,7 +49,7 @@ enum Shape {
 /// use mujoco_safe::sample;
 ///
 /// let mut scene = Scene::new(&sample::cartpole(), 100)?;
-/// scene.add_geom(&NewGeom::sphere(0.1).pos([0.0, 0.0, 1.0]).rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
+/// scene.add_geom(&NewGeom::sphere(0.1).with_pos([0.0, 0.0, 1.0]).with_rgba([1.0, 0.0, 0.0, 1.0]).with_label("goal")?)?;
 /// scene.add_geom(&NewGeom::connector(Connector::Arrow, 0.02, [0.0; 3], [0.0, 0.0, 1.0]))?;
 /// assert_eq!(scene.ngeom(), 2);
 /// assert_eq!(scene.geom(0).label(), "goal");
@@ -155,9 +155,9 @@ impl NewGeom {
     ///
     /// # Errors
     ///
-    /// As for [`label`](Self::label).
+    /// As for [`with_label`](Self::with_label).
     pub fn text(text: &str) -> Result<Self> {
-        Self::new(Shape::Simple(SceneGeomType::Label, [0.1; 3])).label(text)
+        Self::new(Shape::Simple(SceneGeomType::Label, [0.1; 3])).with_label(text)
     }
 
     /// Creates a geom that connects two points, m, world frame. They determine its position and
@@ -168,38 +168,38 @@ impl NewGeom {
     }
 
     /// Sets the position, m, world frame. Default: the origin.
-    pub fn pos(mut self, pos: [f64; 3]) -> Self {
+    pub fn with_pos(mut self, pos: [f64; 3]) -> Self {
         self.pos = pos;
         self
     }
 
     /// Sets the orientation, world frame, as a row-major rotation matrix. Default: the identity.
-    pub fn mat(mut self, mat: [f64; 9]) -> Self {
+    pub fn with_mat(mut self, mat: [f64; 9]) -> Self {
         self.mat = mat;
         self
     }
 
     /// Sets red, green, blue and opacity.
-    pub fn rgba(mut self, rgba: [f32; 4]) -> Self {
+    pub fn with_rgba(mut self, rgba: [f32; 4]) -> Self {
         self.rgba = rgba;
         self
     }
 
     /// Sets emission, specular, shininess and reflectance coefficients. Default: 0, 0.5, 0.5 and 0.
-    pub fn surface(mut self, emission: f32, specular: f32, shininess: f32, reflectance: f32) -> Self {
+    pub fn with_surface(mut self, emission: f32, specular: f32, shininess: f32, reflectance: f32) -> Self {
         (self.emission, self.specular) = (emission, specular);
         (self.shininess, self.reflectance) = (shininess, reflectance);
         self
     }
 
     /// Sets a texture of the model and its repetitions.
-    pub fn texture(mut self, texture: impl Into<TextureId>, repeat: TextureRepeat) -> Self {
+    pub fn with_texture(mut self, texture: impl Into<TextureId>, repeat: TextureRepeat) -> Self {
         (self.texture, self.repeat) = (Some(texture.into()), repeat);
         self
     }
 
     /// Sets the category. Default: decoration.
-    pub fn category(mut self, category: Categories) -> Self {
+    pub fn with_category(mut self, category: Categories) -> Self {
         self.category = category;
         self
     }
@@ -209,7 +209,7 @@ impl NewGeom {
     /// # Errors
     ///
     /// [`Error::Invalid`] for more than 99 bytes or a NUL byte.
-    pub fn label(mut self, text: &str) -> Result<Self> {
+    pub fn with_label(mut self, text: &str) -> Result<Self> {
         self.label = label(text)?;
         Ok(self)
     }
@@ -217,7 +217,7 @@ impl NewGeom {
     /// Returns an error if a renderer cannot draw the geom.
     fn check(&self) -> Result<()> {
         let invalid = |what: &str, value: &dyn std::fmt::Debug, expected: &str| {
-            Error::invalid(format!("{what} of a new geom"), format!("{value:?}"), expected)
+            Error::out_of_range(format!("{what} of a new geom"), format!("{value:?}"), expected)
         };
         let single = |values: &[f64]| values.iter().all(|&value| (value as f32).is_finite());
         let sizes = match &self.shape {
@@ -303,6 +303,7 @@ pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
     let mut label = [0; 100];
     if text.len() >= label.len() || text.contains('\0') {
         return Err(Error::invalid(
+            InvalidKind::Text,
             "a label",
             format!("{text:?}, {} bytes", text.len()),
             "at most 99 bytes, none of them NUL",

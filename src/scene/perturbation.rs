@@ -190,7 +190,7 @@ impl Perturbation {
     ///
     /// As for [`start`](Self::start).
     #[doc(alias = "mjv_movePerturb")]
-    pub fn move_by(&mut self, data: &Data, scene: &Scene, action: MouseAction, [dx, dy]: [f64; 2]) -> Result<()> {
+    pub fn move_by(&mut self, data: &Data, action: MouseAction, [dx, dy]: [f64; 2], scene: &Scene) -> Result<()> {
         let model = data.model();
         scene.check_model(model, "the scene of a perturbation")?;
         let mut raw = self.raw(model)?;
@@ -339,6 +339,6 @@ impl Perturbation {
         if numbers.clone().all(|number| number.is_finite()) {
             return Ok(());
         }
-        Err(Error::invalid("a number of the perturbation", format!("{self:?}"), "finite"))
+        Err(Error::not_finite("a number of the perturbation", format!("{self:?}")))
     }
 }

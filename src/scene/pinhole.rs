@@ -1,7 +1,7 @@
 //! Pinhole model of a camera: the map between points of the world and pixels.
 
 use super::Scene;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::math;
 
 /// Pinhole camera: the intrinsics of an image in pixels, and the pose of the camera in the world.
@@ -49,7 +49,7 @@ use crate::math;
 /// assert!((camera.pos[1] - data.camera(side).xpos()[1]).abs() < 1e-6);
 ///
 /// // The pixel that shows the head, and the point at 2 m depth behind the centre of the image.
-/// let [u, v] = camera.project(data.body("head")?.xpos()).expect("a point in front of the camera");
+/// let [u, v] = camera.project(*data.body("head")?.xpos()).expect("a point in front of the camera");
 /// assert!((0.0..640.0).contains(&u) && (0.0..480.0).contains(&v));
 /// let point = camera.unproject([320.0, 240.0], 2.0);
 /// assert!(point[1] > camera.pos[1] + 1.9);
@@ -137,11 +137,11 @@ impl PinholeCamera {
     /// # use mujoco_safe::scene::PinholeCamera;
     /// let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     /// let camera = PinholeCamera { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 32.0, cy: 24.0, pos: [0.0; 3], mat, orthographic: false };
-    /// assert_eq!(camera.project(&[0.5, 0.5, -2.0]), Some([47.0, 9.0]));
+    /// assert_eq!(camera.project([0.5, 0.5, -2.0]), Some([47.0, 9.0]));
     /// assert_eq!(camera.unproject([47.0, 9.0], 2.0), [0.5, 0.5, -2.0]);
-    /// assert_eq!(camera.project(&[0.5, 0.5, 2.0]), None);
+    /// assert_eq!(camera.project([0.5, 0.5, 2.0]), None);
     /// ```
-    pub fn project(&self, point: &[f64; 3]) -> Option<[f64; 2]> {
+    pub fn project(&self, point: [f64; 3]) -> Option<[f64; 2]> {
         let offset = [0, 1, 2].map(|axis| point[axis] - self.pos[axis]);
         let [x, y, z] = math::rot_vec_mat_t(&offset, &self.mat);
         let scale = if self.orthographic { 1.0 } else { -1.0 / z };
@@ -161,10 +161,11 @@ impl Scene {
     /// with a [`transform`](Self::transform), whose images are in room space.
     pub fn pinhole_camera(&self, width: usize, height: usize) -> Result<PinholeCamera> {
         if width == 0 || height == 0 {
-            return Err(Error::invalid("the size of an image", format!("{width} x {height} pixels"), "not empty"));
+            return Err(Error::out_of_range("the size of an image", format!("{width} x {height} pixels"), "not empty"));
         }
         if let Some(transform) = self.transform() {
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the scene of a pinhole camera",
                 format!("{transform:?}"),
                 "without a transform",
@@ -176,6 +177,7 @@ impl Scene {
                 .map(f64::from);
         if !(viewpoint.is_finite() && top > bottom && near > 0.0) {
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the viewpoint of the scene",
                 format!("{viewpoint:?}"),
                 "from an updated scene",

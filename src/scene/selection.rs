@@ -76,10 +76,9 @@ impl Scene {
         }
         let finite = [aspectratio, relx, rely].iter().all(|number| number.is_finite());
         if !(finite && self.viewpoint().is_finite()) {
-            return Err(Error::invalid(
+            return Err(Error::not_finite(
                 "the point to select",
                 format!("aspect ratio {aspectratio}, at {:?} in the view of {:?}", [relx, rely], self.viewpoint()),
-                "finite",
             ));
         }
         let (options, scene) = (options.raw(), self.as_ptr());

@@ -152,7 +152,7 @@ impl Scene {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
             let is_open = viewpoint.frustum_top > viewpoint.frustum_bottom && viewpoint.frustum_width >= 0.0;
             if !(viewpoint.is_finite() && ordered && is_open) {
-                return Err(Error::invalid(
+                return Err(Error::out_of_range(
                     "a viewpoint",
                     format!("{viewpoint:?}"),
                     "finite, with a frustum of 0 < near < far and bottom < top, whose width is not negative",
@@ -232,7 +232,7 @@ impl Scene {
         };
         let finite = translate.iter().chain(&rotate).all(|number| number.is_finite());
         if !(finite && rotate != [0.0; 4] && (0.01..=100.0).contains(&scale)) {
-            return Err(Error::invalid(
+            return Err(Error::out_of_range(
                 "a transform",
                 format!("{transform:?}"),
                 "finite, with a quaternion that is not zero and a scale from 0.01 to 100",

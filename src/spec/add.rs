@@ -1,7 +1,7 @@
 //! Creation of elements.
 
 use super::attributes::Named;
-use super::key::{ElementId, Reference};
+use super::element_id::{ElementId, Reference};
 use super::names;
 use super::names::MAIN;
 use super::tree::{Index, Tree};

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::text::{self, Written};
 use super::tree::{Index, Tree};
 use super::{Spec, attach, names};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::model::{LoadOptions, Model, TEXT};
 
 /// # Compilation
@@ -106,7 +106,7 @@ pub(super) fn check_character(tree: &Tree, index: Index, attribute: &str, value:
         return Ok(());
     }
     let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
-    Err(Error::invalid(what, format!("{value:?}"), "a text without NUL"))
+    Err(Error::invalid(InvalidKind::Text, what, format!("{value:?}"), "a text without NUL"))
 }
 
 /// Returns the number of a line in a message: `line 3` or `line = 3`.

@@ -5,12 +5,12 @@ use std::marker::PhantomData;
 
 use super::attributes::Named;
 use super::compile::check_character;
-use super::key::{Any, ElementId, Key, SpecKind};
+use super::element_id::{Any, ElementId, IntoElementId, SpecKind};
 use super::names;
 use super::schema::Schema;
 use super::tree::Index;
 use super::{Spec, Value, value};
-use crate::error::{Error, Result, near_names};
+use crate::error::{Error, InvalidKind, Result, near_names};
 use crate::kind::{self, ElementKind};
 
 /// View of an element of a spec.
@@ -72,7 +72,7 @@ impl<'s, K> Element<'s, K> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
         let numbers = value::numbers(text).ok_or_else(|| {
             let what = format!("attribute '{name}' of {}", names::describe(&self.spec.tree, self.index));
-            Error::invalid(what, format!("'{text}'"), "a list of numbers")
+            Error::invalid(InvalidKind::Text, what, format!("'{text}'"), "a list of numbers")
         })?;
         Ok(Some(numbers))
     }
@@ -116,7 +116,7 @@ impl<'s, K> ElementMut<'s, K> {
     }
 
     /// Returns a view for reading.
-    pub fn as_ref(&self) -> Element<'_, K> {
+    pub fn view(&self) -> Element<'_, K> {
         Element::new(self.spec, self.index)
     }
 
@@ -149,7 +149,7 @@ impl<'s, K> ElementMut<'s, K> {
             let similar = if near.is_empty() { String::new() } else { format!("perhaps {}; ", near.join(" or ")) };
             let expected = format!("{similar}one of {}", known.join(", "));
             let what = format!("the name of an attribute of {}", names::describe(&self.spec.tree, self.index));
-            return Err(Error::invalid(what, format!("'{attribute}'"), expected));
+            return Err(Error::invalid(InvalidKind::Unknown, what, format!("'{attribute}'"), expected));
         }
         check_character(&self.spec.tree, self.index, attribute, &value.text())?;
         if attribute == "name" {
@@ -279,7 +279,7 @@ macro_rules! lookups {
                 /// [`Error::NoSuchName`] for a name that does not exist.
                 #[doc(alias = "mjs_findElement")]
                 #[track_caller]
-                pub fn $name<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<Element<'_, kind::$kind>> {
+                pub fn $name<Q: IntoElementId<kind::$kind>>(&self, key: Q) -> Q::Found<Element<'_, kind::$kind>> {
                     Q::map(key.find(self), |index| Element::new(self, index))
                 }
 
@@ -289,7 +289,7 @@ macro_rules! lookups {
                 ///
                 /// [`Error::NoSuchName`] for a name that does not exist.
                 #[track_caller]
-                pub fn $name_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<ElementMut<'_, kind::$kind>> {
+                pub fn $name_mut<Q: IntoElementId<kind::$kind>>(&mut self, key: Q) -> Q::Found<ElementMut<'_, kind::$kind>> {
                     Q::map(key.find(self), |index| ElementMut::new(self, index))
                 }
             )*

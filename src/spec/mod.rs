@@ -51,7 +51,7 @@ mod attributes;
 mod compile;
 mod control;
 mod element;
-mod key;
+mod element_id;
 mod lineages;
 mod names;
 mod paths;
@@ -71,13 +71,13 @@ pub use self::add::ActuatorElement;
 pub use self::attach::Mount;
 use self::attributes::Named;
 pub use self::element::{Element, ElementMut};
-pub use self::key::{Any, ElementId, Key, Reference, SpecKind};
+pub use self::element_id::{Any, ElementId, IntoElementId, Reference, SpecKind};
 use self::lineages::Lineages;
 use self::read::Sources;
 use self::schema::Schema;
 use self::tree::{Index, Tree};
 pub use self::value::Value;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::file;
 use crate::kind;
 use crate::macros::with_aliases;
@@ -86,7 +86,7 @@ use crate::model::LoadOptions;
 use crate::model::Model;
 
 with_aliases! {
-    pub use self::value::{TexturePattern = "mjtBuiltin" "builtin"};
+    pub use self::value::{SensorFrame = "objtype", TexturePattern = "mjtBuiltin" "builtin"};
 }
 
 /// Editable description of a model. See the [module](self).
@@ -276,7 +276,12 @@ impl Spec {
             return Ok(());
         }
         let place = names::describe(&self.tree, parent);
-        Err(Error::invalid(format!("the tag of an element in {place}"), format!("'{tag}'"), known.join(", ")))
+        Err(Error::invalid(
+            InvalidKind::Unknown,
+            format!("the tag of an element in {place}"),
+            format!("'{tag}'"),
+            known.join(", "),
+        ))
     }
 }
 

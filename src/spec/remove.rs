@@ -3,11 +3,11 @@
 use std::collections::HashSet;
 
 use super::Spec;
-use super::key::ElementId;
+use super::element_id::ElementId;
 use super::names::{self, Names};
 use super::tree::{Index, Tree};
 use super::{attach, attributes};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 
 /// # Removal
 impl Spec {
@@ -53,6 +53,7 @@ impl Spec {
         let list: Vec<String> = referrers.iter().map(|&index| names::describe(&self.tree, index)).collect();
         let element = names::describe(&self.tree, index);
         Err(Error::invalid(
+            InvalidKind::Unsuitable,
             format!("the number of references to {element}"),
             format!("{} ({})", list.len(), list.join(", ")),
             "0 before it is removed; remove_with_references also removes these elements",
@@ -102,7 +103,12 @@ impl Spec {
         let index = self.index(id);
         if index == Tree::ROOT || index == self.world {
             let element = names::describe(&self.tree, index);
-            return Err(Error::invalid("the element to remove", element, "another one than the world and the root"));
+            return Err(Error::invalid(
+                InvalidKind::Unsuitable,
+                "the element to remove",
+                element,
+                "another one than the world and the root",
+            ));
         }
         Ok(index)
     }

@@ -1,8 +1,8 @@
 //! Attributes with a method. They exist in every engine; [`ElementMut::set`] sets the others.
 
 use super::ElementMut;
-use super::key::Reference;
-use super::value::TexturePattern;
+use super::element_id::Reference;
+use super::value::{SensorFrame, TexturePattern};
 use crate::enums::{CameraMode, GeomType, JointType, TextureType};
 use crate::kind;
 
@@ -301,9 +301,8 @@ setters! {
         set_actuator "actuator" => Actuator;
         /// Sets the body of a sensor of a subtree.
         set_body "body" => Body;
-        /// Sets the type of the object of a sensor of a frame: `body`, `xbody`, `geom`, `site` or
-        /// `camera`.
-        set_objtype "objtype": &str;
+        /// Sets the type of the object of a sensor of a frame.
+        set_objtype "objtype": SensorFrame;
         /// Sets the name of the object of a sensor of a frame.
         set_objname "objname": &str;
         /// Sets the largest magnitude of the reading; 0 means no limit.

@@ -93,6 +93,22 @@ pub enum TexturePattern {
     Flat,
 }
 
+/// Frame that a sensor of a frame measures: the cases of [`FrameId`](crate::data::FrameId).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SensorFrame {
+    /// Frame of a body, relative to which its joints are defined: `xbody` in MJCF.
+    Body,
+    /// Inertial frame of a body, at its centre of mass: `body` in MJCF.
+    BodyInertia,
+    /// Frame of a geom.
+    Geom,
+    /// Frame of a site.
+    Site,
+    /// Frame of a camera.
+    Camera,
+}
+
 /// Implements [`Value`] for an enum by the words of MJCF for its variants.
 macro_rules! keywords {
     ($($name:ident { $($variant:ident = $word:literal)* })*) => {
@@ -123,12 +139,21 @@ keywords! {
         Fixed = "fixed" Track = "track" TrackCom = "trackcom" TargetBody = "targetbody" TargetBodyCom = "targetbodycom"
     }
     TextureType { Flat = "2d" Cube = "cube" Skybox = "skybox" }
+    SensorFrame { Body = "xbody" BodyInertia = "body" Geom = "geom" Site = "site" Camera = "camera" }
     TexturePattern { Gradient = "gradient" Checker = "checker" Flat = "flat" }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Value, number, numbers};
+    use super::{SensorFrame, Value, number, numbers};
+
+    #[test]
+    fn the_frame_of_a_body_is_not_its_inertial_frame() {
+        assert_eq!(
+            [SensorFrame::Body, SensorFrame::BodyInertia].map(|frame| frame.text().into_owned()),
+            ["xbody", "body"]
+        );
+    }
 
     #[test]
     fn numbers_restore_their_values() {

@@ -10,7 +10,7 @@ use std::fmt;
 pub(crate) use self::parts::{PipelineFeatures, PipelineFlags};
 
 /// Progress of the pipeline of a [`Data`](crate::Data) for its present model. Each stage includes
-/// the one before it. A reset and a change of the model return it to [`Nothing`](Self::Nothing). A
+/// the one before it. A reset and a change of the model return it to [`None`](Self::None). A
 /// change of the state does not, because programs usually read results after they write the next
 /// state.
 ///
@@ -20,7 +20,7 @@ pub(crate) use self::parts::{PipelineFeatures, PipelineFlags};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
     /// Nothing has been computed since the last reset or change of the model.
-    Nothing,
+    None,
     /// Quantities that depend on positions: poses, the inertia matrix, contacts, the constraint
     /// Jacobian.
     Position,
@@ -33,7 +33,7 @@ pub enum Stage {
 impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Nothing => "no quantities",
+            Self::None => "no quantities",
             Self::Position => "position-dependent quantities",
             Self::Velocity => "velocity-dependent quantities",
             Self::Acceleration => "forces and accelerations",
@@ -62,7 +62,7 @@ impl From<Stage> for PipelineFlags {
     #[inline]
     fn from(stage: Stage) -> Self {
         match stage {
-            Stage::Nothing => Self::empty(),
+            Stage::None => Self::empty(),
             Stage::Position => Self::POSITION,
             Stage::Velocity => Self::VELOCITY,
             Stage::Acceleration => Self::FORCES,

@@ -257,7 +257,7 @@ impl PipelineFlags {
     /// up to `skip` left out.
     pub(crate) fn sensors_after(self, skip: Stage, sensors: SensorUpdate, features: Features) -> Self {
         let skipped = match skip {
-            Stage::Nothing => Self::empty(),
+            Stage::None => Self::empty(),
             Stage::Position => Self::SENSOR_POS,
             Stage::Velocity | Stage::Acceleration => Self::SENSOR_POS | Self::SENSOR_VEL,
         };
@@ -289,7 +289,7 @@ impl PipelineFlags {
         [Stage::Acceleration, Stage::Velocity, Stage::Position]
             .into_iter()
             .find(|&stage| self.contains(stage.into()))
-            .unwrap_or(Stage::Nothing)
+            .unwrap_or(Stage::None)
     }
 }
 
@@ -347,8 +347,8 @@ mod tests {
     #[test]
     fn only_sensor_readings_of_skipped_stages_are_kept() {
         let (all, none, plain) = (PipelineFlags::all(), PipelineFlags::empty(), Features::empty());
-        assert_eq!(none.sensors_after(Stage::Nothing, SensorUpdate::Compute, plain), PipelineFlags::SENSORS);
-        assert_eq!(all.sensors_after(Stage::Nothing, SensorUpdate::Skip, plain), none);
+        assert_eq!(none.sensors_after(Stage::None, SensorUpdate::Compute, plain), PipelineFlags::SENSORS);
+        assert_eq!(all.sensors_after(Stage::None, SensorUpdate::Skip, plain), none);
         assert_eq!(
             none.sensors_after(Stage::Position, SensorUpdate::Compute, plain),
             PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC

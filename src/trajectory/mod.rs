@@ -9,7 +9,7 @@ mod serde;
 
 use crate::controller::Controller;
 use crate::data::Data;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::model::Model;
 
 /// Recorded simulation: the time, the physics state `[qpos; qvel; act]` and the controls of each
@@ -76,7 +76,7 @@ fn other_sizes(what: &'static str, expected: Sizes, found: Sizes) -> Error {
         return Error::Shape { what, expected: (expected.state(), expected.nu), found: (found.state(), found.nu) };
     }
     let list = |sizes: Sizes| format!("nq {}, nv {}, na {}", sizes.nq, sizes.nv, sizes.na);
-    Error::invalid(what, list(found), list(expected))
+    Error::invalid(InvalidKind::Unsuitable, what, list(found), list(expected))
 }
 
 impl Trajectory {

@@ -41,9 +41,9 @@ pub enum ViewerError {
     #[error("a thread could not be started: {0}")]
     Thread(#[source] std::io::Error),
 
-    /// A call of this library has failed.
+    /// Another error of this crate.
     #[error(transparent)]
-    Engine(#[from] Error),
+    Other(#[from] Error),
 }
 
 debug_as_display!(ViewerError);

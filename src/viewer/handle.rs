@@ -212,7 +212,7 @@ impl ViewerHandle {
     /// use mujoco_safe::scene::NewGeom;
     ///
     /// handle.geoms_mut().clear();
-    /// handle.geoms_mut().push(NewGeom::sphere(0.05).pos([1.0, 0.0, 0.5]).label("goal")?);
+    /// handle.geoms_mut().push(NewGeom::sphere(0.05).with_pos([1.0, 0.0, 0.5]).with_label("goal")?);
     /// # Ok(())
     /// # }
     /// ```

@@ -29,7 +29,7 @@ pub(crate) struct Parameter {
 /// such as the path of a plan.
 ///
 /// A closure declares all instruments each time it is called, with
-/// [`Viewer::instrumented_controller`](super::Viewer::instrumented_controller) or
+/// [`Viewer::with_instrumented_controller`](super::Viewer::with_instrumented_controller) or
 /// [`ViewerHandle::instruments`](super::ViewerHandle::instruments). An instrument that the closure
 /// does not declare again disappears. The plots and the sliders are at the top of the right panel;
 /// Shift+F3 hides and shows them.
@@ -59,11 +59,11 @@ pub(crate) struct Parameter {
 ///
 /// let balance = Balance { stiffness: 3.0, damping: 0.5 };
 /// Viewer::new()
-///     .instrumented_controller(balance, |balance, data, instruments| {
+///     .with_instrumented_controller(balance, |balance, data, instruments| {
 ///         instruments.parameter("stiffness", &mut balance.stiffness, 0.0..=10.0);
 ///         instruments.parameter("damping", &mut balance.damping, 0.0..=2.0);
 ///         instruments.value("angle, rad", "pole", data.qpos()[1]);
-///         instruments.geom(NewGeom::sphere(0.02).pos([data.qpos()[0], 0.0, 0.0]).rgba([1.0, 0.0, 0.0, 1.0]));
+///         instruments.geom(NewGeom::sphere(0.02).with_pos([data.qpos()[0], 0.0, 0.0]).with_rgba([1.0, 0.0, 0.0, 1.0]));
 ///     })
 ///     .run(Data::new(sample::cartpole())?)?;
 /// # Ok::<(), ViewerError>(())
@@ -131,7 +131,7 @@ impl Instruments {
         for point in points {
             let point = Some(point).filter(is_finite);
             if let (Some(from), Some(to)) = (previous, point) {
-                self.geom(NewGeom::connector(Connector::Capsule, radius, from, to).rgba(rgba));
+                self.geom(NewGeom::connector(Connector::Capsule, radius, from, to).with_rgba(rgba));
             }
             previous = point;
         }

@@ -22,7 +22,7 @@ use crate::trajectory::Trajectory;
 ///
 /// let data = Data::new(sample::humanoid())?;
 /// // Blocks until the window is closed.
-/// let data = Viewer::new().options(ViewerOptions::default().with_title("falling humanoid")).run(data)?;
+/// let data = Viewer::new().with_options(ViewerOptions::default().with_title("falling humanoid")).run(data)?;
 /// println!("the simulation ended at {} s", data.time());
 /// # Ok::<(), mujoco_safe::viewer::ViewerError>(())
 /// ```
@@ -51,7 +51,7 @@ impl Viewer {
     }
 
     /// Sets the options.
-    pub fn options(mut self, options: ViewerOptions) -> Self {
+    pub fn with_options(mut self, options: ViewerOptions) -> Self {
         self.options = options;
         self
     }
@@ -64,15 +64,15 @@ impl Viewer {
     ///
     /// A reset or a step back restores the simulation, not the internal state of the controller. A
     /// stateful controller can detect it by [`Data::time`], which decreases.
-    pub fn controller(mut self, controller: impl Controller + Send + 'static) -> Self {
+    pub fn with_controller(mut self, controller: impl Controller + Send + 'static) -> Self {
         let controller: Box<dyn Controller + Send> = Box::new(controller);
         self.controller = Some(Box::new(controller));
         self
     }
 
-    /// As [`controller`](Self::controller), with a closure that declares the [`Instruments`] of the
-    /// controller: plotted values, parameters with sliders, and geoms. [`Instruments`] has an
-    /// example. The closure returns nothing or a [`Result`](crate::Result).
+    /// As [`with_controller`](Self::with_controller), with a closure that declares the
+    /// [`Instruments`] of the controller: plotted values, parameters with sliders, and geoms.
+    /// [`Instruments`] has an example. The closure returns nothing or a [`Result`](crate::Result).
     ///
     /// The viewer calls the closure in the thread of the controller: before each image of the
     /// simulation in the controller mode, and immediately when the user moves a slider, so that the
@@ -80,7 +80,7 @@ impl Viewer {
     /// such as poses, are those before the step.
     ///
     /// An error or a panic of the closure pauses the simulation, and the window shows the message.
-    pub fn instrumented_controller<C, O>(
+    pub fn with_instrumented_controller<C, O>(
         mut self,
         controller: C,
         declare: impl FnMut(&mut C, &Data, &mut Instruments) -> O + Send + 'static,
@@ -95,7 +95,7 @@ impl Viewer {
 
     /// Sets recorded trajectories, which add the trajectory mode. It is the initial mode if there
     /// is no controller. The lengths may differ.
-    pub fn trajectories(mut self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
+    pub fn with_trajectories(mut self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
         self.trajectories = trajectories.into_iter().collect();
         self
     }
@@ -111,7 +111,7 @@ impl Viewer {
     /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others
     /// if the window cannot be shown; [`ViewerError::Window`] if the window ends early, for example
     /// because the X server has ended, after which a running recording is complete and this process
-    /// can show no more windows; [`ViewerError::Engine`] for a title or a size that no window can
+    /// can show no more windows; [`ViewerError::Other`] for a title or a size that no window can
     /// have, and for a trajectory that is empty or of another model.
     pub fn run(self, data: Data) -> Result<Data, ViewerError> {
         let (request, link) = WindowRequest::on_this_thread(self.options)?;

@@ -62,7 +62,7 @@ mod link;
 mod options;
 mod panel;
 mod simulation;
-#[cfg(feature = "test-hooks")]
+#[cfg(feature = "_test-hooks")]
 #[doc(hidden)]
 pub mod test_hooks;
 mod view;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::error::Error;
+use crate::error::{Error, InvalidKind};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
 
@@ -33,7 +33,7 @@ pub struct ViewerOptions {
     pub title: String,
     /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the
     /// monitor.
-    pub size: Option<[u32; 2]>,
+    pub size: Option<[usize; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
     /// The side panels are open at the start, as in `simulate`, if the window has place for both
@@ -82,18 +82,23 @@ impl Default for ViewerOptions {
 
 impl ViewerOptions {
     /// Largest width and height of a window in the protocol of X.
-    const MAX_SIZE: u32 = u16::MAX as u32;
+    const MAX_SIZE: usize = u16::MAX as usize;
 
     /// Rejects values that the windowing system cannot represent.
     pub(super) fn check(&self) -> Result<(), Error> {
         if self.title.contains('\0') {
-            return Err(Error::invalid("the title of the window", format!("{:?}", self.title), "a text without NUL"));
+            return Err(Error::invalid(
+                InvalidKind::Text,
+                "the title of the window",
+                format!("{:?}", self.title),
+                "a text without NUL",
+            ));
         }
         if let Some([width, height]) = self.size
             && ![width, height].iter().all(|pixels| (1..=Self::MAX_SIZE).contains(pixels))
         {
             let expected = format!("a width and a height from 1 to {} pixels", Self::MAX_SIZE);
-            return Err(Error::invalid("the size of the window", format!("{width} × {height}"), expected));
+            return Err(Error::out_of_range("the size of the window", format!("{width} × {height}"), expected));
         }
         Ok(())
     }
@@ -101,7 +106,7 @@ impl ViewerOptions {
 
 with_methods!(ViewerOptions {
     with_title(title: impl Into<String>) = title.into(),
-    with_size(size: [u32; 2]) = Some(size),
+    with_size(size: [usize; 2]) = Some(size),
     with_vsync(vsync: bool),
     with_panels(panels: bool),
     with_theme(theme: Theme),

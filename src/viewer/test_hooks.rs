@@ -1,5 +1,5 @@
 //! Hooks of the integration tests: state of the window that was drawn last, and control over its
-//! frames. Compiled only with the feature `test-hooks`, which the tests enable. Not part of the
+//! frames. Compiled only with the feature `_test-hooks`, which the tests enable. Not part of the
 //! public API.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

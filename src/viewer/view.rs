@@ -120,7 +120,7 @@ impl View {
     /// numbers.
     pub fn move_camera(&mut self, action: MouseAction, motion: [f64; 2], snapshot: &Snapshot) -> Result<()> {
         self.drop_stale_camera(&snapshot.model);
-        self.camera.move_by(&snapshot.model, &snapshot.scene, action, motion)
+        self.camera.move_by(&snapshot.model, action, motion, &snapshot.scene)
     }
 
     /// Updates the viewpoint and the effects of a snapshot to the current view, so that the image

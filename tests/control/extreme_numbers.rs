@@ -39,7 +39,7 @@ fn matrices(rows: usize, columns: usize) -> Vec<DMatrix<f64>> {
 /// Asserts that a solution is finite. An error is allowed.
 fn check_solution(result: Result<mujoco_safe::control::riccati::RiccatiSolution, RiccatiError>) -> bool {
     let Ok(solution) = result else { return false };
-    assert!(solution.p.iter().chain(solution.k.iter()).all(|value| value.is_finite()), "{solution:?}");
+    assert!(solution.p.as_slice().iter().chain(solution.k.as_slice()).all(|value| value.is_finite()), "{solution:?}");
     assert!(solution.spectral_radius.is_finite() && solution.relative_residual.is_finite(), "{solution:?}");
     true
 }
@@ -63,7 +63,7 @@ fn riccati_equations_of_any_numbers_give_finite_solutions_or_errors() {
                 let [a, b, q, r, s] = &all;
                 solved += usize::from(check_solution(Riccati::new(a, b, q, r).solve()));
                 solved += usize::from(check_solution(Riccati::new(a, b, q, r).with_cross_term(s).solve()));
-                let weights = LqrWeights { q: q.clone(), r: r.clone(), s: Some(s.clone()) };
+                let weights = LqrWeights { s: Some(s.into()), ..LqrWeights::new(q, r) };
                 for terminal in [q, &DMatrix::zeros(states, states)] {
                     let Ok(mut recursion) = RiccatiRecursion::new(terminal, controls) else { continue };
                     for _ in 0..50 {
@@ -138,7 +138,7 @@ fn weights_gains_and_targets_of_any_numbers_do_not_panic() {
             LqrWeights::diagonal(&[number; 4], &[1.0]),
             LqrWeights::diagonal(&[1.0; 4], &[number]),
             LqrWeights::diagonal(&[number; 4], &[number]),
-            LqrWeights { s: Some(DMatrix::from_element(4, 1, number)), ..super::weights() },
+            LqrWeights { s: Some(Matrix::from_row_major(4, 1, vec![number; 4])), ..super::weights() },
             LqrWeights::diagonal(&[], &[]),
             LqrWeights::diagonal(&[1.0; 5], &[]),
         ] {

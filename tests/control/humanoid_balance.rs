@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
+use mujoco_safe::{Data, Differences, Lqr, Model, sample};
 
 use crate::examples::{program, text};
 use crate::installed::has;
@@ -35,7 +35,7 @@ impl Balance {
         let weights = weights(&mut data, torso, foot, &dofs).unwrap();
         let system = data.transition_fd(Lqr::EPS, Differences::Central).unwrap();
         let solution = Lqr::solve(&system, &weights).unwrap();
-        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).unwrap();
+        let lqr = Lqr::with_gain(&data, solution.k).unwrap();
         let (residual, spectral_radius) = (solution.relative_residual, solution.spectral_radius);
         Self { data, set_point, sweep, dofs, lqr, residual, spectral_radius }
     }

@@ -22,7 +22,7 @@ fn displaced() -> (Data, QuadraticCost, LqrWeights, DMatrix<f64>) {
     let mut data = Data::new(model.clone()).unwrap();
     data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).unwrap();
     let mut weights = LqrWeights::diagonal(&[1.0, 2.0, 0.1, 0.2], &[0.05, 0.1]);
-    weights.s = Some(DMatrix::from_row_slice(4, 2, &[0.01, 0.0, 0.0, 0.02, 0.0, 0.0, 0.01, 0.0]));
+    weights.s = Some(Matrix::from_rows(&[[0.01, 0.0], [0.0, 0.02], [0.0, 0.0], [0.01, 0.0]]));
     let terminal = DMatrix::identity(4, 4) * 3.0;
     let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).unwrap();
     (data, cost, weights, terminal)
@@ -42,16 +42,12 @@ fn a_linear_quadratic_problem_is_solved_in_one_iteration() {
     let mut recursion = RiccatiRecursion::new(&terminal, 2).unwrap();
     for step in (0..STEPS).rev() {
         let gain = recursion.step_back(&a, &b, &weights).unwrap();
-        assert_close(&solution.gains[step].to_nalgebra(), gain, 1e-6);
+        assert_close(&solution.gains[step], gain, 1e-6);
     }
-    let cost_to_go = begin.dot(&(recursion.p() * &begin));
+    let cost_to_go = begin.dot(&(recursion.p().to_nalgebra() * &begin));
     assert!((solution.cost() - cost_to_go).abs() < 1e-7 * cost_to_go, "{} and {cost_to_go}", solution.cost());
-    let first = -recursion.k() * &begin;
-    assert_close(
-        &DMatrix::from_row_slice(2, 1, solution.controls.row(0)),
-        &first.reshape_generic(nalgebra::Dyn(2), nalgebra::Dyn(1)),
-        1e-6,
-    );
+    let first = -recursion.k().to_nalgebra() * &begin;
+    assert_close(&DVector::from_row_slice(solution.controls.row(0)), &first, 1e-6);
 }
 
 /// A cost that counts the evaluated trajectories.
@@ -260,7 +256,7 @@ impl TrajectoryCost for Wrong {
     }
 
     fn expand(&self, _: usize, _: &[f64], _: Option<&[f64]>, expansion: &mut CostExpansion) -> Result<()> {
-        expansion.uu.fill_with_identity();
+        expansion.uu = Matrix::identity(expansion.u.len());
         (self.0)(expansion);
         Ok(())
     }
@@ -300,11 +296,11 @@ fn a_nan_cost_or_a_changed_shape_is_an_error() {
         assert!(matches!(error(Wrong(spoil, 0.0)), Error::Invalid { .. }));
     }
     for spoil in [
-        (|expansion| expansion.x = DVector::zeros(3)) as fn(&mut CostExpansion),
-        |expansion| expansion.u = DVector::zeros(2),
-        |expansion| expansion.xx = DMatrix::zeros(4, 3),
-        |expansion| expansion.uu = DMatrix::zeros(0, 0),
-        |expansion| expansion.xu = DMatrix::zeros(1, 4),
+        (|expansion| expansion.x = vec![0.0; 3]) as fn(&mut CostExpansion),
+        |expansion| expansion.u = vec![0.0; 2],
+        |expansion| expansion.xx = Matrix::zeros(4, 3),
+        |expansion| expansion.uu = Matrix::zeros(0, 0),
+        |expansion| expansion.xu = Matrix::zeros(1, 4),
     ] {
         assert!(matches!(error(Wrong(spoil, 0.0)), Error::Shape { .. }));
     }
@@ -360,18 +356,19 @@ fn gradient(
 }
 
 #[test]
+#[allow(clippy::many_single_char_names, reason = "symbols of the literature")]
 fn the_derivatives_of_a_quadratic_cost_equal_finite_differences() {
     let model = Arc::new(sample::humanoid());
     let (nx, nu) = (54, 21);
     let mut random = Random::new(8);
-    let mut weights = LqrWeights { q: random.positive(nx, 0.1), r: random.positive(nu, 0.1), s: None };
-    weights.s = Some(random.matrix(nx, nu));
+    let (q, r, s) = (random.positive(nx, 0.1), random.positive(nu, 0.1), random.matrix(nx, nu));
+    let weights = LqrWeights { s: Some(Matrix::from(&s)), ..LqrWeights::new(&q, &r) };
     let terminal = random.positive(nx, 0.1);
     let mut data = Data::new(model.clone()).unwrap();
     data.reset_to_key("squat").unwrap();
     let target = data.physics_state();
     let controls: Vec<f64> = random.vector(nu).as_slice().to_vec();
-    let cost = QuadraticCost::new(model.clone(), &target, weights.clone(), terminal.clone())
+    let cost = QuadraticCost::new(model.clone(), &target, weights, &terminal)
         .and_then(|cost| cost.with_controls(&controls))
         .unwrap();
     assert_eq!(cost.value(0, &target, Some(&controls)).unwrap(), 0.0);
@@ -385,16 +382,17 @@ fn the_derivatives_of_a_quadratic_cost_equal_finite_differences() {
         let mut expansion = CostExpansion::zeros(&model);
         cost.expand(0, &state, controls, &mut expansion).unwrap();
         let (x, u) = gradient(&model, &cost, &state, controls);
-        assert!((&expansion.x - &x).norm() < 1e-6 * x.norm(), "{} instead of {x}", expansion.x);
-        assert!((&expansion.u - &u).norm() <= 1e-6 * u.norm().max(1e-9), "{} instead of {u}", expansion.u);
+        let (found_x, found_u) = (DVector::from_vec(expansion.x), DVector::from_vec(expansion.u));
+        assert!((&found_x - &x).norm() < 1e-6 * x.norm(), "{found_x} instead of {x}");
+        assert!((&found_u - &u).norm() <= 1e-6 * u.norm().max(1e-9), "{found_u} instead of {u}");
         // At the target, the second derivatives are twice the weights.
         let mut expansion = CostExpansion::zeros(&model);
         cost.expand(0, &target, controls, &mut expansion).unwrap();
-        let expected = if controls.is_some() { &weights.q } else { &terminal };
+        let expected = if controls.is_some() { &q } else { &terminal };
         assert_close(&expansion.xx, &(expected * 2.0), 1e-12);
         if controls.is_some() {
-            assert_close(&expansion.uu, &(&weights.r * 2.0), 1e-12);
-            assert_close(&expansion.xu, &(weights.s.as_ref().unwrap() * 2.0), 1e-12);
+            assert_close(&expansion.uu, &(&r * 2.0), 1e-12);
+            assert_close(&expansion.xu, &(&s * 2.0), 1e-12);
         }
     }
 }

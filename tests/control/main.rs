@@ -53,6 +53,7 @@ mod sampling;
 mod sizes;
 mod threaded;
 
+use mujoco_safe::matrix::StridedView;
 use mujoco_safe::{Data, LqrWeights, Model, sample};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
@@ -87,9 +88,10 @@ impl Random {
 }
 
 #[track_caller]
-fn assert_close(found: &DMatrix<f64>, expected: &DMatrix<f64>, tolerance: f64) {
+fn assert_close<'a>(found: impl Into<StridedView<'a>>, expected: impl Into<StridedView<'a>>, tolerance: f64) {
+    let (found, expected) = (found.into().to_matrix().to_nalgebra(), expected.into().to_matrix().to_nalgebra());
     assert_eq!(found.shape(), expected.shape());
-    let error = (found - expected).norm() / expected.norm().max(1e-300);
+    let error = (&found - &expected).norm() / expected.norm().max(1e-300);
     assert!(error <= tolerance, "relative error {error:e}: {found} instead of {expected}");
 }
 

@@ -18,7 +18,7 @@ fn displaced() -> (Data, QuadraticCost, DMatrix<f64>) {
     let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     let solution = Lqr::solve(&system, &weights).unwrap();
     let cost = QuadraticCost::new(data.model(), &[0.0; 4], weights, solution.p).unwrap();
-    (data, cost, solution.k)
+    (data, cost, solution.k.to_nalgebra())
 }
 
 fn planner(data: &Data, horizon: usize, iterations: usize) -> IlqrPlanner {

@@ -2,8 +2,8 @@
 #![allow(clippy::many_single_char_names, reason = "symbols of the literature")]
 #![allow(clippy::unreadable_literal, reason = "figures as published")]
 
-use mujoco_safe::LqrWeights;
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiRecursion};
+use mujoco_safe::{LqrWeights, Matrix};
 use nalgebra::{DMatrix, DVector, dmatrix};
 
 use super::{Random, assert_close, weights};
@@ -32,11 +32,7 @@ fn over_a_long_horizon_the_first_gain_equals_scipy() {
     let k = dmatrix![-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
     assert_close(recursion.k(), &k, 1e-11);
     let p = [180.2819066017, 2907.909272519, 166.5472641831, 37.13361185153];
-    assert_close(
-        &recursion.p().diagonal().into_owned().reshape_generic(nalgebra::Dyn(4), nalgebra::Dyn(1)),
-        &DMatrix::from_column_slice(4, 1, &p),
-        1e-11,
-    );
+    assert_close(&recursion.p().to_nalgebra().diagonal(), &DMatrix::from_column_slice(4, 1, &p), 1e-11);
 }
 
 #[test]
@@ -44,7 +40,7 @@ fn the_solution_of_the_equation_is_a_fixed_point() {
     let mut random = Random::new(1);
     for size in [1, 3, 8] {
         let (a, b) = (random.matrix(size, size), random.matrix(size, 2));
-        let weights = LqrWeights { q: random.positive(size, 0.1), r: random.positive(2, 0.1), s: None };
+        let weights = LqrWeights::new(random.positive(size, 0.1), random.positive(2, 0.1));
         let solution = Riccati::new(&a, &b, &weights.q, &weights.r).solve().expect("controllable");
         let mut recursion = RiccatiRecursion::new(&solution.p, 2).unwrap();
         assert_close(recursion.step_back(&a, &b, &weights).unwrap(), &solution.k, 1e-9);
@@ -68,7 +64,7 @@ impl Problem {
             let all = random.positive(n + m, 0.5);
             let block = |row, column, rows, columns| all.view((row, column), (rows, columns)).into_owned();
             let s = cross.then(|| block(0, n, n, m));
-            (a, b, LqrWeights { q: block(0, 0, n, n), r: block(n, n, m, m), s })
+            (a, b, LqrWeights { s: s.map(Matrix::from), ..LqrWeights::new(block(0, 0, n, n), block(n, n, m, m)) })
         };
         Self { systems: (0..steps).map(&mut step).collect(), terminal: random.positive(n, 0.0) }
     }
@@ -82,13 +78,14 @@ impl Problem {
         let (mut offset, mut map) = (begin.clone(), DMatrix::zeros(n, m * steps));
         let (mut h, mut g, mut c) = (DMatrix::zeros(m * steps, m * steps), DVector::zeros(m * steps), 0.0);
         for (step, (a, b, weights)) in self.systems.iter().enumerate() {
+            let (q, r) = (weights.q.to_nalgebra(), weights.r.to_nalgebra());
             let mut select = DMatrix::zeros(m, m * steps);
             select.view_mut((0, m * step), (m, m)).fill_with_identity();
-            h += (map.transpose() * &weights.q * &map + select.transpose() * &weights.r * &select) * 2.0;
-            g += map.transpose() * &weights.q * &offset * 2.0;
-            c += offset.dot(&(&weights.q * &offset));
-            if let Some(s) = &weights.s {
-                let mixed = map.transpose() * s * &select;
+            h += (map.transpose() * &q * &map + select.transpose() * &r * &select) * 2.0;
+            g += map.transpose() * &q * &offset * 2.0;
+            c += offset.dot(&(&q * &offset));
+            if let Some(s) = weights.s.as_ref().map(Matrix::to_nalgebra) {
+                let mixed = map.transpose() * &s * &select;
                 h += (&mixed + mixed.transpose()) * 2.0;
                 g += select.transpose() * s.transpose() * &offset * 2.0;
             }
@@ -113,10 +110,13 @@ fn the_gains_give_the_optimum_of_the_stacked_problem() {
         let (expected, cost) = problem.solve(&begin);
 
         let mut recursion = RiccatiRecursion::new(&problem.terminal, m).unwrap();
-        let back = |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).unwrap().clone();
+        let back = |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).unwrap().to_nalgebra();
         let mut gains: Vec<DMatrix<f64>> = problem.systems.iter().rev().map(back).collect();
         gains.reverse();
-        assert!((begin.dot(&(recursion.p() * &begin)) - cost).abs() <= 1e-9 * cost, "the cost to go of problem {seed}");
+        assert!(
+            (begin.dot(&(recursion.p().to_nalgebra() * &begin)) - cost).abs() <= 1e-9 * cost,
+            "the cost to go of problem {seed}"
+        );
         let mut state = begin;
         for (step, (gain, (a, b, _))) in gains.iter().zip(&problem.systems).enumerate() {
             let control = -gain * &state;
@@ -135,7 +135,7 @@ fn controls_need_no_weight_if_they_affect_a_weighted_state() {
     let weights = LqrWeights::diagonal(&[0.0, 0.0], &[0.0, 0.0]);
     let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).unwrap().clone();
     assert_close(&gain, &a, 1e-15);
-    assert!(recursion.p().norm() < 1e-15);
+    assert!(recursion.p().to_nalgebra().norm() < 1e-15);
 }
 
 /// Corrupts A, B or the weights.
@@ -146,7 +146,7 @@ fn an_invalid_matrix_is_an_error_that_names_it() {
     let good = || {
         (DMatrix::<f64>::identity(3, 3), DMatrix::from_element(3, 2, 0.5), {
             let mut weights = LqrWeights::diagonal(&[1.0; 3], &[1.0; 2]);
-            weights.s = Some(DMatrix::zeros(3, 2));
+            weights.s = Some(Matrix::zeros(3, 2));
             weights
         })
     };
@@ -157,9 +157,9 @@ fn an_invalid_matrix_is_an_error_that_names_it() {
     let shapes: [(Corrupt, RiccatiError); 5] = [
         (|a, _, _| *a = DMatrix::zeros(3, 4), wrong(RiccatiMatrix::A, (3, 3), (3, 4))),
         (|_, b, _| *b = DMatrix::zeros(3, 3), wrong(RiccatiMatrix::B, (3, 2), (3, 3))),
-        (|_, _, weights| weights.q = DMatrix::zeros(2, 3), wrong(RiccatiMatrix::Q, (3, 3), (2, 3))),
-        (|_, _, weights| weights.r = DMatrix::zeros(2, 1), wrong(RiccatiMatrix::R, (2, 2), (2, 1))),
-        (|_, _, weights| weights.s = Some(DMatrix::zeros(2, 2)), wrong(RiccatiMatrix::S, (3, 2), (2, 2))),
+        (|_, _, weights| weights.q = Matrix::zeros(2, 3), wrong(RiccatiMatrix::Q, (3, 3), (2, 3))),
+        (|_, _, weights| weights.r = Matrix::zeros(2, 1), wrong(RiccatiMatrix::R, (2, 2), (2, 1))),
+        (|_, _, weights| weights.s = Some(Matrix::zeros(2, 2)), wrong(RiccatiMatrix::S, (3, 2), (2, 2))),
     ];
     for (spoil, expected) in shapes {
         let (mut a, mut b, mut weights) = good();
@@ -218,5 +218,5 @@ fn an_unbounded_cost_is_an_error() {
     let error = recursion.step_back(&one, &one, &LqrWeights::diagonal(&[1.0], &[1.0])).unwrap_err();
     assert_eq!(error, RiccatiError::NoLeastCost { smallest_eigenvalue: -1.0 });
     assert!(error.to_string().contains("positive semidefinite"), "{error}");
-    assert_eq!(recursion.p(), &dmatrix![-2.0]);
+    assert_eq!(recursion.p(), &Matrix::from_diagonal(&[-2.0]));
 }

@@ -59,7 +59,7 @@ fn a_time_varying_regulator_checks_sizes() {
         (weights(), (4, 3)),
         (LqrWeights::diagonal(&[1.0; 3], &[1.0]), (4, 4)),
         (LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)),
-        (LqrWeights { s: Some(DMatrix::zeros(4, 2)), ..weights() }, (4, 4)),
+        (LqrWeights { s: Some(Matrix::zeros(4, 2)), ..weights() }, (4, 4)),
     ] {
         let error = along((4, 4), (3, 1), weights, end).expect_err("the weights do not fit");
         assert!(matches!(error.solver(), Some(RiccatiError::WrongShape { .. })), "{error}");
@@ -88,7 +88,7 @@ fn a_quadratic_cost_checks_sizes() {
     assert_shape(cost(3, weights(), (4, 4)), (4, 1), (3, 1));
     assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 5], &[1.0]), (4, 4)), (4, 4), (5, 5));
     assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)), (1, 1), (2, 2));
-    assert_shape(cost(4, LqrWeights { s: Some(DMatrix::zeros(1, 4)), ..weights() }, (4, 4)), (4, 1), (1, 4));
+    assert_shape(cost(4, LqrWeights { s: Some(Matrix::zeros(1, 4)), ..weights() }, (4, 4)), (4, 1), (1, 4));
     assert_shape(cost(4, weights(), (4, 3)), (4, 4), (4, 3));
 }
 

@@ -253,7 +253,7 @@ fn jacobians_inertia_and_contacts_make_no_invalid_access() {
     for body in model.bodies() {
         data.jac_body_into(body, Some(&mut first), None).unwrap();
         data.jac_body_com_into(body, None, Some(&mut second)).unwrap();
-        data.jac_into(body, [0.1, 0.2, 0.3], Some(&mut first), Some(&mut second)).unwrap();
+        data.jac_into([0.1, 0.2, 0.3], body, Some(&mut first), Some(&mut second)).unwrap();
         data.jac_subtree_com_into(body, &mut first).unwrap();
     }
     model.geoms().for_each(|geom| drop(data.jac_geom(geom).unwrap()));

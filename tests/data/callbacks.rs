@@ -39,7 +39,7 @@ pub(super) fn assert_equals_controller(step: impl FnOnce(&mut Data, Callbacks<'s
     let mut with_callback = Data::new(sample::cartpole()).unwrap();
     with_callback.qpos_mut()[1] = 0.2;
     let mut by_hand = with_callback.clone();
-    let callbacks = Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context));
+    let callbacks = Callbacks::new().with_control(move |context| context.ctrl_mut()[0] = push(context));
     step(&mut with_callback, callbacks, 300);
     for _ in 0..300 {
         by_hand.step1().unwrap();
@@ -62,14 +62,14 @@ fn runge_kutta_calls_the_control_callback_four_times_per_step() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Rk4)).unwrap();
     let mut calls = 0;
-    data.with_callbacks(Callbacks::new().control(|_| calls += 1), |data| data.step()).unwrap();
+    data.with_callbacks(Callbacks::new().with_control(|_| calls += 1), |data| data.step()).unwrap();
     assert_eq!(calls, 4);
 }
 
 #[test]
 fn forces_applied_in_a_control_callback_act_in_the_same_step() {
     let mut data = slider();
-    let callbacks = Callbacks::new().control(|context| {
+    let callbacks = Callbacks::new().with_control(|context| {
         context.qfrc_applied_mut()[0] = 2.0;
         context.xfrc_applied_mut()[1][0] = 3.0;
     });
@@ -82,7 +82,7 @@ fn passive_forces_are_added_to_the_engines_forces() {
     let mut data = slider();
     data.edit_model(|model| model.dof_damping_mut()[0] = 4.0).unwrap();
     data.qvel_mut()[0] = 1.0;
-    let callbacks = Callbacks::new().passive(|context| context.qfrc_passive_mut()[0] += 1.0);
+    let callbacks = Callbacks::new().with_passive(|context| context.qfrc_passive_mut()[0] += 1.0);
     data.with_callbacks(callbacks, |data| data.forward()).unwrap();
     assert_eq!(data.qfrc_passive(), [-3.0]);
 }
@@ -96,15 +96,15 @@ fn user_actuators_use_the_gain_bias_and_dynamics_callbacks() {
     data.ctrl_mut().copy_from_slice(&[0.0, 2.0, 0.0, 0.5]);
     data.qpos_mut()[0] = 3.0;
     let callbacks = Callbacks::new()
-        .actuator_gain(|data, actuator| {
+        .with_actuator_gain(|data, actuator| {
             assert_eq!(actuator, gain);
             7.0 * data.actuator(actuator).length()
         })
-        .actuator_bias(|_, actuator| {
+        .with_actuator_bias(|_, actuator| {
             assert_eq!(actuator, bias);
             -1.0
         })
-        .actuator_dynamics(|data, actuator| {
+        .with_actuator_dynamics(|data, actuator| {
             assert_eq!(actuator, dynamics);
             10.0 * data.actuator(actuator).ctrl()
         });
@@ -125,7 +125,7 @@ fn user_sensors_are_written_at_their_stage() {
     data.ctrl_mut()[0] = 2.0;
     data.qvel_mut()[0] = 0.5;
     let mut stages = Vec::new();
-    let callbacks = Callbacks::new().sensor(|context| {
+    let callbacks = Callbacks::new().with_sensor(|context| {
         stages.push(context.stage());
         match context.stage() {
             Stage::Position => context.data_mut("position").unwrap().copy_from_slice(&[1.0, 2.0]),
@@ -149,9 +149,9 @@ fn a_contact_filter_replaces_the_engines_rule() {
     data.forward().unwrap();
     let by_rule = data.ncon();
     assert!(by_rule > 0);
-    data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| false), |data| data.forward()).unwrap();
+    data.with_callbacks(Callbacks::new().with_contact_filter(|_, _, _| false), |data| data.forward()).unwrap();
     assert_eq!(data.ncon(), 0);
-    data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| true), |data| data.forward()).unwrap();
+    data.with_callbacks(Callbacks::new().with_contact_filter(|_, _, _| true), |data| data.forward()).unwrap();
     if cfg!(engine_since = "3.0.0") {
         // The engine does not pass geoms of one body to the filter.
         assert!(data.ncon() >= by_rule, "{} contacts", data.ncon());
@@ -164,13 +164,13 @@ fn a_contact_filter_replaces_the_engines_rule() {
 fn a_panic_in_a_callback_is_an_error_of_the_call() {
     let callbacks = || -> [(&str, Callbacks<'static>); 7] {
         [
-            ("control", Callbacks::new().control(|_| panic!("no control"))),
-            ("passive", Callbacks::new().passive(|_| panic!("no passive"))),
-            ("sensor", Callbacks::new().sensor(|_| panic!("no sensor"))),
-            ("contact_filter", Callbacks::new().contact_filter(|_, _, _| panic!("no contact_filter"))),
-            ("actuator_gain", Callbacks::new().actuator_gain(|_, _| panic!("no actuator_gain"))),
-            ("actuator_bias", Callbacks::new().actuator_bias(|_, _| panic!("no {}", "actuator_bias"))),
-            ("actuator_dynamics", Callbacks::new().actuator_dynamics(|_, _| panic!("no actuator_dynamics"))),
+            ("control", Callbacks::new().with_control(|_| panic!("no control"))),
+            ("passive", Callbacks::new().with_passive(|_| panic!("no passive"))),
+            ("sensor", Callbacks::new().with_sensor(|_| panic!("no sensor"))),
+            ("contact_filter", Callbacks::new().with_contact_filter(|_, _, _| panic!("no contact_filter"))),
+            ("actuator_gain", Callbacks::new().with_actuator_gain(|_, _| panic!("no actuator_gain"))),
+            ("actuator_bias", Callbacks::new().with_actuator_bias(|_, _| panic!("no {}", "actuator_bias"))),
+            ("actuator_dynamics", Callbacks::new().with_actuator_dynamics(|_, _| panic!("no actuator_dynamics"))),
         ]
     };
     for (name, callbacks) in callbacks() {
@@ -198,7 +198,7 @@ fn a_panic_in_a_callback_is_an_error_of_the_call() {
 #[test]
 fn a_nan_control_from_a_callback_is_an_error() {
     let mut data = slider();
-    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[1] = f64::NAN);
+    let callbacks = Callbacks::new().with_control(|context| context.ctrl_mut()[1] = f64::NAN);
     match data.with_callbacks(callbacks, |data| data.step()) {
         Err(Error::Unstable(instability)) => {
             assert_eq!((instability.field, instability.index), (UnstableField::Control, 1));
@@ -211,7 +211,7 @@ fn a_nan_control_from_a_callback_is_an_error() {
 #[test]
 fn nan_forces_from_a_callback_are_an_error() {
     let mut data = slider();
-    let callbacks = Callbacks::new().passive(|context| context.qfrc_passive_mut()[0] = f64::NAN);
+    let callbacks = Callbacks::new().with_passive(|context| context.qfrc_passive_mut()[0] = f64::NAN);
     assert!(matches!(data.with_callbacks(callbacks, |data| data.step()), Err(Error::Unstable(_))));
 }
 
@@ -223,12 +223,12 @@ fn results_not_yet_computed_are_rejected_inside_a_callback() {
     let foot = data.model().body("foot_left").unwrap().id();
     let (mut filtered, mut controlled) = (0, 0);
     let callbacks = Callbacks::new()
-        .contact_filter(|data, _, collide| {
+        .with_contact_filter(|data, _, collide| {
             filtered += 1;
             assert!(matches!(data.full_m(), Err(Error::NotComputed { .. })));
             collide
         })
-        .control(|context| {
+        .with_control(|context| {
             controlled += 1;
             assert!(context.jac_body_com(foot).is_ok());
             assert!(context.full_m().is_ok());
@@ -248,7 +248,7 @@ fn other_simulations_do_not_call_the_callbacks() {
     };
     let mut data = slider();
     let mut other = data.clone();
-    let callbacks = Callbacks::new().control(|context| {
+    let callbacks = Callbacks::new().with_control(|context| {
         count();
         // Inside the callback: another simulation, a clone of this one, and a model that the engine
         // simulates while compiling.
@@ -273,7 +273,7 @@ fn other_simulations_do_not_call_the_callbacks() {
 fn callbacks_move_with_the_simulation_to_another_thread() {
     let mut data = slider();
     let mut threads = Vec::new();
-    let callbacks = Callbacks::new().control(|_| threads.push(std::thread::current().id()));
+    let callbacks = Callbacks::new().with_control(|_| threads.push(std::thread::current().id()));
     data.with_callbacks(callbacks, |data| {
         std::thread::scope(|scope| scope.spawn(|| data.step()).join().unwrap()).unwrap();
     });
@@ -284,7 +284,7 @@ fn callbacks_move_with_the_simulation_to_another_thread() {
 fn a_simulation_swapped_out_of_the_scope_loses_its_callbacks() {
     let calls = AtomicUsize::new(0);
     let (mut data, mut other) = (slider(), slider());
-    let callbacks = Callbacks::new().control(|_| {
+    let callbacks = Callbacks::new().with_control(|_| {
         calls.fetch_add(1, Ordering::Relaxed);
     });
     data.with_callbacks(callbacks, |data| std::mem::swap(data, &mut other));
@@ -297,7 +297,7 @@ fn a_simulation_swapped_out_of_the_scope_loses_its_callbacks() {
 fn a_panic_in_the_scope_removes_the_callbacks() {
     let calls = AtomicUsize::new(0);
     let mut data = slider();
-    let callbacks = Callbacks::new().control(|_| {
+    let callbacks = Callbacks::new().with_control(|_| {
         calls.fetch_add(1, Ordering::Relaxed);
     });
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
@@ -312,8 +312,8 @@ fn a_panic_in_the_scope_removes_the_callbacks() {
 fn a_nested_scope_has_its_own_callbacks() {
     let (outer, inner) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let mut data = slider();
-    data.with_callbacks(Callbacks::new().control(|_| _ = outer.fetch_add(1, Ordering::Relaxed)), |data| {
-        data.with_callbacks(Callbacks::new().control(|_| _ = inner.fetch_add(1, Ordering::Relaxed)), |data| {
+    data.with_callbacks(Callbacks::new().with_control(|_| _ = outer.fetch_add(1, Ordering::Relaxed)), |data| {
+        data.with_callbacks(Callbacks::new().with_control(|_| _ = inner.fetch_add(1, Ordering::Relaxed)), |data| {
             data.step()
         })
         .unwrap();
@@ -326,7 +326,7 @@ fn a_nested_scope_has_its_own_callbacks() {
 /// the scope.
 fn calls_after(within: impl FnOnce(&mut Data)) -> usize {
     let calls = AtomicUsize::new(0);
-    let callbacks = Callbacks::new().control(|_| _ = calls.fetch_add(1, Ordering::Relaxed));
+    let callbacks = Callbacks::new().with_control(|_| _ = calls.fetch_add(1, Ordering::Relaxed));
     slider().with_callbacks(callbacks, |data| {
         within(data);
         data.step().unwrap();
@@ -363,7 +363,7 @@ fn a_linearisation_includes_a_feedback_callback() {
     // x'' = −k x by a control callback: A[v, x] = −h k.
     let mut data = slider();
     let stiffness = 40.0;
-    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[0] = -stiffness * context.qpos()[0]);
+    let callbacks = Callbacks::new().with_control(|context| context.ctrl_mut()[0] = -stiffness * context.qpos()[0]);
     let system = data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert!((system.a[(1, 0)] + data.model().timestep() * stiffness).abs() < 1e-8, "{}", system.a[(1, 0)]);
 }
@@ -372,7 +372,7 @@ fn a_linearisation_includes_a_feedback_callback() {
 fn a_linearisation_restores_the_controls_that_a_callback_wrote() {
     let mut data = slider();
     data.ctrl_mut()[0] = 0.25;
-    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[0] = -40.0 * context.qpos()[0]);
+    let callbacks = Callbacks::new().with_control(|context| context.ctrl_mut()[0] = -40.0 * context.qpos()[0]);
     data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert_eq!(data.ctrl()[0], 0.25);
 }
@@ -395,22 +395,22 @@ fn a_simulation_can_be_cloned_in_every_callback() {
         calls[index].fetch_add(1, Ordering::Relaxed);
     };
     let callbacks = Callbacks::new()
-        .control(|context| called(0, context))
-        .passive(|context| called(1, context))
-        .sensor(|context| called(2, context))
-        .contact_filter(|data, _, collides| {
+        .with_control(|context| called(0, context))
+        .with_passive(|context| called(1, context))
+        .with_sensor(|context| called(2, context))
+        .with_contact_filter(|data, _, collides| {
             called(3, data);
             collides
         })
-        .actuator_dynamics(|data, _| {
+        .with_actuator_dynamics(|data, _| {
             called(4, data);
             0.0
         })
-        .actuator_gain(|data, _| {
+        .with_actuator_gain(|data, _| {
             called(5, data);
             1.0
         })
-        .actuator_bias(|data, _| {
+        .with_actuator_bias(|data, _| {
             called(6, data);
             0.0
         });

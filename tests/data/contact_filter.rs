@@ -60,7 +60,7 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
     assert!(cases.iter().map(|(_, contacts)| contacts.len()).sum::<usize>() > 100);
     for (model, expected) in cases {
         let mut data = dense(&model);
-        let callbacks = Callbacks::new().contact_filter(|_, _, collide| collide);
+        let callbacks = Callbacks::new().with_contact_filter(|_, _, collide| collide);
         data.with_callbacks(callbacks, collide).unwrap();
         assert_eq!(contacts(&data), expected, "{model:?}");
         // A simulation without a filter, in a process that has used one, behaves the same.

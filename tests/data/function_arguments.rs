@@ -4,10 +4,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId};
+use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, RayOptions};
 use mujoco_safe::enums::{JacobianStorage, Solver};
 use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions, ModelMut};
-use mujoco_safe::{Data, Error, Matrix, Model, Result, sample};
+use mujoco_safe::rollout::{Distribution, Parameter, Parameters};
+use mujoco_safe::spec::Spec;
+use mujoco_safe::{Data, Error, InvalidKind, Matrix, Model, Result, sample};
 
 use crate::child;
 
@@ -71,8 +73,8 @@ fn matrices_of_a_wrong_shape_are_errors() {
     for (rows, columns) in [(3, nv + 1), (3, nv - 1), (2, nv), (nv, 3), (1, 3 * nv)] {
         let mut mismatched = Matrix::zeros(rows, columns);
         is_shape(data.angmom_mat_into(body, &mut mismatched), "the matrix of angmom_mat");
-        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], Some(&mut mismatched), None), "jac_point");
-        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], None, Some(&mut mismatched)), "jac_axis");
+        is_shape(data.jac_point_axis_into([0.0; 3], [0.0; 3], body, Some(&mut mismatched), None), "jac_point");
+        is_shape(data.jac_point_axis_into([0.0; 3], [0.0; 3], body, None, Some(&mut mismatched)), "jac_axis");
     }
     for (rows, columns) in [(nv, nv + 1), (nv + 1, nv), (1, nv * nv), (nv - 1, nv - 1)] {
         is_shape(data.add_m(&mut Matrix::zeros(rows, columns)), "the sum of add_m");
@@ -84,13 +86,13 @@ fn each_jacobian_of_point_and_axis_is_optional() {
     let mut data = in_contact();
     let nv = data.model().nv();
     let body = data.model().bodies().last().unwrap().id();
-    let [point, axis] = data.jac_point_axis(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0]).unwrap();
+    let [point, axis] = data.jac_point_axis([0.1, 0.2, 0.3], [0.0, 1.0, 0.0], body).unwrap();
     let mut alone = Matrix::zeros(3, nv);
-    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], Some(&mut alone), None).unwrap();
+    data.jac_point_axis_into([0.1, 0.2, 0.3], [0.0, 1.0, 0.0], body, Some(&mut alone), None).unwrap();
     assert_eq!(alone, point);
-    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], None, Some(&mut alone)).unwrap();
+    data.jac_point_axis_into([0.1, 0.2, 0.3], [0.0, 1.0, 0.0], body, None, Some(&mut alone)).unwrap();
     assert_eq!(alone, axis);
-    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], None, None).unwrap();
+    data.jac_point_axis_into([0.1, 0.2, 0.3], [0.0, 1.0, 0.0], body, None, None).unwrap();
 }
 
 /// A change that invalidates the rows.
@@ -184,12 +186,12 @@ fn ids_of_another_model_panic() {
     let mut dofs = vec![0.0; data.model().nv()];
     let mut calls: Vec<(&str, Call)> = vec![
         ("angmom_mat", Box::new(move |data| drop(data.angmom_mat_into(body, &mut matrix)))),
-        ("jac_point_axis", Box::new(move |data| drop(data.jac_point_axis(body, [0.0; 3], [0.0; 3])))),
+        ("jac_point_axis", Box::new(move |data| drop(data.jac_point_axis([0.0; 3], [0.0; 3], body)))),
         ("object_velocity", Box::new(move |data| drop(data.object_velocity(FrameId::Body(body), Axes::World)))),
         ("object_velocity", Box::new(move |data| drop(data.object_velocity(site, Axes::World)))),
         ("object_acceleration", Box::new(move |data| drop(data.object_acceleration(site, Axes::Local)))),
         ("apply_ft", Box::new(move |data| drop(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut dofs)))),
-        ("local_to_global", Box::new(move |data| drop(data.local_to_global(body, [0.0; 3], [0.0; 4])))),
+        ("local_to_global", Box::new(move |data| drop(data.local_to_global([0.0; 3], [0.0; 4], body)))),
     ];
     for (name, call) in &mut calls {
         assert!(catch_unwind(AssertUnwindSafe(|| call(&mut data))).is_err(), "{name}");
@@ -359,10 +361,10 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
         data.add_m(&mut Matrix::zeros(0, 0)).unwrap();
         data.add_m_sparse(&mut [], &mut [], &[], &mut []).unwrap();
         assert_eq!(data.angmom_mat(world).unwrap().shape(), (3, 0));
-        assert_eq!(data.jac_point_axis(world, [0.0; 3], [1.0; 3]).unwrap()[0].shape(), (3, 0));
+        assert_eq!(data.jac_point_axis([0.0; 3], [1.0; 3], world).unwrap()[0].shape(), (3, 0));
         data.apply_ft([1.0; 3], [1.0; 3], [0.0; 3], world, &mut []).unwrap();
         data.object_velocity(FrameId::Body(world), Axes::Local).unwrap();
-        data.local_to_global(world, [1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        data.local_to_global([1.0; 3], [1.0, 0.0, 0.0, 0.0], world).unwrap();
         data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::data::RayOptions::default()).unwrap();
         data.euler().unwrap();
         assert!(data.model().total_mass() >= 0.0);
@@ -381,10 +383,10 @@ fn names_indices_ids_and_views_select_the_same_element() {
     assert_eq!(data.jac_body_com(foot).unwrap(), expected);
 
     let count = model.nbody();
-    assert!(matches!(data.jac("foot", [0.0; 3]), Err(Error::NoSuchName { .. })));
-    assert!(matches!(data.jac_point_axis(count, [0.0; 3], [0.0; 3]), Err(Error::NoSuchIndex { .. })));
+    assert!(matches!(data.jac([0.0; 3], "foot"), Err(Error::NoSuchName { .. })));
+    assert!(matches!(data.jac_point_axis([0.0; 3], [0.0; 3], count), Err(Error::NoSuchIndex { .. })));
     assert!(matches!(data.angmom_mat("foot"), Err(Error::NoSuchName { .. })));
-    assert!(matches!(data.local_to_global(count, [0.0; 3], [0.0; 4]), Err(Error::NoSuchIndex { .. })));
+    assert!(matches!(data.local_to_global([0.0; 3], [0.0; 4], count), Err(Error::NoSuchIndex { .. })));
     assert!(matches!(data.geom_distance("floor", "foot", 1.0), Err(Error::NoSuchName { .. })));
     assert!(matches!(data.ray_mesh("foot", [0.0; 3], [1.0; 3]), Err(Error::NoSuchName { .. })));
     let mut target = vec![0.0; model.nv()];
@@ -394,4 +396,32 @@ fn names_indices_ids_and_views_select_the_same_element() {
         own.edit().set_length_range("foot", &LengthRangeOptions::default()),
         Err(Error::NoSuchName { .. })
     ));
+}
+
+#[test]
+fn programs_can_match_the_kind_of_an_invalid_value() {
+    let model = sample::humanoid();
+    let mut data = Data::new(model.clone()).unwrap();
+    data.forward().unwrap();
+    let kind = |error: Error| match error {
+        Error::Invalid { kind, .. } => kind,
+        other => panic!("{other}"),
+    };
+    let (above, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
+    let options = RayOptions::default();
+    assert_eq!(kind(data.ray([f64::NAN; 3], down, &options).unwrap_err()), InvalidKind::NotFinite);
+    assert_eq!(kind(data.ray(above, [0.0; 3], &options).unwrap_err()), InvalidKind::OutOfRange);
+    assert_eq!(kind(data.ray_mesh("floor", above, down).unwrap_err()), InvalidKind::Unsuitable);
+    assert_eq!(kind(model.print_to("a\0b").unwrap_err()), InvalidKind::Text);
+
+    let mut spec = Spec::new("");
+    let world = spec.world();
+    assert_eq!(kind(spec.add_geom(world).set("rgb", 1.0).map(drop).unwrap_err()), InvalidKind::Unknown);
+    assert_eq!(kind(spec.remove(world).unwrap_err()), InvalidKind::Unsuitable);
+
+    let gravity = |parameters: Parameters| {
+        parameters.with(&model, Parameter::Gravity(2), Distribution::Uniform { low: -10.0, high: -9.0 })
+    };
+    let twice = gravity(Parameters::new()).and_then(gravity);
+    assert_eq!(kind(twice.map(drop).unwrap_err()), InvalidKind::Duplicate);
 }

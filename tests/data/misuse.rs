@@ -251,7 +251,7 @@ fn ids_of_another_model_panic_in_every_function() {
     for text in [
         panic_text(|| data.jac_body(body)),
         panic_text(|| data.jac_geom(geom)),
-        panic_text(|| data.jac(body, [0.0; 3])),
+        panic_text(|| data.jac([0.0; 3], body)),
         panic_text(|| data.jac_subtree_com(body)),
         panic_text(|| data.joint(joint).qpos().len()),
         panic_text(|| data.joint_mut(joint).qpos_mut().len()),

@@ -21,7 +21,7 @@ impl Calls {
     /// Returns a control callback that counts its calls.
     fn count(&self) -> Callbacks<'static> {
         let calls = self.clone();
-        Callbacks::new().control(move |_| _ = calls.0.fetch_add(1, Ordering::Relaxed))
+        Callbacks::new().with_control(move |_| _ = calls.0.fetch_add(1, Ordering::Relaxed))
     }
 
     /// Returns the number of calls since the last call of this method.
@@ -154,7 +154,7 @@ fn callbacks_move_with_a_simulation_that_is_swapped_in_a_scope() {
 fn callbacks_stay_after_a_panic_in_one_of_them() {
     let mut data = cartpole();
     let mut calls = 0;
-    data.set_callbacks(Callbacks::new().control(move |context| {
+    data.set_callbacks(Callbacks::new().with_control(move |context| {
         calls += 1;
         context.ctrl_mut()[0] = f64::from(calls);
         if calls == 1 {
@@ -174,7 +174,7 @@ fn a_callback_can_step_another_simulation_with_callbacks() {
     let of_outer = Calls::default();
     let counter = of_outer.clone();
     let mut outer = cartpole();
-    outer.set_callbacks(Callbacks::new().passive(move |_| inner.step().unwrap()).control(move |_| {
+    outer.set_callbacks(Callbacks::new().with_passive(move |_| inner.step().unwrap()).with_control(move |_| {
         counter.0.fetch_add(1, Ordering::Relaxed);
     }));
     outer.step().unwrap();
@@ -186,9 +186,9 @@ fn a_lineariser_uses_the_callbacks_of_the_simulation_or_rejects_them() {
     let mut data = cartpole();
     let push = |data: &Data| 30.0 * data.qpos()[1];
     let mut in_scope = data.clone();
-    let feedback = Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context));
+    let feedback = Callbacks::new().with_control(move |context| context.ctrl_mut()[0] = push(context));
     let expected = in_scope.with_callbacks(feedback, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
-    data.set_callbacks(Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context)));
+    data.set_callbacks(Callbacks::new().with_control(move |context| context.ctrl_mut()[0] = push(context)));
     let options = TransitionOptions::default().with_eps(1e-6);
     let mut lineariser = Lineariser::new(data.model(), options).unwrap();
     let (system, report) = lineariser.linear_system(&mut data).unwrap();
@@ -215,7 +215,7 @@ fn callbacks_that_a_controller_sets_end_with_its_rollout() {
                 Ok(())
             }
         };
-        Rollout::on(&workers, 8, 3).controllers(controllers).run().unwrap();
+        Rollout::on(&workers, 8, 3).with_controllers(controllers).run().unwrap();
     };
     run(true);
     assert_eq!(calls.take(), 8 * 3);

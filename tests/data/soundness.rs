@@ -170,7 +170,8 @@ mod crashes {
     #[test]
     fn a_panic_in_a_callback_is_an_error() {
         let mut data = squatting();
-        let result = data.with_callbacks(Callbacks::new().control(|_| panic!("in a callback")), |data| data.step());
+        let result =
+            data.with_callbacks(Callbacks::new().with_control(|_| panic!("in a callback")), |data| data.step());
         assert!(matches!(result, Err(Error::Callback { message, .. }) if message == "in a callback"));
         data.reset().unwrap();
         data.step().unwrap();

@@ -92,15 +92,19 @@ fn skins_have_bones_with_vertices_and_weights() {
 }
 
 #[test]
-fn height_fields_are_matrices() {
+fn height_fields_are_rows_of_elevations() {
     let mut model = every_element();
     let mut edit = model.edit();
     edit.height_field_mut("second").unwrap().data_mut().copy_from_slice(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
     let second = model.height_field("second").unwrap();
     assert_eq!((second.nrow(), second.ncol(), second.size()), (2, 3, &[0.2, 0.2, 0.1, 0.05]));
-    assert_eq!((second.matrix()[(0, 2)], second.matrix()[(1, 0)], second.matrix().shape()), (0.2, 0.3, (2, 3)));
+    assert_eq!(
+        (second.data()[2], second.data()[second.ncol()]),
+        (0.2, 0.3),
+        "the last of a row, the first of the next"
+    );
     let ground = model.height_field("ground").unwrap();
-    assert_eq!(ground.matrix().shape(), (7, 9));
+    assert_eq!((ground.nrow(), ground.ncol(), ground.data().len()), (7, 9, 63));
     assert!(ground.data().iter().all(|height| *height == 0.0), "the neighbour is unchanged");
     let hills = model.geom("hills").unwrap();
     assert_eq!((hills.height_field(), hills.mesh()), (Some(ground.id()), None));

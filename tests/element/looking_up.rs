@@ -80,7 +80,7 @@ fn an_index_beyond_the_last_element_is_an_error_with_the_count() {
     assert!(matches!(error, Error::NoSuchIndex { kind: Kind::Sensor, index: 10, count: 10 }), "{error:?}");
     assert_eq!(error.to_string(), "there is no sensor 10: the model has 10, counted from 0");
     assert!(model.joint(usize::MAX).is_err());
-    assert!(model.id_at::<mujoco_safe::kind::Body>(1 << 32).is_err(), "an index is not truncated to 32 bits");
+    assert!(model.id::<mujoco_safe::kind::Body>(1_usize << 32).is_err(), "an index is not truncated to 32 bits");
 }
 
 #[test]

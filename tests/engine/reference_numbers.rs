@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, StateSpace, sample};
-use nalgebra::{Complex, DMatrix, dvector};
+use nalgebra::Complex;
 
 use crate::installed::has;
 
@@ -43,7 +43,7 @@ mod cartpole {
     }
 
     fn weights() -> LqrWeights {
-        LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None }
+        LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0])
     }
 
     fn upright() -> Data {
@@ -85,7 +85,7 @@ mod cartpole {
             assert_near(&format!("P[{index}, {index}]"), found / expected, 1.0, 1e-9);
         }
 
-        let closed = system.a.to_nalgebra() - system.b.to_nalgebra() * &solution.k;
+        let closed = system.a.to_nalgebra() - system.b.to_nalgebra() * solution.k.to_nalgebra();
         let mut eigenvalues: Vec<Complex<f64>> = closed.complex_eigenvalues().iter().copied().collect();
         eigenvalues.sort_by(|x, y| (x.re, x.im).partial_cmp(&(y.re, y.im)).unwrap());
         let expected = [

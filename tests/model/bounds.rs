@@ -131,7 +131,7 @@ fn sizes_in_a_batch_find_their_contacts() {
     let plain = Arc::new(model(PLAIN, ""));
     let size = Parameter::GeomSize(plain.geom("sphere").unwrap().id(), 0);
     let parameters = Parameters::new().with(&plain, size, Distribution::Unchanged).unwrap();
-    let mut batch = Batch::new(&plain, 3).unwrap().vary(parameters).unwrap();
+    let mut batch = Batch::new(&plain, 3).unwrap().with_parameters(parameters).unwrap();
     let sizes = [0.05, 0.95, 0.6];
     batch.set_parameters(|_| true, |index, values| values[0] = sizes[index]).unwrap();
     for _ in 0..100 {

@@ -134,7 +134,7 @@ fn cleared_flags_are_recomputed_when_they_apply_again() {
         edit.body_ipos_mut();
         edit.geom_pos_mut();
         edit.site_quat_mut();
-        assert!(edit.geoms().all(|geom| geom.sameframe() == SameFrame::Neither));
+        assert!(edit.geoms().all(|geom| geom.sameframe() == SameFrame::None));
         edit.update_constants().unwrap();
         assert_eq!(model.body_sameframe(), compiled.body_sameframe());
         assert_eq!(model.geom_sameframe(), compiled.geom_sameframe());

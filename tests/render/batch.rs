@@ -6,10 +6,10 @@ use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [21, 30];
+const SIZE: [usize; 2] = [21, 30];
 const AREA: usize = 21 * 30;
 
-fn renderer(model: &Model, samples: u32) -> Renderer {
+fn renderer(model: &Model, samples: usize) -> Renderer {
     let options = RendererOptions::default().with_samples(samples).with_shadow_size(256);
     Renderer::on(stage::gpu(), model, SIZE[0], SIZE[1], options).unwrap()
 }
@@ -67,7 +67,7 @@ fn batch_contains_the_single_images_in_order() {
         data.forward().unwrap();
         show(index, &mut data, scene).unwrap();
         for number in 0..index % 3 {
-            scene.add_geom(&NewGeom::sphere(0.1).pos([0.4 * number as f64, 0.5, 1.0])).unwrap();
+            scene.add_geom(&NewGeom::sphere(0.1).with_pos([0.4 * number as f64, 0.5, 1.0])).unwrap();
         }
     };
     // More images than two submissions contain: they have up to 4 for a software rasteriser, and 64
@@ -123,7 +123,7 @@ fn array_that_is_no_multiple_of_an_image_is_an_error() {
     let mut update = |index: usize, scene: &mut Scene| show(index, &mut data, scene);
     for length in [1, AREA - 1, AREA + 1, 2 * AREA - 1] {
         let error = renderer.depth_batch_into(&mut update, &mut vec![0.0; length]).unwrap_err();
-        assert!(matches!(error, RenderError::Engine(Error::Shape { .. })), "{error:?}");
+        assert!(matches!(error, RenderError::Other(Error::Shape { .. })), "{error:?}");
         assert!(renderer.rgb_batch_into(&mut update, &mut vec![0; 3 * length]).is_err());
         assert!(renderer.segmentation_batch_into(&mut update, &mut vec![0; length]).is_err());
     }

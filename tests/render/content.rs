@@ -15,7 +15,7 @@ use mujoco_safe::{Data, Model, ModelMut, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [160, 120];
+const SIZE: [usize; 2] = [160, 120];
 
 /// Saves an image for inspection.
 fn save(picture: &RgbImage, name: &str) {
@@ -77,7 +77,7 @@ fn fast() -> RendererOptions {
     RendererOptions::default().with_samples(1).with_shadow_size(256)
 }
 
-fn renderer(model: &Model, [width, height]: [u32; 2]) -> Renderer {
+fn renderer(model: &Model, [width, height]: [usize; 2]) -> Renderer {
     Renderer::on(stage::gpu(), model, width, height, fast()).unwrap()
 }
 
@@ -172,7 +172,7 @@ const INVALID_EDITS: [(&str, Fill); 8] = [
 
 #[test]
 fn invalid_numbers_affect_only_their_own_object() {
-    const SIZE: [u32; 2] = [64, 48];
+    const SIZE: [usize; 2] = [64, 48];
     let mut clean = Data::new(assorted_model()).unwrap();
     let mut renderer = self::renderer(clean.model(), SIZE);
     let expected = picture(&mut renderer, &mut clean);
@@ -207,7 +207,7 @@ fn every_user_geom_is_visible() {
     let checks = data.model().texture("checks").unwrap().id();
     // The textures of newer engines belong to materials.
     let textured = |geom: NewGeom| {
-        if cfg!(engine_since = "3.2.1") { geom } else { geom.texture(checks, TextureRepeat::PerGeom([1.0, 1.0])) }
+        if cfg!(engine_since = "3.2.1") { geom } else { geom.with_texture(checks, TextureRepeat::PerGeom([1.0, 1.0])) }
     };
     let connector = |shape| NewGeom::connector(shape, 0.05, [0.0, 0.0, -0.3], [0.2, 0.0, 0.3]);
     let shapes = [
@@ -250,11 +250,11 @@ fn every_user_geom_is_visible() {
                     [at[0] + 0.2, at[1], at[2] + 0.3],
                 )
             }
-            0 => shape.clone().pos(at).mat([1.0, 0.0, 0.0, 0.0, 0.6, -0.8, 0.0, 0.8, 0.6]),
-            8 => shape.clone().pos([at[0], 1.0, at[2]]),
-            _ => shape.clone().pos(at),
+            0 => shape.clone().with_pos(at).with_mat([1.0, 0.0, 0.0, 0.0, 0.6, -0.8, 0.0, 0.8, 0.6]),
+            8 => shape.clone().with_pos([at[0], 1.0, at[2]]),
+            _ => shape.clone().with_pos(at),
         };
-        assert_eq!(scene.add_geom(&shape.rgba(color)).unwrap(), index);
+        assert_eq!(scene.add_geom(&shape.with_rgba(color)).unwrap(), index);
     }
     let mut renderer = self::renderer(data.model(), [640, 480]);
     save(&renderer.rgb(&scene).unwrap(), "shapes");
@@ -382,7 +382,7 @@ fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
     let mut renderer = self::renderer(data.model(), SIZE);
     let before = renderer.rgb(&scene).unwrap();
     // Behind the hills, and with letters that the font lacks.
-    scene.add_geom(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
+    scene.add_geom(&NewGeom::text("höher als die Hügel").unwrap().with_pos([1.5, 4.0, 0.1])).unwrap();
     let after = renderer.rgb(&scene).unwrap();
     assert!(difference(&before, &after) > 1e-3);
     save(&after, "text");

@@ -45,7 +45,7 @@ const WORLD: &str = r#"<mujoco>
 #[track_caller]
 fn accept<T>(result: Result<T, RenderError>, what: &str) {
     match result {
-        Ok(_) | Err(RenderError::Engine(Error::Invalid { .. })) => {}
+        Ok(_) | Err(RenderError::Other(Error::Invalid { .. })) => {}
         Err(error) => panic!("{what}: {error}"),
     }
 }
@@ -92,7 +92,7 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
         if cfg!(engine_since = "3.2.1") {
             cuboid
         } else {
-            cuboid.texture(texture, TextureRepeat::PerLength([size as f32; 2]))
+            cuboid.with_texture(texture, TextureRepeat::PerLength([size as f32; 2]))
         }
     };
     for size in [0.0, 1e-45, 1e-30, 1.0, 1e14, 1e30, f64::from(f32::MAX)] {
@@ -108,13 +108,13 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
             NewGeom::connector(Connector::Line, size, [0.0; 3], [1.0, 0.0, size]),
             NewGeom::connector(Connector::Arrow, size, [0.0; 3], [0.0; 3]),
             NewGeom::connector(Connector::Arrow2, 0.1, [0.0; 3], [size, size, 0.0]),
-            NewGeom::sphere(1.0).mat([size, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0]),
+            NewGeom::sphere(1.0).with_mat([size, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0]),
             textured(size),
-            NewGeom::cuboid([1.0; 3]).surface(size as f32, size as f32, size as f32, size as f32),
-            NewGeom::text("a\u{1F916}b").unwrap().pos([size; 3]),
+            NewGeom::cuboid([1.0; 3]).with_surface(size as f32, size as f32, size as f32, size as f32),
+            NewGeom::text("a\u{1F916}b").unwrap().with_pos([size; 3]),
         ] {
             for alpha in [1.0, 0.5] {
-                stage.scene.add_geom(&geom.clone().rgba([1.0, 1.0, 1.0, alpha])).unwrap();
+                stage.scene.add_geom(&geom.clone().with_rgba([1.0, 1.0, 1.0, alpha])).unwrap();
             }
         }
         let Stage { renderer, scene, .. } = &mut stage;
@@ -227,7 +227,7 @@ fn a_scene_without_an_update_is_rejected() {
     for result in
         [renderer.rgb(&scene).map(drop), renderer.depth(&scene).map(drop), renderer.segmentation(&scene).map(drop)]
     {
-        assert!(matches!(result, Err(RenderError::Engine(Error::Invalid { .. }))), "{result:?}");
+        assert!(matches!(result, Err(RenderError::Other(Error::Invalid { .. }))), "{result:?}");
     }
 }
 
@@ -236,7 +236,7 @@ fn a_scene_of_another_model_is_rejected() {
     let stage = Stage::new(WORLD, [16, 12]);
     let mut other = Stage::new(WORLD, [16, 12]);
     let is_rejected = |result: Result<(), RenderError>| {
-        assert!(matches!(result, Err(RenderError::Engine(Error::OtherModel { .. }))), "{result:?}");
+        assert!(matches!(result, Err(RenderError::Other(Error::OtherModel { .. }))), "{result:?}");
     };
     is_rejected(other.renderer.rgb(&stage.scene).map(drop));
     is_rejected(other.renderer.depth(&stage.scene).map(drop));
@@ -261,9 +261,9 @@ fn an_asset_that_the_model_lacks_is_an_error() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let model = stage.data.model().clone();
     let result = stage.renderer.update_mesh(&model, "flat");
-    assert!(matches!(result, Err(RenderError::Engine(Error::NoSuchName { .. }))), "{result:?}");
+    assert!(matches!(result, Err(RenderError::Other(Error::NoSuchName { .. }))), "{result:?}");
     let result = stage.renderer.update_texture(&model, model.ntex());
-    assert!(matches!(result, Err(RenderError::Engine(Error::NoSuchIndex { .. }))), "{result:?}");
+    assert!(matches!(result, Err(RenderError::Other(Error::NoSuchIndex { .. }))), "{result:?}");
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn an_invalid_image_size_is_an_error() {
     let too_large = |result: &Result<_, _>| matches!(result, Err(RenderError::TooLarge { size: 0x7FFF_FFFF, .. }));
     for [width, height] in [[0, 12], [16, 0]] {
         let result = stage.renderer.resize(width, height);
-        assert!(matches!(result, Err(RenderError::Engine(Error::Invalid { .. }))), "{result:?}");
+        assert!(matches!(result, Err(RenderError::Other(Error::Invalid { .. }))), "{result:?}");
     }
     assert!(too_large(&stage.renderer.resize(0x7FFF_FFFF, 12)));
     assert!(too_large(&stage.renderer.resize(16, 0x7FFF_FFFF)));
@@ -281,7 +281,7 @@ fn an_invalid_image_size_is_an_error() {
     assert!(too_large(&Renderer::on(stage::gpu(), stage.data.model(), 16, 12, options).map(drop)));
     let mut wrong = vec![0; 4 * 16 * 12 - 1];
     let result = stage.renderer.rgba_into(&stage.scene, &mut wrong);
-    assert!(matches!(result, Err(RenderError::Engine(Error::Shape { .. }))), "{result:?}");
+    assert!(matches!(result, Err(RenderError::Other(Error::Shape { .. }))), "{result:?}");
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn compare(folder: &Path, row: &Value) -> Shares {
     let (data, scene) = drawn(folder, row);
     assert_eq!(scene.ngeom() as u64, row["geoms"].as_u64().unwrap(), "{name}: geoms");
     let options = RendererOptions::default().with_max_lights(8);
-    let mut renderer = Renderer::on(stage::gpu(), data.model(), width as u32, height as u32, options).unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap();
     let theirs = RgbImage::from_rgb(width, height, read("rgb")).unwrap();
     let ours = renderer.rgb(&scene).unwrap();
     let colours = Difference::of(&theirs, &ours).outliers;
@@ -141,7 +141,7 @@ fn recorded_pictures_are_drawn() {
         let theirs = read_png(&if own.exists() { own } else { folder.join("../4.0.0").join(file) });
         let (data, scene) = drawn(&folder, row);
         assert_eq!(scene.ngeom() as u64, row["geoms"].as_u64().unwrap(), "{name}: geoms");
-        let [width, height] = [theirs.width(), theirs.height()].map(|length| length as u32);
+        let [width, height] = [theirs.width(), theirs.height()];
         let draw = |lights| {
             let options = RendererOptions::default().with_max_lights(lights);
             Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap().rgb(&scene).unwrap()

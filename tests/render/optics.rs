@@ -7,7 +7,7 @@ use mujoco_safe::scene::{NewGeom, RenderFlags};
 
 use crate::stage::{self, Stage};
 
-const SIZE: [u32; 2] = [33, 33];
+const SIZE: [usize; 2] = [33, 33];
 
 fn world(visual: &str, body: &str) -> String {
     format!(
@@ -41,7 +41,10 @@ fn an_empty_scene_is_black_without_depth_and_geoms() {
 fn an_emissive_material_has_its_own_colour() {
     let mut stage = Stage::new(&world("", r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
-    stage.scene.add_geom(&NewGeom::sphere(0.5).rgba([0.2, 0.4, 0.6, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+    stage
+        .scene
+        .add_geom(&NewGeom::sphere(0.5).with_rgba([0.2, 0.4, 0.6, 1.0]).with_surface(1.0, 0.0, 0.0, 0.0))
+        .unwrap();
     let picture = stage.rgb();
     assert_rgb(middle(&picture), [0.2, 0.4, 0.6]);
     assert_eq!(picture.pixel(0, 0), [0; 3], "beside the box");
@@ -116,7 +119,10 @@ fn a_specular_highlight_is_at_the_mirror_direction() {
     let options = RendererOptions::default().with_samples(1).with_lighting(Lighting::PerPixel);
     let mut stage = Stage::with(&world("", body), SIZE, options);
     stage.look_along_x([0.0; 3], 3.0);
-    stage.scene.add_geom(&NewGeom::sphere(0.5).rgba([0.5, 0.5, 0.5, 1.0]).surface(0.0, 0.8, 0.5, 0.0)).unwrap();
+    stage
+        .scene
+        .add_geom(&NewGeom::sphere(0.5).with_rgba([0.5, 0.5, 0.5, 1.0]).with_surface(0.0, 0.8, 0.5, 0.0))
+        .unwrap();
     let picture = stage.rgb();
     let [red, ..] = middle(&picture);
     assert!((f64::from(red) - 255.0 * 0.8).abs() < 4.0, "{red}");
@@ -128,8 +134,9 @@ fn transparent_geoms_are_blended() {
     let dark = r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#;
     let mut stage = Stage::new(&world("", dark), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
-    let wall =
-        |x: f64, rgba| NewGeom::cuboid([0.01, 2.0, 2.0]).pos([x, 0.0, 0.0]).rgba(rgba).surface(1.0, 0.0, 0.0, 0.0);
+    let wall = |x: f64, rgba| {
+        NewGeom::cuboid([0.01, 2.0, 2.0]).with_pos([x, 0.0, 0.0]).with_rgba(rgba).with_surface(1.0, 0.0, 0.0, 0.0)
+    };
     stage.scene.add_geom(&wall(0.0, [0.0, 0.5, 0.0, 0.4])).unwrap();
     stage.scene.add_geom(&wall(1.0, [1.0, 0.0, 0.0, 1.0])).unwrap();
     // It is drawn twice, front to back and back to front, like in the engine.
@@ -153,8 +160,8 @@ fn fog_hides_distant_geoms() {
         stage.update();
         stage.scene.set_render_flags(flags);
         // The visible side of the box is at x.
-        let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).pos([x + 0.5, 0.0, 0.0]);
-        stage.scene.add_geom(&wall.rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+        let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).with_pos([x + 0.5, 0.0, 0.0]);
+        stage.scene.add_geom(&wall.with_rgba([1.0, 0.0, 0.0, 1.0]).with_surface(1.0, 0.0, 0.0, 0.0)).unwrap();
         assert_rgb(middle(&stage.rgb()), [clear, 0.0, 1.0 - clear]);
     }
 }
@@ -213,7 +220,10 @@ fn a_mirror_shows_the_reflected_geom() {
         // The camera looks down at 30°: the ball is 0.5 m above the floor, and its reflection 0.5 m
         // below.
         stage.look([0.0; 3], 4.0, 0.0, -30.0);
-        let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
+        let ball = NewGeom::sphere(0.2)
+            .with_pos([0.0, 0.0, 0.5])
+            .with_rgba([1.0, 0.5, 0.0, 1.0])
+            .with_surface(1.0, 0.0, 0.0, 0.0);
         stage.scene.add_geom(&ball).unwrap();
         stage
     };
@@ -442,8 +452,8 @@ fn images_do_not_depend_on_the_thread_or_earlier_sizes() {
     for [width, height] in [[1, 1], [100, 3], [48, 32]] {
         stage.renderer.resize(width, height).unwrap();
         let picture = stage.rgb();
-        assert_eq!([picture.width() as u32, picture.height() as u32], [width, height]);
-        let mut rgba = vec![0; 4 * (width * height) as usize];
+        assert_eq!([picture.width(), picture.height()], [width, height]);
+        let mut rgba = vec![0; 4 * width * height];
         stage.renderer.rgba_into(&stage.scene, &mut rgba).unwrap();
         let same = rgba.as_chunks::<4>().0.iter().zip(picture.as_bytes().as_chunks::<3>().0);
         assert!(same.into_iter().all(|(rgba, rgb)| rgba[..3] == rgb[..] && rgba[3] == 255));

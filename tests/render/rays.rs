@@ -15,10 +15,11 @@
 use std::path::Path;
 
 use mujoco_safe::data::{RayHit, RayOptions};
+use mujoco_safe::element::Object;
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{Renderer, RendererOptions, Segment};
-use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneOptions, Viewpoint, VisualFlags};
 use mujoco_safe::{Data, Model, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -26,7 +27,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use crate::installed::sample_files;
 use crate::stage;
 
-const SIZE: [u32; 2] = [640, 480];
+const SIZE: [usize; 2] = [640, 480];
 const PIXELS: usize = 100;
 /// 1 mm at 3 m.
 const PRECISION: f64 = 1e-3 / 3.0;
@@ -91,7 +92,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let check = |pixel: [usize; 2]| {
         // The rods of cranks are always drawn, and no ray hits them.
         let segment = segmentation.pixel(pixel[0], pixel[1]);
-        if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
+        if matches!(segment, Some(Segment { object: Some(Object::Actuator(_)), .. })) {
             return View::Outline;
         }
         let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).unwrap());
@@ -121,7 +122,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         hit.view
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
-    let mut pixel = || SIZE.map(|length| random.random_range(0..length) as usize);
+    let mut pixel = || SIZE.map(|length| random.random_range(0..length));
     let anywhere: Vec<View> = (0..PIXELS).map(|_| check(pixel())).collect();
 
     // Most of an image is floor. The second half of the pixels shows other geoms.
@@ -147,7 +148,7 @@ fn geoms_only() -> SceneOptions {
 /// Returns the geom of the model that a geom of the scene represents.
 fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
     match geom.object()? {
-        SceneObject::Geom(geom) => Some(geom),
+        Object::Geom(geom) => Some(geom),
         _ => None,
     }
 }
@@ -209,7 +210,7 @@ impl Rays {
         let Viewpoint { forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, .. } = self.viewpoint;
         let [forward, up] = [forward, up].map(|axis| axis.map(f64::from));
         let right = math::cross(&forward, &up);
-        let [width, height] = SIZE.map(f64::from);
+        let [width, height] = SIZE.map(|length| length as f64);
         let [bottom, top] = [frustum_bottom, frustum_top].map(f64::from);
         let to_right = f64::from(frustum_center) + (x / width - 0.5) * (top - bottom) * width / height;
         let upwards = top - y / height * (top - bottom);

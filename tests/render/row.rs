@@ -133,9 +133,9 @@ fn new_geom(model: &Model, geom: &Value) -> NewGeom {
         kind => panic!("{kind}"),
     };
     let pos = geom.get("pos").map_or([0.0; 3], array);
-    let new = new.pos(pos).rgba(single(array(&geom["rgba"])));
+    let new = new.with_pos(pos).with_rgba(single(array(&geom["rgba"])));
     match geom.get("category") {
-        Some(category) => new.category(Categories::from_bits_truncate(category.as_u64().unwrap() as u32)),
+        Some(category) => new.with_category(Categories::from_bits_truncate(category.as_u64().unwrap() as u32)),
         None => new,
     }
 }

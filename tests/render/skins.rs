@@ -9,7 +9,7 @@ use mujoco_safe::scene::RenderFlags;
 use crate::difference::Difference;
 use crate::stage::Stage;
 
-const SIZE: [u32; 2] = [160, 120];
+const SIZE: [usize; 2] = [160, 120];
 const PIXELS: f64 = 160.0 * 120.0;
 /// Vertices on each circle of latitude.
 const SLICES: usize = 24;

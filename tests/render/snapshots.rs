@@ -7,7 +7,7 @@ use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [48, 36];
+const SIZE: [usize; 2] = [48, 36];
 
 fn renderer(model: &Model) -> Renderer {
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
@@ -58,7 +58,7 @@ fn images_together_equal_single_images_if_a_geom_is_transparent() {
     let mut renderer = renderer(data.model());
     let mut snapshot = renderer.snapshot(&mut data, "side").unwrap();
     let opaque = snapshot.images().unwrap();
-    let glass = NewGeom::sphere(0.5).pos([0.0, 0.0, 1.2]).rgba([1.0, 0.0, 0.0, 0.4]);
+    let glass = NewGeom::sphere(0.5).with_pos([0.0, 0.0, 1.2]).with_rgba([1.0, 0.0, 0.0, 0.4]);
     let glass = snapshot.scene_mut().add_geom(&glass).unwrap();
     let mut images = opaque.clone();
     snapshot.images_into(&mut images).unwrap();
@@ -109,7 +109,7 @@ fn options_and_changes_of_the_scene_are_visible() {
 
     let mut snapshot = renderer.snapshot(&mut data, "side").unwrap();
     let geoms = snapshot.scene().ngeom();
-    let marker = snapshot.scene_mut().add_geom(&NewGeom::sphere(0.3).pos([0.0, -0.5, 1.0])).unwrap();
+    let marker = snapshot.scene_mut().add_geom(&NewGeom::sphere(0.3).with_pos([0.0, -0.5, 1.0])).unwrap();
     assert_eq!(marker, geoms);
     assert!(snapshot.segmentation().unwrap().segments().iter().any(|(segment, _)| segment.geom == marker));
     let flags = snapshot.scene().render_flags() | RenderFlags::WIREFRAME;
@@ -142,7 +142,7 @@ fn scene_of_snapshots_grows_to_the_number_of_geoms() {
 fn snapshot_before_positions_are_computed_is_an_error() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     let mut renderer = renderer(data.model());
-    let is_not_computed = |error| matches!(error, RenderError::Engine(Error::NotComputed { .. }));
+    let is_not_computed = |error| matches!(error, RenderError::Other(Error::NotComputed { .. }));
     assert!(is_not_computed(renderer.snapshot(&mut data, "side").unwrap_err()));
     data.fwd_position().unwrap();
     renderer.snapshot(&mut data, "side").unwrap();
@@ -157,13 +157,13 @@ fn unknown_camera_and_data_of_another_model_are_errors() {
     let mut data = humanoid();
     let mut renderer = renderer(data.model());
     let error = renderer.snapshot(&mut data, "sied").unwrap_err();
-    assert!(matches!(&error, RenderError::Engine(Error::NoSuchName { name, .. }) if name == "sied"), "{error}");
+    assert!(matches!(&error, RenderError::Other(Error::NoSuchName { name, .. }) if name == "sied"), "{error}");
     let error = renderer.snapshot(&mut data, 99).unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::NoSuchIndex { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::NoSuchIndex { .. })), "{error}");
     let error = renderer.snapshot(&mut data, &mut Camera { distance: f64::NAN, ..Camera::default() }).unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::Invalid { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::Invalid { .. })), "{error}");
     let error = renderer.snapshot(&mut humanoid(), "side").unwrap_err();
-    assert!(matches!(error, RenderError::Engine(Error::OtherModel { .. })), "{error}");
+    assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error}");
     renderer.snapshot(&mut data, "side").unwrap().rgb().unwrap();
 }
 

@@ -22,11 +22,11 @@ pub struct Stage {
 
 impl Stage {
     /// Creates a stage with one sample per pixel.
-    pub fn new(xml: &str, size: [u32; 2]) -> Self {
+    pub fn new(xml: &str, size: [usize; 2]) -> Self {
         Self::with(xml, size, RendererOptions::default().with_samples(1))
     }
 
-    pub fn with(xml: &str, [width, height]: [u32; 2], options: RendererOptions) -> Self {
+    pub fn with(xml: &str, [width, height]: [usize; 2], options: RendererOptions) -> Self {
         let model = Model::from_xml_str(xml).unwrap();
         let mut data = Data::new(model).unwrap();
         data.forward().unwrap();

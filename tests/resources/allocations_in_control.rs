@@ -17,7 +17,6 @@ use mujoco_safe::{
     Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, PdController, RandomController, StateSpace,
     ZeroController, sample,
 };
-use nalgebra::DMatrix;
 
 use crate::allocations::{allocates_nothing, squatting};
 use crate::allocator::allocations;
@@ -80,7 +79,7 @@ fn derivatives_of_inverse_dynamics_by_a_lineariser_do_not_allocate() {
 fn controllers_do_not_allocate() {
     let _lock = lock_process();
     let mut data = Data::new(sample::cartpole()).unwrap();
-    let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let weights = LqrWeights::new(Matrix::identity(4), Matrix::identity(1));
     let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
     let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
     let gains = vec![Matrix::zeros(1, 4); 3];
@@ -127,8 +126,8 @@ fn costs_of_residuals_do_not_allocate() {
 fn quadratic(data: &Data) -> QuadraticCost {
     let (nx, nu) = (2 * data.model().nv(), data.model().nu());
     let mut weights = LqrWeights::diagonal(&vec![1.0; nx], &vec![0.1; nu]);
-    weights.s = Some(DMatrix::from_element(nx, nu, 1e-4));
-    QuadraticCost::new(data.model(), &data.physics_state(), weights, DMatrix::identity(nx, nx)).unwrap()
+    weights.s = Some(Matrix::from_row_major(nx, nu, vec![1e-4; nx * nu]));
+    QuadraticCost::new(data.model(), &data.physics_state(), weights, Matrix::identity(nx)).unwrap()
 }
 
 #[test]
@@ -197,15 +196,15 @@ fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
     let controls = vec![0.1; steps * workers.model().nu()];
     let (mut states, mut outputs) = (vec![0.0; 10 * (steps + 1) * 55], vec![0.0; 10 * steps]);
     let rollouts = [
-        Rollout::on(workers, 10, steps).shared_controls(&controls),
-        Rollout::on(workers, 10, steps).controllers(|index| RandomController::new(index as u64)),
-        Rollout::on(workers, 10, steps).edit_model(|_, model| model.set_total_mass(50.0)),
-        Rollout::on(workers, 10, steps).forward_after_step(),
+        Rollout::on(workers, 10, steps).with_shared_controls(&controls),
+        Rollout::on(workers, 10, steps).with_controllers(|index| RandomController::new(index as u64)),
+        Rollout::on(workers, 10, steps).with_model_edits(|_, model| model.set_total_mass(50.0)),
+        Rollout::on(workers, 10, steps).with_forward_after_step(),
     ];
     rollouts
         .into_iter()
         .map(|rollout| {
-            let rollout = rollout.chunk(10).outputs(1, |data, row| row[0] = data.time());
+            let rollout = rollout.with_chunk(10).with_outputs(1, |data, row| row[0] = data.time());
             let buffers = RolloutBuffers { states: Some(&mut states), sensordata: None, outputs: Some(&mut outputs) };
             let (number, outcomes) = allocations(|| rollout.run_into(buffers));
             assert!(outcomes.unwrap().iter().all(Result::is_ok));
@@ -226,7 +225,7 @@ fn steps_of_rollouts_do_not_allocate() {
 #[test]
 fn steps_of_a_batch_do_not_allocate() {
     let _lock = lock_process();
-    let batch = || Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
+    let batch = || Batch::new(sample::humanoid(), 3).unwrap().with_chunk(3);
     let edited = || {
         let mut batch = batch();
         let edit = |data: &mut Data| data.edit_model(|model| model.set_total_mass(50.0));
@@ -238,11 +237,11 @@ fn steps_of_a_batch_do_not_allocate() {
         let torso = Parameter::MassFactor(batch.model().body("torso").unwrap().id());
         let factors = Distribution::Uniform { low: 0.5, high: 2.0 };
         let parameters = Parameters::new().with(batch.model(), torso, factors).unwrap();
-        let mut batch = batch.vary(parameters).unwrap();
+        let mut batch = batch.with_parameters(parameters).unwrap();
         batch.sample_parameters(|_| true, 1).unwrap();
         batch
     };
-    for mut batch in [batch(), batch().forward_after_step(), edited(), varied()] {
+    for mut batch in [batch(), batch().with_forward_after_step(), edited(), varied()] {
         allocates_nothing("Batch::step", || {
             batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
         });

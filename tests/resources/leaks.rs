@@ -191,6 +191,6 @@ fn clones_in_a_callback_do_not_leak() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     // The stages of this integrator use the engine's stack.
     data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Rk4)).unwrap();
-    let clones = Callbacks::new().control(|context| drop(context.try_clone().unwrap()));
+    let clones = Callbacks::new().with_control(|context| drop(context.try_clone().unwrap()));
     data.with_callbacks(clones, |data| assert_no_growth("a clone in a callback", 200, || data.step().unwrap()));
 }

@@ -53,7 +53,7 @@ fn batches_equal_plain_loops_for_any_threads_and_chunks() {
     let expected = plain_loop(count);
     for (threads, chunk) in [(1, 1), (2, 1), (3, 2), (2, 3), (1, 7), (4, usize::MAX)] {
         let states = pool(threads).install(|| {
-            let mut batch = Batch::new(sample::humanoid(), count).unwrap().substeps(SUBSTEPS).chunk(chunk);
+            let mut batch = Batch::new(sample::humanoid(), count).unwrap().with_substeps(SUBSTEPS).with_chunk(chunk);
             batch.reset_where(|_| true, |index, _, data| start(index, data)).unwrap();
             let mut states = vec![Vec::new(); count];
             for step in 0..STEPS {
@@ -82,7 +82,7 @@ fn batches_equal_plain_loops_for_any_threads_and_chunks() {
 
 #[test]
 fn a_failure_stops_one_simulation_until_its_reset() {
-    let mut batch = Batch::new(sample::cartpole(), 4).unwrap().chunk(1);
+    let mut batch = Batch::new(sample::cartpole(), 4).unwrap().with_chunk(1);
     let mut alone = Data::new(sample::cartpole()).unwrap();
     for step in 0..10 {
         batch
@@ -114,7 +114,7 @@ fn a_failure_stops_one_simulation_until_its_reset() {
 
 #[test]
 fn an_error_in_the_initial_state_stops_only_its_simulations() {
-    let mut batch = Batch::new(sample::cartpole(), 5).unwrap().chunk(1);
+    let mut batch = Batch::new(sample::cartpole(), 5).unwrap().with_chunk(1);
     let error = batch
         .reset_where(
             |index| index != 0,
@@ -140,7 +140,7 @@ fn an_error_of_the_policy_advances_no_simulation() {
 #[test]
 fn a_panic_propagates_and_the_batch_remains_usable() {
     let late = 0.05;
-    let mut batch = Batch::new(sample::cartpole(), 6).unwrap().chunk(1).observe(1, |data, row| {
+    let mut batch = Batch::new(sample::cartpole(), 6).unwrap().with_chunk(1).with_observations(1, |data, row| {
         assert!(data.time() < late, "too late");
         row[0] = data.time();
     });
@@ -181,7 +181,7 @@ fn each_simulation_may_have_its_own_edited_model() {
 
 #[test]
 fn replacing_a_simulation_is_a_failure_of_that_simulation() {
-    let mut batch = Batch::new(sample::cartpole(), 3).unwrap().chunk(3);
+    let mut batch = Batch::new(sample::cartpole(), 3).unwrap().with_chunk(3);
     let error =
         batch.reset_where(|index| index == 1, |_, _, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap_err();
     assert!(matches!(error, Error::OtherModel { .. }), "{error}");
@@ -215,7 +215,7 @@ fn a_simulation_left_unusable_by_a_closure_has_failed() {
 
 #[test]
 fn a_panic_of_a_closure_keeps_the_edited_model_of_its_simulation() {
-    let mut batch = Batch::new(sample::cartpole(), 2).unwrap().chunk(2);
+    let mut batch = Batch::new(sample::cartpole(), 2).unwrap().with_chunk(2);
     let heavier = |data: &mut Data| data.edit_model(|model| model.body_mass_mut()[2] *= 2.0);
     batch.reset_where(|index| index == 1, |_, _, data| heavier(data)).unwrap();
     let panics = |_: usize, _: &mut Data| -> Result<()> { panic!("no edit") };
@@ -305,7 +305,7 @@ fn episodes_start_alike_for_any_threads_and_any_order_of_resets() {
         orders.into_iter().flat_map(|order| [(1, 1), (1, 2), (3, 1), (3, 2)].map(|division| (order, division)))
     {
         pool(threads).install(|| {
-            let mut batch = Batch::new(sample::humanoid(), count).unwrap().chunk(chunk);
+            let mut batch = Batch::new(sample::humanoid(), count).unwrap().with_chunk(chunk);
             for call in 0..calls {
                 batch.reset_where(|index| which(call, index), random_start).unwrap();
                 for index in (0..count).filter(|&index| which(call, index)) {

@@ -18,8 +18,8 @@ fn controller(name: &str) -> Box<dyn Controller + Send> {
 #[test]
 fn each_rollout_can_have_another_type_of_controller() {
     let result = Rollout::new(sample::cartpole(), 3, 4)
-        .controllers(|index| controller(["zero", "push", "stop"][index]))
-        .outputs(1, |data, row| row.copy_from_slice(data.ctrl()))
+        .with_controllers(|index| controller(["zero", "push", "stop"][index]))
+        .with_outputs(1, |data, row| row.copy_from_slice(data.ctrl()))
         .run()
         .unwrap();
     assert_eq!(result.outputs_of(0).as_slice(), [0.0; 4]);

@@ -25,12 +25,16 @@ impl Case {
     fn environment(&self) -> Result<VectorEnvironment<ShortHopper>> {
         let mut environment = VectorEnvironment::new(Hopper::model(), ShortHopper, COUNT, SEED)?;
         if *self.delay.end() > 0 {
-            environment = environment.action_delay(self.delay.clone())?;
+            environment = environment.with_action_delay(self.delay.clone())?;
         }
         if self.action != [0.0; 3] {
-            environment = environment.action_noise(&self.action)?;
+            environment = environment.with_action_noise(&self.action)?;
         }
-        if self.observation == [0.0; 11] { Ok(environment) } else { environment.observation_noise(&self.observation) }
+        if self.observation == [0.0; 11] {
+            Ok(environment)
+        } else {
+            environment.with_observation_noise(&self.observation)
+        }
     }
 }
 
@@ -131,11 +135,11 @@ fn parts_of_an_environment_compute_the_results_of_the_whole() {
         let torso = Parameter::MassFactor(model.body("torso")?.id());
         let parameters = Parameters::new().with(&model, torso, Distribution::Uniform { low: 0.8, high: 1.2 })?;
         let mut environment = VectorEnvironment::new(model, ShortHopper, count, SEED)?
-            .first_index(first)?
-            .vary(parameters)?
-            .action_delay(0..=3)?
-            .action_noise(&[0.1; 3])?
-            .observation_noise(&[0.01; 11])?;
+            .with_first_index(first)?
+            .with_parameters(parameters)?
+            .with_action_delay(0..=3)?
+            .with_action_noise(&[0.1; 3])?
+            .with_observation_noise(&[0.01; 11])?;
         let (mut results, mut ends) = (vec![Vec::new(); count], 0);
         for step in 0..50 {
             let actions: Vec<f64> =
@@ -158,11 +162,17 @@ fn parts_of_an_environment_compute_the_results_of_the_whole() {
 fn invalid_noise_and_delays_are_errors() {
     let hoppers = || VectorEnvironment::new(Hopper::model(), Hopper, 1, 1).unwrap();
     for (result, expected) in [
-        (hoppers().action_noise(&[0.1; 2]), "the standard deviations of the action noise (nu)"),
-        (hoppers().action_noise(&[0.1, -0.1, 0.0]), "noise of action 1 is -0.1, but must be finite and not negative"),
-        (hoppers().observation_noise(&[0.1; 3]), "the standard deviations of the observation noise (nobs)"),
-        (hoppers().observation_noise(&[f64::NAN; 11]), "noise of observation 0 is NaN"),
-        (hoppers().action_delay(RangeInclusive::new(3, 1)), "the range of the delay is 3..=1, but must be not empty"),
+        (hoppers().with_action_noise(&[0.1; 2]), "the standard deviations of the action noise (nu)"),
+        (
+            hoppers().with_action_noise(&[0.1, -0.1, 0.0]),
+            "noise of action 1 is -0.1, but must be finite and not negative",
+        ),
+        (hoppers().with_observation_noise(&[0.1; 3]), "the standard deviations of the observation noise (nobs)"),
+        (hoppers().with_observation_noise(&[f64::NAN; 11]), "noise of observation 0 is NaN"),
+        (
+            hoppers().with_action_delay(RangeInclusive::new(3, 1)),
+            "the range of the delay is 3..=1, but must be not empty",
+        ),
     ] {
         let message = result.unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");

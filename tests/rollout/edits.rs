@@ -50,7 +50,7 @@ fn each_rollout_uses_only_its_own_edit() {
     assert!(last(0) != last(1) && last(0) != last(2) && last(0) != last(3), "each edit changes the result");
     for threads in [1, 2, 3] {
         for chunk in [1, 2, 4, 9] {
-            let rollout = Rollout::new(model.clone(), count, steps).edit_model(edit).chunk(chunk);
+            let rollout = Rollout::new(model.clone(), count, steps).with_model_edits(edit).with_chunk(chunk);
             let result = pool(threads).install(|| rollout.run()).unwrap();
             assert!(result.outcomes().iter().all(Result::is_ok));
             assert!(bits(result.states()) == bits(&expected), "{threads} threads, chunks of {chunk}");
@@ -134,7 +134,7 @@ fn every_change_is_undone_after_the_rollout() {
 
     // All rollouts run in one worker. The odd rollouts change everything and fail.
     let result = Rollout::new(model.clone(), 6, 1)
-        .edit_model(|index, model| {
+        .with_model_edits(|index, model| {
             assert!(model.to_binary().unwrap() == pristine, "rollout {index} has the change of another rollout");
             if index % 2 == 1 {
                 change_everything(model);
@@ -142,7 +142,7 @@ fn every_change_is_undone_after_the_rollout() {
             }
             Ok(())
         })
-        .chunk(6)
+        .with_chunk(6)
         .run()
         .unwrap();
     for (index, outcome) in result.outcomes().iter().enumerate() {
@@ -161,9 +161,9 @@ fn every_change_is_undone_after_the_rollout() {
 #[test]
 fn a_run_without_edits_uses_the_unedited_model() {
     let workers = Workers::new(sample::cartpole());
-    let plain = || bits(Rollout::on(&workers, 4, 20).initial_state(SPEC, &LEANING).run().unwrap().states());
+    let plain = || bits(Rollout::on(&workers, 4, 20).with_initial_state(SPEC, &LEANING).run().unwrap().states());
     let before = plain();
-    let heavy = Rollout::on(&workers, 4, 20).initial_state(SPEC, &LEANING).edit_model(|_, model| {
+    let heavy = Rollout::on(&workers, 4, 20).with_initial_state(SPEC, &LEANING).with_model_edits(|_, model| {
         model.body_mass_mut()[2] *= 10.0;
     });
     assert!(bits(heavy.run().unwrap().states()) != before);

@@ -178,7 +178,8 @@ fn parameters_change_at_the_start_of_an_episode_only() {
     let model = Hopper::model();
     let gravity = Distribution::Uniform { low: -11.0, high: -9.0 };
     let parameters = Parameters::new().with(&model, Parameter::Gravity(2), gravity).unwrap();
-    let mut environment = VectorEnvironment::new(model, ShortHopper, 3, 1).unwrap().vary(parameters).unwrap();
+    let mut environment =
+        VectorEnvironment::new(model, ShortHopper, 3, 1).unwrap().with_parameters(parameters).unwrap();
     let mut changes = 0;
     for _ in 0..30 {
         let before = environment.batch().parameters().to_matrix();

@@ -27,8 +27,8 @@ fn a_rollout_does_not_depend_on_the_previous_rollout() {
         let new = everything(&Data::new(case.model.clone()).unwrap());
         // All rollouts run in one worker, each ending after steps with controls.
         let result = Rollout::new(case.model.clone(), case.count, case.steps)
-            .chunk(case.count)
-            .controllers(|index| {
+            .with_chunk(case.count)
+            .with_controllers(|index| {
                 let (case, new) = (&case, &new);
                 let mut step = 0;
                 move |data: &mut Data| {
@@ -52,8 +52,8 @@ fn a_rollout_does_not_depend_on_the_previous_rollout() {
 
 fn rollout(case: &Case) -> Rollout<'_> {
     Rollout::new(case.model.clone(), case.count, case.steps)
-        .initial_states(case.spec, &case.initial)
-        .controls(&case.controls)
+        .with_initial_states(case.spec, &case.initial)
+        .with_controls(&case.controls)
 }
 
 #[track_caller]
@@ -74,7 +74,7 @@ fn rollouts_equal_plain_loops_for_any_threads_and_chunks() {
         for threads in [1, 2, 3, 5] {
             let pool = pool(threads);
             for chunk in [1, 2, 3, 5, usize::MAX] {
-                pool.install(|| assert_gives(&rollout(&case).chunk(chunk), &expected));
+                pool.install(|| assert_gives(&rollout(&case).with_chunk(chunk), &expected));
             }
         }
     }
@@ -85,9 +85,9 @@ fn shared_states_and_controls_apply_to_each_rollout() {
     let case = Case::new(sample::humanoid(), 1, 20);
     let one = case.expected();
     let result = Rollout::new(case.model.clone(), 5, 20)
-        .initial_state(case.spec, &case.initial)
-        .shared_controls(&case.controls)
-        .chunk(2)
+        .with_initial_state(case.spec, &case.initial)
+        .with_shared_controls(&case.controls)
+        .with_chunk(2)
         .run()
         .unwrap();
     assert_eq!(result.len(), 5);
@@ -125,13 +125,13 @@ fn controllers_act_as_in_a_plain_loop() {
     }
     for chunk in [1, 4, 6] {
         let result = Rollout::new(model.clone(), count, steps)
-            .controllers(make)
-            .outputs(model.nu() + 2, |data, row| {
+            .with_controllers(make)
+            .with_outputs(model.nu() + 2, |data, row| {
                 let (ctrl, rest) = row.split_at_mut(data.ctrl().len());
                 ctrl.copy_from_slice(data.ctrl());
                 rest.copy_from_slice(&[data.qfrc_constraint()[3], data.time()]);
             })
-            .chunk(chunk)
+            .with_chunk(chunk)
             .run()
             .unwrap();
         assert_eq!(bits(result.outputs()), bits(&expected));
@@ -143,7 +143,7 @@ fn controllers_act_as_in_a_plain_loop() {
 fn the_requested_parts_of_the_state_are_recorded() {
     let case = Case::new(sample::cartpole(), 3, 10);
     let spec = StateSpec::TIME | StateSpec::QVEL | StateSpec::CTRL;
-    let result = rollout(&case).record(spec).run().unwrap();
+    let result = rollout(&case).with_recorded_states(spec).run().unwrap();
     let expected = case.expected();
     for index in 0..3 {
         let states = result.states_of(index);
@@ -169,7 +169,7 @@ fn run_into_fills_any_subset_of_the_buffers() {
     assert_eq!((bits(&states), bits(&sensordata)), (bits(&expected.states), bits(&expected.sensordata)));
     states.fill(7.0);
     let some = RolloutBuffers { states: Some(&mut states), ..Default::default() };
-    assert!(rollout(&case).chunk(1).run_into(some).unwrap().iter().all(Result::is_ok));
+    assert!(rollout(&case).with_chunk(1).run_into(some).unwrap().iter().all(Result::is_ok));
     assert_eq!(bits(&states), bits(&expected.states));
     assert_eq!(rollout(&case).run_into(RolloutBuffers::default()).unwrap().len(), 4);
 }
@@ -180,7 +180,9 @@ fn earlier_use_of_a_worker_has_no_effect() {
     let expected = case.expected();
     let workers = Workers::new(case.model.clone());
     let again = || {
-        Rollout::on(&workers, case.count, case.steps).initial_states(case.spec, &case.initial).controls(&case.controls)
+        Rollout::on(&workers, case.count, case.steps)
+            .with_initial_states(case.spec, &case.initial)
+            .with_controls(&case.controls)
     };
     let dirty: [fn(&mut Data); 6] = [
         |data| {
@@ -197,10 +199,10 @@ fn earlier_use_of_a_worker_has_no_effect() {
         |data| *data = Data::new(sample::humanoid()).unwrap(),
     ];
     for (number, soil) in dirty.into_iter().enumerate() {
-        let outcomes = Rollout::on(&workers, 3, 5).controllers(|_| soil).chunk(3).run().unwrap();
+        let outcomes = Rollout::on(&workers, 3, 5).with_controllers(|_| soil).with_chunk(3).run().unwrap();
         assert_eq!(outcomes.len(), 3, "misuse {number} must not be an error of the run");
-        assert_gives(&again().chunk(usize::MAX), &expected);
-        assert_gives(&again().chunk(1), &expected);
+        assert_gives(&again().with_chunk(usize::MAX), &expected);
+        assert_gives(&again().with_chunk(1), &expected);
     }
 }
 
@@ -208,7 +210,7 @@ fn earlier_use_of_a_worker_has_no_effect() {
 fn concurrent_runs_on_the_same_workers_are_independent() {
     let case = Case::new(sample::cartpole(), 8, 50);
     let expected = case.expected();
-    let rollout = rollout(&case).chunk(2);
+    let rollout = rollout(&case).with_chunk(2);
     std::thread::scope(|scope| {
         for _ in 0..4 {
             scope.spawn(|| assert_gives(&rollout, &expected));
@@ -219,7 +221,7 @@ fn concurrent_runs_on_the_same_workers_are_independent() {
 #[test]
 fn a_controller_may_use_parallelism() {
     let run = |parallel: bool| {
-        let rollout = Rollout::new(sample::cartpole(), 40, 20).chunk(1).controllers(move |index| {
+        let rollout = Rollout::new(sample::cartpole(), 40, 20).with_chunk(1).with_controllers(move |index| {
             move |data: &mut Data| {
                 let half = |value: usize| value as f64 / 2.0;
                 let (a, b) =

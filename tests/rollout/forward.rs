@@ -1,4 +1,4 @@
-//! `forward_after_step` updates what closures read, and changes no simulation.
+//! `with_forward_after_step` updates what closures read, and changes no simulation.
 
 use std::sync::Arc;
 
@@ -107,13 +107,14 @@ fn rollouts_are_bit_for_bit_the_same_and_their_outputs_are_those_of_the_new_stat
     for model in models() {
         let rollout = || {
             Rollout::new(model.clone(), COUNT, STEPS)
-                .controllers(|index| RandomController::new(index as u64))
-                .record(SPEC)
-                .outputs(width(&model), read)
+                .with_controllers(|index| RandomController::new(index as u64))
+                .with_recorded_states(SPEC)
+                .with_outputs(width(&model), read)
         };
         let initial = start(&model).state(SPEC);
-        let (without, with) = (rollout().initial_state(SPEC, &initial), rollout().initial_state(SPEC, &initial));
-        let (without, with) = (without.run().unwrap(), with.forward_after_step().run().unwrap());
+        let (without, with) =
+            (rollout().with_initial_state(SPEC, &initial), rollout().with_initial_state(SPEC, &initial));
+        let (without, with) = (without.run().unwrap(), with.with_forward_after_step().run().unwrap());
         assert!(with.outcomes().iter().all(Result::is_ok));
         for index in 0..COUNT {
             let expected = Expected::of(&model, index);
@@ -134,12 +135,12 @@ fn rollouts_are_bit_for_bit_the_same_and_their_outputs_are_those_of_the_new_stat
 fn batches_are_bit_for_bit_the_same_and_their_observations_are_those_of_the_present_state() {
     const SUBSTEPS: usize = 2;
     for model in models() {
-        let batch = || Batch::new(model.clone(), COUNT).unwrap().substeps(SUBSTEPS).chunk(1);
+        let batch = || Batch::new(model.clone(), COUNT).unwrap().with_substeps(SUBSTEPS).with_chunk(1);
         let mut plain = batch();
         // The order of the options does not matter.
         let mut batches = [
-            batch().observe(width(&model), read).forward_after_step(),
-            batch().forward_after_step().observe(width(&model), read),
+            batch().with_observations(width(&model), read).with_forward_after_step(),
+            batch().with_forward_after_step().with_observations(width(&model), read),
         ];
         let initial = start(&model).state(SPEC);
         let mut random = RandomController::new(7);
@@ -181,7 +182,10 @@ fn observations_after_a_reset_are_those_of_the_initial_state() {
     let model = sample::cartpole();
     let cart = model.body("cart").unwrap().id();
     let mut batch = pool(2).install(|| {
-        Batch::new(model, 4).unwrap().observe(1, |data, row| row[0] = data.body(cart).xpos()[0]).forward_after_step()
+        Batch::new(model, 4)
+            .unwrap()
+            .with_observations(1, |data, row| row[0] = data.body(cart).xpos()[0])
+            .with_forward_after_step()
     });
     assert_eq!(batch.observations().as_slice(), [0.0; 4]);
     batch.reset_where(|_| true, |index, _, data| data.qpos_mut()[0] = 0.25 * index as f64).unwrap();
@@ -194,7 +198,7 @@ fn observations_after_a_reset_are_those_of_the_initial_state() {
 fn a_quaternion_of_another_length_is_kept() {
     let model = Arc::new(sample::humanoid());
     let quat = [2.0, 0.2, 0.0, 0.0];
-    let mut batch = Batch::new(model, 1).unwrap().forward_after_step();
+    let mut batch = Batch::new(model, 1).unwrap().with_forward_after_step();
     batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[3..7].copy_from_slice(&quat)).unwrap();
     assert_eq!(batch.data(0).unwrap().qpos()[3..7], quat);
     assert_eq!(batch.observations().row(0)[3..7], quat);
@@ -205,7 +209,7 @@ fn controllers_read_quantities_of_the_present_state() {
     let model = sample::cartpole();
     let cart = model.body("cart").unwrap().id();
     let result = Rollout::new(model, 2, 30)
-        .controllers(|_| {
+        .with_controllers(|_| {
             let mut step = 0;
             move |data: &mut Data| {
                 if step > 0 {
@@ -215,7 +219,7 @@ fn controllers_read_quantities_of_the_present_state() {
                 data.ctrl_mut()[0] = 1.0;
             }
         })
-        .forward_after_step()
+        .with_forward_after_step()
         .run()
         .unwrap();
     assert!(result.state(0, 30)[0] > 0.1);
@@ -233,9 +237,9 @@ fn an_error_of_forward_ends_a_rollout_after_its_step() {
     let (model, initial) = runaway();
     let run = |steps: usize, forward: bool| {
         let rollout = Rollout::new(model.clone(), 1, steps)
-            .initial_state(StateSpec::PHYSICS, &initial)
-            .outputs(1, |data, row| row[0] = data.time());
-        if forward { rollout.forward_after_step().run() } else { rollout.run() }.unwrap()
+            .with_initial_state(StateSpec::PHYSICS, &initial)
+            .with_outputs(1, |data, row| row[0] = data.time());
+        if forward { rollout.with_forward_after_step().run() } else { rollout.run() }.unwrap()
     };
     for steps in [3, 5] {
         let (without, with) = (run(steps, false), run(steps, true));
@@ -256,7 +260,7 @@ fn an_error_of_forward_ends_a_rollout_after_its_step() {
 #[test]
 fn an_error_of_forward_stops_a_simulation_of_a_batch() {
     let (model, initial) = runaway();
-    let mut batch = Batch::new(model, 2).unwrap().forward_after_step();
+    let mut batch = Batch::new(model, 2).unwrap().with_forward_after_step();
     batch.reset_where(|index| index == 0, |_, _, data| data.set_state(StateSpec::PHYSICS, &initial)).unwrap();
     for _ in 0..3 {
         assert!(batch.failures().next().is_none());

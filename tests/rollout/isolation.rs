@@ -36,10 +36,10 @@ fn a_nan_ends_its_own_rollout_at_its_step() {
     case.initial[4 * size + velocity] = f64::INFINITY;
     for chunk in [1, 2, 6] {
         let result = Rollout::new(case.model.clone(), case.count, case.steps)
-            .initial_states(case.spec, &case.initial)
-            .controls(&case.controls)
-            .outputs(1, |data, row| row[0] = data.time())
-            .chunk(chunk)
+            .with_initial_states(case.spec, &case.initial)
+            .with_controls(&case.controls)
+            .with_outputs(1, |data, row| row[0] = data.time())
+            .with_chunk(chunk)
             .run()
             .unwrap();
         for (index, outcome) in result.outcomes().iter().enumerate() {
@@ -77,9 +77,9 @@ fn an_engine_error_ends_its_own_rollout_at_its_step() {
     assert!(expected[0].is_some() && expected[5].is_none(), "some land and some do not: {expected:?}");
     for chunk in [1, 6] {
         let result = Rollout::new(model.clone(), 6, steps)
-            .initial_states(StateSpec::QPOS, &initial)
-            .outputs(1, |data, row| row[0] = data.time())
-            .chunk(chunk)
+            .with_initial_states(StateSpec::QPOS, &initial)
+            .with_outputs(1, |data, row| row[0] = data.time())
+            .with_chunk(chunk)
             .run()
             .unwrap();
         for (index, (outcome, expected)) in result.outcomes().iter().zip(&expected).enumerate() {
@@ -98,14 +98,14 @@ fn an_engine_error_ends_its_own_rollout_at_its_step() {
 #[test]
 fn an_error_of_a_controller_has_its_step() {
     let result = Rollout::new(sample::cartpole(), 4, 10)
-        .controllers(|index| {
+        .with_controllers(|index| {
             let mut calls = 0;
             move |data: &mut Data| {
                 calls += 1;
                 if index == 1 && calls == 5 { data.reset_to_key("no such key") } else { Ok(()) }
             }
         })
-        .outputs(1, |data, row| row[0] = data.time())
+        .with_outputs(1, |data, row| row[0] = data.time())
         .run()
         .unwrap();
     let error = result.outcomes()[1].as_ref().unwrap_err();
@@ -118,7 +118,7 @@ fn an_error_of_a_controller_has_its_step() {
 #[test]
 fn replacing_the_simulation_is_an_error_of_that_rollout() {
     let result = Rollout::new(sample::humanoid(), 3, 5)
-        .controllers(|index| {
+        .with_controllers(|index| {
             move |data: &mut Data| {
                 if index == 1 {
                     *data = Data::new(sample::cartpole()).unwrap();
@@ -135,7 +135,7 @@ fn replacing_the_simulation_is_an_error_of_that_rollout() {
 #[test]
 fn the_progress_hook_counts_every_rollout_once() {
     let counts = Mutex::new(Vec::new());
-    let rollout = Rollout::new(sample::cartpole(), 25, 5).chunk(2).progress(|done| {
+    let rollout = Rollout::new(sample::cartpole(), 25, 5).with_chunk(2).with_progress(|done| {
         counts.lock().unwrap().push(done);
         ControlFlow::Continue(())
     });
@@ -152,10 +152,10 @@ fn a_cancelled_run_keeps_finished_rollouts_and_marks_the_rest() {
     let expected = case.expected();
     for threads in [1, 3] {
         let rollout = Rollout::new(case.model.clone(), case.count, case.steps)
-            .initial_states(case.spec, &case.initial)
-            .controls(&case.controls)
-            .chunk(2)
-            .progress(|done| if done == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+            .with_initial_states(case.spec, &case.initial)
+            .with_controls(&case.controls)
+            .with_chunk(2)
+            .with_progress(|done| if done == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
         let result = pool(threads).install(|| rollout.run()).unwrap();
         let mut done = 0;
         for (index, outcome) in result.outcomes().iter().enumerate() {
@@ -180,11 +180,11 @@ fn a_cancelled_run_keeps_finished_rollouts_and_marks_the_rest() {
 #[test]
 fn a_running_rollout_can_be_cancelled() {
     let rollout = Rollout::new(sample::cartpole(), 2, 100_000_000)
-        .controllers(|index| {
+        .with_controllers(|index| {
             move |_: &mut Data| if index == 0 { Err(Error::Unsupported("given up".to_owned())) } else { Ok(()) }
         })
-        .chunk(1)
-        .progress(|_| ControlFlow::Break(()));
+        .with_chunk(1)
+        .with_progress(|_| ControlFlow::Break(()));
     let outcomes = pool(2).install(|| rollout.run_into(RolloutBuffers::default())).unwrap();
     assert!(matches!(outcomes[0], Err(RolloutError::Failed { step: 0, error: Error::Unsupported(_) })));
     assert!(matches!(outcomes[1], Err(RolloutError::Cancelled { .. })));
@@ -195,20 +195,24 @@ fn a_panic_propagates_without_lasting_effects() {
     let case = Case::new(sample::cartpole(), 12, 20);
     let expected = case.expected();
     let workers = Workers::new(case.model.clone());
-    let new = || Rollout::on(&workers, case.count, case.steps).initial_states(case.spec, &case.initial);
+    let new = || Rollout::on(&workers, case.count, case.steps).with_initial_states(case.spec, &case.initial);
     let panicking = |index: usize| move |_: &mut Data| assert!(index != 3, "rollout 3 of many panics");
     let panicking: [Rollout<'_>; 4] = [
-        new().controllers(panicking),
-        new().controls(&case.controls).outputs(1, |data, _| assert!(data.time() < 0.15, "rollout 3 of many panics")),
-        new().controls(&case.controls).edit_model(|index, _| assert!(index != 3, "rollout 3 of many panics")),
-        new().controls(&case.controls).progress(|_| panic!("rollout 3 of many panics")),
+        new().with_controllers(panicking),
+        new()
+            .with_controls(&case.controls)
+            .with_outputs(1, |data, _| assert!(data.time() < 0.15, "rollout 3 of many panics")),
+        new()
+            .with_controls(&case.controls)
+            .with_model_edits(|index, _| assert!(index != 3, "rollout 3 of many panics")),
+        new().with_controls(&case.controls).with_progress(|_| panic!("rollout 3 of many panics")),
     ];
     for threads in [1, 3] {
         let pool = pool(threads);
         for rollout in &panicking {
             let caught = pool.install(|| catch_unwind(AssertUnwindSafe(|| rollout.run()))).unwrap_err();
             assert_eq!(caught.downcast_ref::<&str>(), Some(&"rollout 3 of many panics"));
-            let result = pool.install(|| new().controls(&case.controls).run()).unwrap();
+            let result = pool.install(|| new().with_controls(&case.controls).run()).unwrap();
             assert_eq!(bits(result.states()), bits(&expected.states));
         }
     }

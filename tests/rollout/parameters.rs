@@ -26,7 +26,7 @@ fn draws_have_the_moments_and_the_bounds_of_their_distributions() {
         .and_then(|list| list.with(&model, Parameter::Gravity(2), NORMAL))
         .and_then(|list| list.with(&model, Parameter::JointFrictionLoss(hinge), Distribution::Unchanged))
         .unwrap();
-    let mut batch = Batch::new(model, count).unwrap().vary(parameters).unwrap();
+    let mut batch = Batch::new(model, count).unwrap().with_parameters(parameters).unwrap();
     batch.sample_parameters(|_| true, 1).unwrap();
     let column = |at: usize, f: fn(f64) -> f64| batch.parameters().rows().map(|row| f(row[at])).collect::<Vec<_>>();
     // A normal distribution truncated at three standard deviations has 0.9866 of the deviation.
@@ -57,7 +57,7 @@ fn draws_depend_on_seed_simulation_episode_and_column_only() {
         let parameters = list[..columns].iter().fold(Parameters::new(), |parameters, &(parameter, distribution)| {
             parameters.with(&model, parameter, distribution).unwrap()
         });
-        let mut batch = Batch::new(&model, count).unwrap().chunk(1).vary(parameters).unwrap();
+        let mut batch = Batch::new(&model, count).unwrap().with_chunk(1).with_parameters(parameters).unwrap();
         pool(threads).install(|| batch.sample_parameters(|_| true, seed)).unwrap();
         batch.reset(1).unwrap();
         let before = batch.parameters().to_matrix();
@@ -86,8 +86,8 @@ fn parts_of_a_batch_draw_the_values_of_the_whole() {
         .and_then(|list| list.with(&model, Parameter::Gravity(2), NORMAL))
         .unwrap();
     let draw = |first: usize, count: usize| {
-        let batch = Batch::new(&model, count).unwrap().vary(parameters.clone()).unwrap();
-        let mut batch = if first == 0 { batch } else { batch.first_index(first) };
+        let batch = Batch::new(&model, count).unwrap().with_parameters(parameters.clone()).unwrap();
+        let mut batch = if first == 0 { batch } else { batch.with_first_index(first) };
         batch.sample_parameters(|_| true, 3).unwrap();
         batch.reset_where(|_| true, |_, _, _| ()).unwrap();
         batch.sample_parameters(|index| first.wrapping_add(index) % 2 == 0, 3).unwrap();
@@ -113,7 +113,7 @@ fn an_invalid_value_is_an_error_before_any_simulation_changes() {
         parameters.names().collect::<Vec<_>>(),
         ["factor of the mass of body 'torso'", "geom_friction[0] of geom 'floor'", "dof_damping of joint 'left_knee'"]
     );
-    let mut batch = Batch::new(&model, 4).unwrap().vary(parameters).unwrap();
+    let mut batch = Batch::new(&model, 4).unwrap().with_parameters(parameters).unwrap();
     let nominal = batch.parameters().to_matrix();
     let friction = model.geom_friction()[floor.index()][0];
     assert_eq!(nominal.row(3), [1.0, friction, model.dof_damping()[model.joint(knee).dofs().start]]);

@@ -77,7 +77,7 @@ fn apply(change: Change, seed: u64, data: &mut Data) -> Result<()> {
             model.body_mass_mut()[bodies - 1] *= 1.5;
             model.update_constants()
         })?,
-        Change::Callbacks => data.set_callbacks(Callbacks::new().control(|context| {
+        Change::Callbacks => data.set_callbacks(Callbacks::new().with_control(|context| {
             CALLS.fetch_add(1, Ordering::Relaxed);
             let push = context.qvel().first().map_or(0.0, |velocity| -0.1 * velocity);
             context.ctrl_mut().iter_mut().for_each(|control| *control = push);
@@ -267,14 +267,14 @@ fn run(model: &Arc<Model>, seed: u64) -> (usize, usize) {
     };
     let what = |call: usize| format!("seed {seed}, call {call}, {setting:?}");
     let pool = pool(setting.threads);
-    let mut batch = Batch::new(model, count).unwrap().substeps(setting.substeps).chunk(setting.chunk);
-    batch = batch.observe(width(model), observe);
-    batch = if setting.forward { batch.forward_after_step() } else { batch };
+    let mut batch = Batch::new(model, count).unwrap().with_substeps(setting.substeps).with_chunk(setting.chunk);
+    batch = batch.with_observations(width(model), observe);
+    batch = if setting.forward { batch.with_forward_after_step() } else { batch };
     let list = parameters(model);
     let columns = list.iter().fold(Parameters::new(), |columns, &(parameter, _)| {
         columns.with(model, parameter, Distribution::Unchanged).unwrap()
     });
-    batch = batch.vary(columns).unwrap();
+    batch = batch.with_parameters(columns).unwrap();
     let mut alone: Vec<_> = (0..count).map(|_| Alone::new(model, setting)).collect();
     let mut data = Data::new(model).unwrap();
     let (mut steps, mut failures) = (0, 0);

@@ -8,7 +8,7 @@ const NSTEP: usize = 4;
 
 fn new<'a>() -> Rollout<'a> {
     // One joint with one position and one velocity, and one motor.
-    Rollout::new(sample::cartpole(), NROLL, NSTEP).outputs(5, |_, _| ())
+    Rollout::new(sample::cartpole(), NROLL, NSTEP).with_outputs(5, |_, _| ())
 }
 
 #[track_caller]
@@ -27,19 +27,19 @@ fn assert_rejected<T>(result: Result<T>, argument: &str, expected: usize, found:
 fn inputs_of_a_wrong_length_are_rejected() {
     let values = [0.0; 40];
     for wrong in [0, 3, 5] {
-        let rollout = new().initial_state(StateSpec::PHYSICS, &values[..wrong]);
+        let rollout = new().with_initial_state(StateSpec::PHYSICS, &values[..wrong]);
         assert_rejected(rollout.run(), "the initial state (nstate)", 4, wrong);
     }
     for wrong in [0, 4, 11, 13] {
-        let rollout = new().initial_states(StateSpec::PHYSICS, &values[..wrong]);
+        let rollout = new().with_initial_states(StateSpec::PHYSICS, &values[..wrong]);
         assert_rejected(rollout.run(), "the initial states (nroll × nstate)", 12, wrong);
-        let rollout = new().controls(&values[..wrong]);
+        let rollout = new().with_controls(&values[..wrong]);
         assert_rejected(rollout.run(), "the controls (nroll × nstep × nu)", 12, wrong);
-        let rollout = new().controls(&values[..wrong]);
+        let rollout = new().with_controls(&values[..wrong]);
         assert_rejected(rollout.run_into(RolloutBuffers::default()), "the controls", 12, wrong);
     }
     for wrong in [0, 3, 5, 12] {
-        let rollout = new().shared_controls(&values[..wrong]);
+        let rollout = new().with_shared_controls(&values[..wrong]);
         assert_rejected(rollout.run(), "the shared controls (nstep × nu)", 4, wrong);
     }
 }
@@ -70,7 +70,8 @@ fn zero_rollouts_and_zero_steps_are_valid() {
     assert_eq!(result.states_of(1).shape(), (1, 55));
     assert_eq!(result.state(1, 0)[..28], *sample::humanoid().qpos0());
     assert!(result.outcomes().iter().all(Result::is_ok) && result.sensordata().is_empty());
-    let result = Rollout::new(sample::cartpole(), 2, 3).record(StateSpec::empty()).chunk(0).run().unwrap();
+    let result =
+        Rollout::new(sample::cartpole(), 2, 3).with_recorded_states(StateSpec::empty()).with_chunk(0).run().unwrap();
     assert_eq!(result.states_of(1).shape(), (4, 0));
 
     let mut batch = Batch::new(sample::cartpole(), 0).unwrap();
@@ -88,7 +89,7 @@ fn running_out_of_memory_is_an_error() {
     let error = Rollout::new(sample::cartpole(), usize::MAX, 1).run_into(RolloutBuffers::default()).unwrap_err();
     assert!(matches!(error, Error::Invalid { .. }), "{error}");
     // A product that overflows is not a valid length either.
-    let rollout = Rollout::new(sample::cartpole(), 1 << 63, 2).controls(&[]);
+    let rollout = Rollout::new(sample::cartpole(), 1 << 63, 2).with_controls(&[]);
     assert!(matches!(rollout.run(), Err(Error::Shape { .. })));
 }
 
@@ -108,7 +109,7 @@ fn too_many_simulations_for_memory_are_an_error_before_the_first() {
     for count in [usize::MAX, 1 << 60, 1 << 48] {
         let error = Rollout::new(model.clone(), count, 0).run().unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
-        let rollout = Rollout::new(model.clone(), 1, 1).outputs(count, |_, _| ());
+        let rollout = Rollout::new(model.clone(), 1, 1).with_outputs(count, |_, _| ());
         assert!(matches!(rollout.run(), Err(Error::Invalid { .. })));
     }
 }
@@ -151,7 +152,7 @@ fn vector_environments_without_memory_are_errors() {
         let error = VectorEnvironment::new(Hopper::model(), Hopper, count, 1).map(|_| ()).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{count}: {error}");
         let two = VectorEnvironment::new(Hopper::model(), Hopper, 2, 1).unwrap();
-        match two.action_delay(0..=count) {
+        match two.with_action_delay(0..=count) {
             Err(Error::Invalid { what, .. }) => assert_eq!(what, "the number of steps of the delay"),
             Err(error) => panic!("{error}"),
             Ok(_) => panic!("a delay of {count} steps"),
@@ -162,5 +163,5 @@ fn vector_environments_without_memory_are_errors() {
 #[test]
 #[should_panic(expected = "there is not enough memory for a matrix")]
 fn observations_without_memory_panic_and_do_not_abort() {
-    let _ = Batch::new(sample::cartpole(), 2).unwrap().observe(1 << 45, |_, _| ());
+    let _ = Batch::new(sample::cartpole(), 2).unwrap().with_observations(1 << 45, |_, _| ());
 }

@@ -81,8 +81,8 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
         succeeded(scene.update_lights(data)),
         succeeded(scene.add_geoms(data, &plain, Some(&perturbation), Categories::all())),
         succeeded(perturbation.start(data, scene)),
-        succeeded(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
-        succeeded(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
+        succeeded(perturbation.move_by(data, MouseAction::RotateV, [0.1, 0.2], scene)),
+        succeeded(perturbation.move_by(data, MouseAction::MoveH, [0.1, 0.2], scene)),
         succeeded(perturbation.apply_pose(data, MovableBodies::MocapAndFree)),
         succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, flex: None, point: [0.0; 3] })),
         succeeded(scene.select(data, &plain, 1.0, [0.5, 0.5])),
@@ -157,12 +157,12 @@ fn a_scene_without_an_update_has_no_view() {
         scene.camera_in_room().unwrap_err(),
         scene.move_model(&model, MouseAction::RotateV, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         perturbation.start(&mut data, &scene).unwrap_err(),
-        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+        perturbation.move_by(&data, MouseAction::MoveV, [0.1; 2], &scene).unwrap_err(),
     ] {
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
     }
     // Newer engines move the camera without a view.
-    let moved = camera.move_by(&model, &scene, MouseAction::MoveH, [0.1; 2]);
+    let moved = camera.move_by(&model, MouseAction::MoveH, [0.1; 2], &scene);
     assert_eq!(moved.is_ok(), cfg!(engine_since = "3.11.0"), "{moved:?}");
     // An error of a scene does not poison the simulation.
     data.step().unwrap();
@@ -190,9 +190,9 @@ fn objects_of_another_model_are_rejected() {
         scene.update_camera(&other, &mut camera).unwrap_err(),
         scene.select(&other, &options, 1.0, [0.5; 2]).unwrap_err(),
         scene.move_model(&model, MouseAction::Zoom, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
-        camera.move_by(&model, &scene, MouseAction::Zoom, [0.1; 2]).unwrap_err(),
+        camera.move_by(&model, MouseAction::Zoom, [0.1; 2], &scene).unwrap_err(),
         perturbation.start(&mut other, &scene).unwrap_err(),
-        perturbation.move_by(&other, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+        perturbation.move_by(&other, MouseAction::MoveV, [0.1; 2], &scene).unwrap_err(),
     ] {
         assert!(matches!(error, Error::OtherModel { .. }), "{error}");
     }
@@ -216,7 +216,7 @@ fn objects_of_another_model_are_rejected() {
         });
         panics("a camera motion", &mut |scene, data| {
             let model = data.model().clone();
-            let _ = camera.move_by(&model, scene, MouseAction::Zoom, [0.1; 2]);
+            let _ = camera.move_by(&model, MouseAction::Zoom, [0.1; 2], scene);
         });
     }
     for (select, skinselect) in [(Some(body), None), (None, Some(skin))] {
@@ -241,7 +241,7 @@ fn objects_of_another_model_are_rejected() {
         NewGeom::mesh(mesh),
         NewGeom::convex_hull(mesh),
         NewGeom::height_field(field),
-        NewGeom::sphere(1.0).texture(texture, TextureRepeat::PerGeom([1.0; 2])),
+        NewGeom::sphere(1.0).with_texture(texture, TextureRepeat::PerGeom([1.0; 2])),
     ] {
         panics("a new geom", &mut |scene, _| {
             let _ = scene.add_geom(&geom);
@@ -281,9 +281,9 @@ fn invalid_numbers_are_rejected() {
         let (mut camera, mut perturbation) = (free, Perturbation::default());
         perturbation.select = Some(model.body("torso").unwrap().id());
         for motion in [[invalid, 0.0], [0.0, invalid]] {
-            let moved = camera.move_by(&model, &scene, MouseAction::RotateV, motion);
+            let moved = camera.move_by(&model, MouseAction::RotateV, motion, &scene);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
-            let moved = perturbation.move_by(&data, &scene, MouseAction::MoveV, motion);
+            let moved = perturbation.move_by(&data, MouseAction::MoveV, motion, &scene);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
             let moved = scene.move_model(&model, MouseAction::MoveV, motion, [0.0, 0.0, 1.0]);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
@@ -316,10 +316,10 @@ fn invalid_numbers_are_rejected() {
             NewGeom::sphere(-1.0),
             NewGeom::cuboid([1.0, invalid, 1.0]),
             NewGeom::plane([1.0, invalid]),
-            NewGeom::sphere(1.0).pos([invalid, 0.0, 0.0]),
-            NewGeom::sphere(1.0).mat([invalid; 9]),
-            NewGeom::sphere(1.0).rgba([single, 0.0, 0.0, 1.0]),
-            NewGeom::sphere(1.0).surface(0.0, single, 0.0, 0.0),
+            NewGeom::sphere(1.0).with_pos([invalid, 0.0, 0.0]),
+            NewGeom::sphere(1.0).with_mat([invalid; 9]),
+            NewGeom::sphere(1.0).with_rgba([single, 0.0, 0.0, 1.0]),
+            NewGeom::sphere(1.0).with_surface(0.0, single, 0.0, 0.0),
             NewGeom::connector(Connector::Arrow, invalid, [0.0; 3], [1.0; 3]),
             NewGeom::connector(Connector::Line, 1.0, [invalid; 3], [1.0; 3]),
             NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [invalid; 3]),
@@ -350,7 +350,7 @@ fn invalid_numbers_are_rejected() {
     // At such a distance a zoom overflows.
     let far_behind = Camera { distance: -1e6, ..Camera::free(&model) };
     let mut camera = far_behind;
-    assert!(matches!(camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.1]), Err(Error::Invalid { .. })));
+    assert!(matches!(camera.move_by(&model, MouseAction::Zoom, [0.0, 0.1], &scene), Err(Error::Invalid { .. })));
     assert_eq!(camera, far_behind);
 }
 
@@ -415,7 +415,7 @@ fn user_geoms_remain_until_the_next_update() {
         NewGeom::plane([1.0, 2.0]),
         NewGeom::capsule(0.1, 0.2),
         NewGeom::ellipsoid([0.1, 0.2, 0.3]),
-        NewGeom::cylinder(0.1, 0.2).category(Categories::DYNAMIC),
+        NewGeom::cylinder(0.1, 0.2).with_category(Categories::DYNAMIC),
         NewGeom::cuboid([0.1, 0.2, 0.3]),
         NewGeom::mesh(model.mesh("tetra").unwrap().id()),
         NewGeom::height_field(model.height_field("second").unwrap().id()),
@@ -432,7 +432,7 @@ fn user_geoms_remain_until_the_next_update() {
     assert_eq!((added(4).size(), added(4).texture()), ([0.1, 0.2, 0.3], None));
     assert_eq!((added(5).mesh(), added(5).shows_convex_hull()), (Some(model.mesh("tetra").unwrap().id()), false));
     assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
-    let textured = NewGeom::cuboid([0.1; 3]).texture(texture, TextureRepeat::PerLength([2.0, 3.0]));
+    let textured = NewGeom::cuboid([0.1; 3]).with_texture(texture, TextureRepeat::PerLength([2.0, 3.0]));
     if cfg!(engine_since = "3.2.1") {
         // The textures of newer engines belong to materials.
         assert!(matches!(scene.add_geom(&textured), Err(Error::Unsupported(_))));

@@ -71,7 +71,7 @@ fn cameras_move_as_in_c() {
                 assert_same_camera(&what, &camera, &raw);
                 let motion = twins.numbers(2);
                 let action = ACTIONS[round % ACTIONS.len()];
-                camera.move_by(&model, &ours, action, [motion[0], motion[1]]).unwrap();
+                camera.move_by(&model, action, [motion[0], motion[1]], &ours).unwrap();
                 let number = [1, 2, 3, 4, 5][round % ACTIONS.len()];
                 // SAFETY: the scene was updated with the model.
                 unsafe { differing::move_camera(model.as_ptr(), number, [motion[0], motion[1]], &theirs.0, &mut raw) };

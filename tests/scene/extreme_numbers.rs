@@ -44,13 +44,13 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
         for action in [MouseAction::RotateV, MouseAction::MoveH, MouseAction::Zoom] {
             let mut moved = Camera::free(data.model());
             for _ in 0..3 {
-                let _ = moved.move_by(data.model(), &scene, action, [number, number]);
+                let _ = moved.move_by(data.model(), action, [number, number], &scene);
                 let _ = scene.update(&mut data, &options, None, &mut moved, Categories::all());
             }
         }
         let mut perturbation = Perturbation::default();
         let _ = perturbation.start(&mut data, &scene);
-        let _ = perturbation.move_by(&data, &scene, MouseAction::MoveV, [number, number]);
+        let _ = perturbation.move_by(&data, MouseAction::MoveV, [number, number], &scene);
         let _ = perturbation.apply_pose(&mut data, MovableBodies::MocapAndFree);
         data.reset().unwrap();
         data.forward().unwrap();
@@ -61,7 +61,7 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
             NewGeom::cuboid([number; 3]),
             NewGeom::plane([number; 2]),
             NewGeom::connector(Connector::Arrow, number, [number; 3], [0.0; 3]),
-            NewGeom::sphere(0.1).pos([number; 3]).mat([number; 9]).rgba([number as f32; 4]),
+            NewGeom::sphere(0.1).with_pos([number; 3]).with_mat([number; 9]).with_rgba([number as f32; 4]),
         ] {
             let before = scene.ngeom();
             if scene.add_geom(&geom).is_err() {

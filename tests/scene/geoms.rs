@@ -1,9 +1,10 @@
 //! Contents of complete scenes.
 
 use mujoco_safe::data::Warning;
+use mujoco_safe::element::Object;
 use mujoco_safe::scene::{
     Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, RenderFlags, Scene, SceneGeomType,
-    SceneObject, SceneOptions, VisualFlags,
+    SceneOptions, VisualFlags,
 };
 use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
 use mujoco_safe::{Data, Error, Model, sample};
@@ -118,7 +119,7 @@ fn scenes_equal_c_for_all_options() {
                 for geom in ours.geoms() {
                     kinds.insert(geom.geom_type());
                     // Rangefinders are objects in newer engines only.
-                    if !matches!(geom.object(), Some(SceneObject::Sensor(_))) {
+                    if !matches!(geom.object(), Some(Object::Sensor(_))) {
                         objects.insert(geom.object().map(|object| std::mem::discriminant(&object)));
                     }
                 }
@@ -183,17 +184,17 @@ fn geom_views_have_the_engines_values() {
             assert_eq!((ours.camdist(), ours.transparent()), (0.0, false));
             let object = match ours.object() {
                 None => None,
-                Some(SceneObject::Body(id)) => Some((sys::mjOBJ_BODY, id.index())),
-                Some(SceneObject::Joint(id)) => Some((sys::mjOBJ_JOINT, id.index())),
-                Some(SceneObject::Geom(id)) => Some((sys::mjOBJ_GEOM, id.index())),
-                Some(SceneObject::Site(id)) => Some((sys::mjOBJ_SITE, id.index())),
-                Some(SceneObject::Camera(id)) => Some((sys::mjOBJ_CAMERA, id.index())),
-                Some(SceneObject::Light(id)) => Some((sys::mjOBJ_LIGHT, id.index())),
-                Some(SceneObject::Tendon(id)) => Some((sys::mjOBJ_TENDON, id.index())),
-                Some(SceneObject::Actuator(id)) => Some((sys::mjOBJ_ACTUATOR, id.index())),
-                Some(SceneObject::Equality(id)) => Some((sys::mjOBJ_EQUALITY, id.index())),
-                Some(SceneObject::Skin(id)) => Some((sys::mjOBJ_SKIN, id.index())),
-                Some(SceneObject::Sensor(id)) => Some((sys::mjOBJ_SENSOR, id.index())),
+                Some(Object::Body(id)) => Some((sys::mjOBJ_BODY, id.index())),
+                Some(Object::Joint(id)) => Some((sys::mjOBJ_JOINT, id.index())),
+                Some(Object::Geom(id)) => Some((sys::mjOBJ_GEOM, id.index())),
+                Some(Object::Site(id)) => Some((sys::mjOBJ_SITE, id.index())),
+                Some(Object::Camera(id)) => Some((sys::mjOBJ_CAMERA, id.index())),
+                Some(Object::Light(id)) => Some((sys::mjOBJ_LIGHT, id.index())),
+                Some(Object::Tendon(id)) => Some((sys::mjOBJ_TENDON, id.index())),
+                Some(Object::Actuator(id)) => Some((sys::mjOBJ_ACTUATOR, id.index())),
+                Some(Object::Equality(id)) => Some((sys::mjOBJ_EQUALITY, id.index())),
+                Some(Object::Skin(id)) => Some((sys::mjOBJ_SKIN, id.index())),
+                Some(Object::Sensor(id)) => Some((sys::mjOBJ_SENSOR, id.index())),
                 Some(other) => panic!("unexpected type {other:?}"),
             };
             let expected = (theirs.objtype != 0).then_some((theirs.objtype as u32, theirs.objid as usize));

@@ -47,7 +47,7 @@ fn perturbations_equal_c() {
                 .enumerate()
             {
                 let motion = twins.numbers(2);
-                ours.move_by(&twins.ours, &scene, action, [motion[0], motion[1]]).unwrap();
+                ours.move_by(&twins.ours, action, [motion[0], motion[1]], &scene).unwrap();
                 let (m, d, number) = (model.as_ptr(), twins.raw.d, number as i32 + 1);
                 c!(mjv_movePerturb(m, d, number, motion[0], motion[1], &raw const *theirs.0, &raw mut raw));
                 assert_same_perturbation(&what, &ours, &raw);

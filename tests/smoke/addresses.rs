@@ -197,7 +197,7 @@ fn parameters_of_a_batch_do_not_add_activations() {
     let parameters = Parameters::new()
         .with(&model, Parameter::ActuatorGain(slew, 0), Distribution::Uniform { low: 1.0, high: 2.0 })
         .unwrap();
-    let mut batch = Batch::new(model, 4).unwrap().vary(parameters).unwrap();
+    let mut batch = Batch::new(model, 4).unwrap().with_parameters(parameters).unwrap();
     let error = batch.sample_parameters(|_| true, 1).unwrap_err();
     assert!(error.to_string().contains("activations"), "{error}");
     batch.step(|_, _| ()).unwrap();

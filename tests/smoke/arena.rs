@@ -89,7 +89,7 @@ macro_rules! empty {
 fn check(data: &Data, after: &str) {
     data_readers! { check data after: }
     for contact in data.contacts() {
-        let numbers = [contact.frame().as_flattened(), contact.pos(), contact.friction(), &[contact.dist()]];
+        let numbers = [contact.frame().as_slice(), contact.pos(), contact.friction(), &[contact.dist()]];
         assert!(!numbers.concat().as_slice().has_pattern(), "contact after {after}");
         assert!(
             contact.geoms().iter().flatten().all(|geom| geom.index() < data.model().ngeom()),
@@ -191,8 +191,8 @@ fn all_calls(data: &mut Data) {
     with_all(data, "inv_constraint", Data::inv_constraint);
 
     let callbacks = Callbacks::new()
-        .control(|context| check(context, "the control callback"))
-        .passive(|context| check(context, "the passive callback"));
+        .with_control(|context| check(context, "the control callback"))
+        .with_passive(|context| check(context, "the passive callback"));
     twin.with_callbacks(callbacks, |data| {
         with_none(data, "step with callbacks", Data::step);
         with_none(data, "inverse with callbacks", Data::inverse);

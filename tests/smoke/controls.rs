@@ -167,7 +167,7 @@ fn sensors_of_actuators_are_differentiated_at_the_place_of_their_force() {
 #[test]
 fn callbacks_use_the_places_of_controls_and_activations() {
     let mut data = Data::new(model()).unwrap();
-    data.set_callbacks(Callbacks::new().control(|context| context.set_ctrl("last", 0.4).unwrap()));
+    data.set_callbacks(Callbacks::new().with_control(|context| context.set_ctrl("last", 0.4).unwrap()));
     data.step().unwrap();
     assert_eq!(data.ctrl(), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.4]);
 
@@ -176,7 +176,7 @@ fn callbacks_use_the_places_of_controls_and_activations() {
         <actuator><general joint="a" dyntype="user" actdim="2"/></actuator></mujoco>"#;
     for (text, is_ok) in [(text.to_owned(), false), (text.replace("actdim=\"2\"", ""), true)] {
         let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
-        data.set_callbacks(Callbacks::new().actuator_dynamics(|_, _| 2.0));
+        data.set_callbacks(Callbacks::new().with_actuator_dynamics(|_, _| 2.0));
         let result = data.step();
         assert_eq!(result.is_ok(), is_ok, "{result:?}");
         assert!(is_ok || matches!(result, Err(Error::Unsupported(_))));

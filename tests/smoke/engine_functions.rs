@@ -117,7 +117,7 @@ fn several_rays_hit_what_the_function_of_the_engine_finds() {
         .collect();
     let mut hits = vec![None; directions.len()];
     let point = [1.0, 0.2, 1.5];
-    data.multi_ray_into(point, &directions, 4.0, &RayOptions::default(), &mut hits).unwrap();
+    data.multi_ray_into(point, &directions, &RayOptions::default(), 4.0, &mut hits).unwrap();
     let raw = twin(&data);
     let (mut geoms, mut distances) = (vec![0; hits.len()], vec![0.0; hits.len()]);
     let none = std::ptr::null;

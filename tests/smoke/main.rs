@@ -30,9 +30,7 @@ use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::element::EqualityObjects;
 use mujoco_safe::enums::Integrator;
 use mujoco_safe::sys::{self, mjData};
-use mujoco_safe::{
-    Controller, Data, Differences, Error, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, sample,
-};
+use mujoco_safe::{Controller, Data, Differences, Error, Lineariser, Lqr, LqrWeights, Model, StateSpace, sample};
 
 /// A direct call of the C API.
 macro_rules! c {
@@ -306,7 +304,7 @@ fn an_lqr_balances_the_pole() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     let solution = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0])).unwrap();
-    let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).unwrap();
+    let mut lqr = Lqr::with_gain(&data, solution.k).unwrap();
     data.joint_mut("hinge").unwrap().qpos_mut()[0] = 0.3;
     for _ in 0..(10.0 / data.model().timestep()) as usize {
         lqr.control(&mut data).unwrap();

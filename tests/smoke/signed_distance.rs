@@ -54,8 +54,9 @@ fn a_field_whose_contacts_exceed_their_array_is_an_error() {
 #[cfg(feature = "renderer")]
 #[test]
 fn a_field_is_drawn_as_its_mesh() {
+    use mujoco_safe::element::Object;
     use mujoco_safe::render::Renderer;
-    use mujoco_safe::scene::{Camera, SceneObject};
+    use mujoco_safe::scene::Camera;
 
     let Some(model) = loaded(BOLT) else { return };
     let bolt = model.geom("bolt").unwrap().id();
@@ -64,6 +65,6 @@ fn a_field_is_drawn_as_its_mesh() {
     let mut renderer = Renderer::new(data.model(), 64, 64).unwrap();
     let mut camera = Camera::free(data.model());
     let segments = renderer.snapshot(&mut data, &mut camera).unwrap().segmentation().unwrap().segments();
-    let pixels = segments.iter().find(|(segment, _)| segment.object == Some(SceneObject::Geom(bolt)));
+    let pixels = segments.iter().find(|(segment, _)| segment.object == Some(Object::Geom(bolt)));
     assert!(pixels.is_some_and(|(_, count)| *count > 50), "{segments:?}");
 }

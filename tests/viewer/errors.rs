@@ -56,7 +56,7 @@ impl Controller for Failing {
 pub fn controller_failure() {
     for (panics, message) in [(true, "controller panic"), (false, "controller error")] {
         let data = Data::new(sample::cartpole()).unwrap();
-        show_with(ViewerOptions::default(), Viewer::new().controller(Failing { panics }), data, |input| {
+        show_with(ViewerOptions::default(), Viewer::new().with_controller(Failing { panics }), data, |input| {
             input.key("space");
             wait_until("the failure is shown and pauses the simulation", || {
                 state().problem.contains(message) && state().status == "Paused"
@@ -83,7 +83,7 @@ pub fn lost_surface() {
 /// Checks that values that no window can have are errors, other unusual values are accepted, and
 /// neither prevents later windows.
 pub fn options() {
-    let options = |size: [u32; 2]| ViewerOptions::default().with_size(size);
+    let options = |size: [u32; 2]| ViewerOptions::default().with_size(size.map(|pixels| pixels as usize));
     for (options, cause) in [
         (options(SIZE).with_title("a\0b"), "the title of the window"),
         (options([0, 100]), "the size of the window"),
@@ -93,7 +93,8 @@ pub fn options() {
     ] {
         let error = viewer::launch(options.clone()).map(drop).unwrap_err().to_string();
         assert!(error.contains(cause), "{error}");
-        let error = Viewer::new().options(options).run(Data::new(sample::cartpole()).unwrap()).map(drop).unwrap_err();
+        let error =
+            Viewer::new().with_options(options).run(Data::new(sample::cartpole()).unwrap()).map(drop).unwrap_err();
         assert!(error.to_string().contains(cause), "{error}");
     }
     let mut data = Data::new(sample::cartpole()).unwrap();
@@ -125,12 +126,12 @@ pub fn options() {
 
 /// Checks that a panic in a frame ends its window with an error, but no other window.
 pub fn panic() {
-    let options = || ViewerOptions::default().with_size(SIZE);
+    let options = || ViewerOptions::default().with_size(SIZE.map(|pixels| pixels as usize));
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut first = viewer::launch(options()).unwrap();
     for _ in 0..2 {
         test_hooks::panic_in_frame("panic");
-        let viewer = Viewer::new().options(options().with_title("panic"));
+        let viewer = Viewer::new().with_options(options().with_title("panic"));
         let error = viewer.run(Data::new(sample::cartpole()).unwrap()).map(drop).unwrap_err().to_string();
         assert!(error.contains("a panic of the test"), "{error}");
         first.sync(&mut data).unwrap();

@@ -99,7 +99,10 @@ pub fn show_window(
                 input.key("ctrl+q");
             });
         });
-        viewer.options(options.with_title(&*title).with_size(size)).run(data).expect("the window opens")
+        viewer
+            .with_options(options.with_title(&*title).with_size(size.map(|pixels| pixels as usize)))
+            .run(data)
+            .expect("the window opens")
     })
 }
 

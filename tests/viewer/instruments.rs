@@ -34,7 +34,7 @@ fn declare(push: &mut Push, data: &Data, instruments: &mut Instruments) {
 
 /// Returns a viewer whose controller has instruments.
 pub fn viewer(force: f64) -> Viewer {
-    Viewer::new().instrumented_controller(Push { force }, declare)
+    Viewer::new().with_instrumented_controller(Push { force }, declare)
 }
 
 /// Returns the number of green pixels in the picture.

@@ -17,7 +17,7 @@ pub fn simulation() {
     let data = humanoid();
     let controller = PdController::new(data.model(), 10.0, 1.0);
     let timestep = data.model().timestep();
-    show_with(ViewerOptions::default(), Viewer::new().controller(controller), data, |input| {
+    show_with(ViewerOptions::default(), Viewer::new().with_controller(controller), data, |input| {
         let first = state();
         assert_eq!((first.mode.as_str(), first.status.as_str(), first.time), ("Controller", "Paused", 0.0));
         let at = |steps: f64| move |time: f64| (time - steps * timestep).abs() < 1e-9;

@@ -14,7 +14,7 @@ use crate::input::{Input, wait_until};
 const RUN_TIME: f64 = 1.0;
 
 fn options() -> ViewerOptions {
-    ViewerOptions::default().with_title(unique_title()).with_size(SIZE)
+    ViewerOptions::default().with_title(unique_title()).with_size(SIZE.map(|pixels| pixels as usize))
 }
 
 /// Steps a simulation until the window is closed. Returns the keys without a binding.

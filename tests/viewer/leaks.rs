@@ -57,7 +57,7 @@ pub fn memory_does_not_leak() {
     let data = Data::new(Model::from_xml_path(&file).unwrap()).unwrap();
     let controller = |data: &mut Data| data.ctrl_mut().fill(0.1);
     let options = ViewerOptions::default().with_file(file);
-    show_with(options, Viewer::new().controller(controller), data, |input| {
+    show_with(options, Viewer::new().with_controller(controller), data, |input| {
         // Warms up the caches of the driver.
         (0..6).for_each(|number| run_round(input, number));
         // A leak grows in every period. Memory that allocators and drivers retain grows only in

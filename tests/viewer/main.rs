@@ -1,5 +1,5 @@
 //! End-to-end tests of the viewer: keyboard and mouse input arrive through a virtual X server, and
-//! the feature `test-hooks` reports the state of the window. Each case runs in a separate process,
+//! the feature `_test-hooks` reports the state of the window. Each case runs in a separate process,
 //! because a process has one event loop, on its main thread.
 //!
 //! ```text

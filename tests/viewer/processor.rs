@@ -91,8 +91,11 @@ pub fn measure() {
                 input.key("ctrl+q");
             });
         });
-        let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
-        Viewer::new().options(options).run(data).expect("the window opens");
+        let options = ViewerOptions::default()
+            .with_title(&*title)
+            .with_size(SIZE.map(|pixels| pixels as usize))
+            .with_panels(false);
+        Viewer::new().with_options(options).run(data).expect("the window opens");
     });
 }
 

@@ -72,7 +72,7 @@ fn draw_modes(directory: &Path) {
     trajectory.record(&mut data, &mut controller.clone(), 400).unwrap();
     data.reset_to_key("squat").unwrap();
     let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
-    let viewer = Viewer::new().controller(controller).trajectories([trajectory]);
+    let viewer = Viewer::new().with_controller(controller).with_trajectories([trajectory]);
     show_window(SIZE, options, viewer, data, |input| {
         save(directory, "start");
         press(input, "F1", "the help is open", |state| state.panels[0]);
@@ -194,7 +194,8 @@ fn draw_controller(directory: &Path) {
 fn draw_program(directory: &Path) {
     test_hooks::start();
     let title = unique_title();
-    let options = ViewerOptions::default().with_title(&*title).with_size(SIZE).with_panels(false);
+    let options =
+        ViewerOptions::default().with_title(&*title).with_size(SIZE.map(|pixels| pixels as usize)).with_panels(false);
     let mut data = humanoid();
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -207,7 +208,7 @@ fn draw_program(directory: &Path) {
                 input.key("ctrl+q");
             });
         });
-        let goal = NewGeom::sphere(0.1).pos([0.0, 0.8, 0.8]).rgba([0.9, 0.2, 0.1, 0.7]);
+        let goal = NewGeom::sphere(0.1).with_pos([0.0, 0.8, 0.8]).with_rgba([0.9, 0.2, 0.1, 0.7]);
         let result = viewer::run(options, |handle| -> Result<(), ViewerError> {
             handle.geoms_mut().push(goal);
             while handle.is_running() {

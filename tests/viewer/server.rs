@@ -37,7 +37,7 @@ pub fn lose(function: &str, server: &str, folder: &Path) {
     let title = unique_title();
     let options = ViewerOptions::default()
         .with_title(&*title)
-        .with_size(SIZE)
+        .with_size(SIZE.map(|pixels| pixels as usize))
         .with_recordings(folder.join("recording.gif"))
         .with_recording(RecorderOptions::default().with_frames_per_second(10.0));
     let record_and_kill = || {
@@ -69,7 +69,7 @@ pub fn lose(function: &str, server: &str, folder: &Path) {
                     record_and_kill();
                 });
             });
-            Viewer::new().options(options).run(data).map(drop).unwrap_err()
+            Viewer::new().with_options(options).run(data).map(drop).unwrap_err()
         });
         assert!(matches!(error, ViewerError::Window(_)) && error.to_string().contains("X server"), "{error}");
     }

@@ -24,7 +24,7 @@ fn trajectories() -> (Data, Vec<Trajectory>) {
 pub fn keys_and_wheel() {
     let (data, both) = trajectories();
     let (first, lengths) = (both[0].qpos(0).to_vec(), [both[0].len(), both[1].len()]);
-    show_with(ViewerOptions::default(), Viewer::new().trajectories(both), data, |input| {
+    show_with(ViewerOptions::default(), Viewer::new().with_trajectories(both), data, |input| {
         assert_eq!((state().mode.as_str(), state().playback), ("Trajectory", Some([0, 0])));
         assert_eq!(state().qpos, first, "the first record is shown at once");
         let frame = || state().playback.unwrap()[1];

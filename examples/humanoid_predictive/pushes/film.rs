@@ -15,7 +15,7 @@ use super::scenario::Scenario;
 /// Number of pushes.
 const PUSHES: usize = 3;
 /// Size of each half, pixels.
-const SIZE: [u32; 2] = [320, 320];
+const SIZE: [usize; 2] = [320, 320];
 
 pub fn record(path: &Path, scenario: &Scenario, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
     let shown = || outcomes.iter().filter(|outcome| !outcome.regulated.upright()).take(PUSHES);
@@ -28,7 +28,6 @@ pub fn record(path: &Path, scenario: &Scenario, outcomes: &[Outcome]) -> Result<
     let mut camera = Camera { distance: 3.2, azimuth: 215.0, elevation: -12.0, ..Camera::free(&scenario.model) };
     camera.lookat = [0.0, 0.0, 0.75];
     let mut data = Data::new(scenario.model.clone())?;
-    let (width, height) = (width as usize, height as usize);
     let (mut both, mut half) = (RgbImage::new(2 * width, height), RgbImage::default());
     // Time in the film of the start of a push.
     let mut start = 0.0;

@@ -97,7 +97,7 @@ fn simulate(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) -> m
         data.qvel_mut().iter_mut().for_each(|velocity| *velocity = 0.1 * random.normal());
         Ok(())
     };
-    let mut batch = Batch::new(model, which.len())?.vary(parameters(model)?)?.first_index(first);
+    let mut batch = Batch::new(model, which.len())?.with_parameters(parameters(model)?)?.with_first_index(first);
     batch.reset_where(|_| true, start)?;
     batch.sample_parameters(|_| true, seed)?;
     for step in 0..arguments.steps as u64 {

@@ -70,7 +70,7 @@ impl Batch {
         let model = Model::from_xml_path(path).map_err(value_error)?;
         let width = model.nsensordata();
         let batch = mujoco_safe::Batch::new(model, count).map_err(value_error)?;
-        let batch = batch.observe(width, |data, row| row.copy_from_slice(data.sensordata()));
+        let batch = batch.with_observations(width, |data, row| row.copy_from_slice(data.sensordata()));
         Ok(Self { batch, views: Arc::default() })
     }
 

@@ -108,7 +108,7 @@ impl Backward {
         let (terminal, steps) = expansions.split_last().expect("Bug: no expansion of the terminal cost");
         let simd = backup.simd;
         backup.restart(&terminal.xx);
-        gradient.copy_from(&terminal.x);
+        gradient.copy_from_slice(&terminal.x);
         let mut decrease = PredictedDecrease::default();
         for (step, expansion) in steps.iter().enumerate().rev() {
             let system = &systems[step].0;
@@ -117,7 +117,7 @@ impl Backward {
             let cost = StepCost { q: &expansion.xx, r: &expansion.uu, s: is_mixed.then_some(&expansion.xu) };
             // The regularisation penalises changes of the next state.
             backup.expand(system.a.view(), system.b.view(), cost, regularisation);
-            u.copy_from(&expansion.u);
+            u.copy_from_slice(&expansion.u);
             backup.b.add_transposed_times(simd, gradient.as_slice(), u.as_mut_slice());
 
             for (index, row) in uu.as_mut_slice().chunks_exact_mut(self.nu.max(1)).enumerate() {
@@ -154,12 +154,12 @@ impl Backward {
 
             // Gradient of the expansion about the feedforward, with du = feedforward − K dx.
             *gradient += &*curved_next;
-            *curved += &expansion.u;
+            add(curved.as_mut_slice(), &expansion.u, 1.0);
             backup.b.add_transposed_times(simd, gradient.as_slice(), curved.as_mut_slice());
-            previous_gradient.copy_from(&expansion.x);
+            previous_gradient.copy_from_slice(&expansion.x);
             backup.a.add_transposed_times(simd, gradient.as_slice(), previous_gradient.as_mut_slice());
             if is_mixed {
-                previous_gradient.gemv(1.0, &expansion.xu, feedforward, 1.0);
+                previous_gradient.gemv_tr(1.0, &expansion.xu.transposed(), feedforward, 1.0);
             }
             curved.neg_mut();
             backup.k.add_transposed_times(simd, curved.as_slice(), previous_gradient.as_mut_slice());

@@ -1,11 +1,9 @@
 //! Costs of trajectories.
 
-use nalgebra::{DMatrix, DVector};
-
 use crate::data::Data;
 use crate::derivative;
 use crate::error::{Error, Result};
-use crate::matrix::MatrixView;
+use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
 
 /// Cost of a trajectory: the sum of the costs of all steps and of a terminal cost.
@@ -75,15 +73,15 @@ pub trait TrajectoryCost: Sync {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostExpansion {
     /// `(nx)`: gradient with respect to the state.
-    pub x: DVector<f64>,
+    pub x: Vec<f64>,
     /// `(nu)`: gradient with respect to the controls.
-    pub u: DVector<f64>,
+    pub u: Vec<f64>,
     /// `(nx, nx)`: second derivatives with respect to the state.
-    pub xx: DMatrix<f64>,
+    pub xx: Matrix,
     /// `(nu, nu)`: second derivatives with respect to the controls.
-    pub uu: DMatrix<f64>,
+    pub uu: Matrix,
     /// `(nx, nu)`: mixed second derivatives.
-    pub xu: DMatrix<f64>,
+    pub xu: Matrix,
 }
 
 impl CostExpansion {
@@ -91,20 +89,20 @@ impl CostExpansion {
     pub fn zeros(model: &Model) -> Self {
         let (nx, nu, _) = derivative::sizes(model);
         Self {
-            x: DVector::zeros(nx),
-            u: DVector::zeros(nu),
-            xx: DMatrix::zeros(nx, nx),
-            uu: DMatrix::zeros(nu, nu),
-            xu: DMatrix::zeros(nx, nu),
+            x: vec![0.0; nx],
+            u: vec![0.0; nu],
+            xx: Matrix::zeros(nx, nx),
+            uu: Matrix::zeros(nu, nu),
+            xu: Matrix::zeros(nx, nu),
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.x.fill(0.0);
         self.u.fill(0.0);
-        self.xx.fill(0.0);
-        self.uu.fill(0.0);
-        self.xu.fill(0.0);
+        for matrix in [&mut self.xx, &mut self.uu, &mut self.xu] {
+            matrix.as_mut_slice().fill(0.0);
+        }
     }
 
     /// Checks the shapes, and that all entries are finite.
@@ -113,7 +111,7 @@ impl CostExpansion {
         let all = [self.x.as_slice(), self.u.as_slice(), self.xx.as_slice(), self.uu.as_slice(), self.xu.as_slice()];
         match all.into_iter().flatten().find(|value| !value.is_finite()) {
             None => Ok(()),
-            Some(value) => Err(Error::invalid(format!("a derivative of the cost of step {step}"), value, "finite")),
+            Some(value) => Err(Error::not_finite(format!("a derivative of the cost of step {step}"), value)),
         }
     }
 

@@ -143,7 +143,7 @@ impl Forward {
     pub(in crate::control) fn check_first(&mut self, what: &str) -> Result<()> {
         let (trial, result) = &mut self.trials[0];
         std::mem::replace(result, Ok(()))?;
-        if trial.cost.is_finite() { Ok(()) } else { Err(Error::invalid(what, trial.cost, "finite")) }
+        if trial.cost.is_finite() { Ok(()) } else { Err(Error::not_finite(what, trial.cost)) }
     }
 
     /// Simulates `count` trajectories, and evaluates their costs.

@@ -84,17 +84,17 @@ impl IlqrOptions {
     /// Checks the tolerance and the options of the line search.
     pub(super) fn check(&self) -> Result<()> {
         if self.tolerance.is_nan() || self.tolerance < 0.0 {
-            return Err(Error::invalid("tolerance of IlqrOptions", self.tolerance, "zero or more"));
+            return Err(Error::out_of_range("tolerance of IlqrOptions", self.tolerance, "zero or more"));
         }
         if self.step_sizes.is_empty() {
-            return Err(Error::invalid("the number of step_sizes of IlqrOptions", 0, "at least 1"));
+            return Err(Error::out_of_range("the number of step_sizes of IlqrOptions", 0, "at least 1"));
         }
         if let Some(size) = self.step_sizes.iter().find(|&&size| !(size > 0.0 && size <= 1.0)) {
-            return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
+            return Err(Error::out_of_range("a step size of IlqrOptions", size, "above 0 and at most 1"));
         }
         if self.sufficient_decrease.is_nan() || self.sufficient_decrease <= 0.0 {
             let found = self.sufficient_decrease;
-            return Err(Error::invalid("sufficient_decrease of IlqrOptions", found, "above 0"));
+            return Err(Error::out_of_range("sufficient_decrease of IlqrOptions", found, "above 0"));
         }
         Ok(())
     }
@@ -177,12 +177,11 @@ impl IlqrSolution {
 /// ```
 /// use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, IlqrStatus, QuadraticCost};
 /// use mujoco_safe::{Data, LqrWeights, Matrix, sample};
-/// use nalgebra::DMatrix;
 ///
 /// // Move the cart to 0.5 m in a second, with the pole upright and both at rest.
 /// let data = Data::new(sample::cartpole())?;
 /// let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
-/// let terminal = DMatrix::identity(4, 4) * 100.0;
+/// let terminal = Matrix::from_diagonal(&[100.0; 4]);
 /// let cost = QuadraticCost::new(data.model().clone(), &[0.5, 0.0, 0.0, 0.0], weights, terminal)?;
 /// let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default())?;
 /// let solution = solver.solve(&data, &Matrix::zeros(100, 1), &cost)?;
@@ -241,7 +240,7 @@ impl Ilqr {
         let model = data.model();
         let steps = controls.nrows();
         if steps == 0 {
-            return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
+            return Err(Error::out_of_range("the number of steps of a trajectory", 0, "at least 1"));
         }
         Error::check_shape("the controls of Ilqr::solve", controls.shape(), (steps, model.nu()))?;
         let mut search = Search::new(model, steps, self.lineariser.options().method)?;

@@ -2,16 +2,16 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nalgebra::{DMatrix, DVectorView, Matrix3, Vector3};
-
 use super::cost::{CostExpansion, TrajectoryCost};
 use crate::control::LqrWeights;
 use crate::data::StateSpec;
 use crate::derivative;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
-use crate::math::sub_quat_derivative;
+use crate::math::{rot_vec_mat_t, sub_quat_derivative};
+use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
+use crate::numerics::linear_algebra::add_product;
 
 /// Quadratic cost of the deviation from a target state and from reference controls:
 /// `dxᵀQdx + duᵀRdu + 2dxᵀSdu` in each step, and `dxᵀPdx` at the end. There is no factor ½: the
@@ -27,11 +27,10 @@ use crate::model::{IntoModel, Model};
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{QuadraticCost, TrajectoryCost};
-/// use mujoco_safe::{LqrWeights, sample};
-/// use nalgebra::DMatrix;
+/// use mujoco_safe::{LqrWeights, Matrix, sample};
 ///
 /// let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
-/// let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights, DMatrix::identity(4, 4))?;
+/// let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights, Matrix::identity(4))?;
 /// assert_eq!(cost.value(0, &[0.0, 0.1, 0.0, 0.0], Some(&[0.5]))?, 10.0 * 0.1 * 0.1 + 0.5 * 0.5);
 /// assert_eq!(cost.value(100, &[0.0, 0.0, 0.0, 2.0], None)?, 4.0);
 /// # Ok::<(), mujoco_safe::Error>(())
@@ -42,10 +41,10 @@ pub struct QuadraticCost {
     state: Vec<f64>,
     controls: Vec<f64>,
     /// Second derivatives: twice the symmetric parts of the weights.
-    step: DMatrix<f64>,
-    terminal: DMatrix<f64>,
-    by_controls: DMatrix<f64>,
-    mixed: Option<DMatrix<f64>>,
+    step: Matrix,
+    terminal: Matrix,
+    by_controls: Matrix,
+    mixed: Option<Matrix>,
     /// First index of each quaternion in `qpos`, and its first degree of freedom.
     quaternions: Vec<[usize; 2]>,
     buffers: Buffers,
@@ -81,8 +80,8 @@ impl QuadraticCost {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong shape.
-    pub fn new(model: impl IntoModel, state: &[f64], weights: LqrWeights, terminal: DMatrix<f64>) -> Result<Self> {
-        let model = model.into_model();
+    pub fn new(model: impl IntoModel, state: &[f64], weights: LqrWeights, terminal: impl Into<Matrix>) -> Result<Self> {
+        let (model, terminal) = (model.into_model(), terminal.into());
         let (nx, nu, _) = derivative::sizes(&model);
         let LqrWeights { q, r, s } = weights;
         Error::check_length("the state of a QuadraticCost", state.len(), model.state_size(StateSpec::PHYSICS))?;
@@ -92,14 +91,13 @@ impl QuadraticCost {
             Error::check_shape("S of a QuadraticCost", s.shape(), (nx, nu))?;
         }
         Error::check_shape("the terminal weights of a QuadraticCost", terminal.shape(), (nx, nx))?;
-        let twice = |matrix: DMatrix<f64>| &matrix + matrix.transpose();
         Ok(Self {
             state: state.to_vec(),
             controls: vec![0.0; nu],
-            step: twice(q),
-            terminal: twice(terminal),
-            by_controls: twice(r),
-            mixed: s.map(|s| s * 2.0),
+            step: twice(&q),
+            terminal: twice(&terminal),
+            by_controls: twice(&r),
+            mixed: s.map(twice_cross_term),
             quaternions: quaternions(&model),
             buffers: Buffers::default(),
             model,
@@ -139,13 +137,13 @@ impl QuadraticCost {
         &self,
         state: &[f64],
         controls: Option<&[f64]>,
-        work: impl FnOnce(DVectorView<'_, f64>, DVectorView<'_, f64>) -> Result<T>,
+        work: impl FnOnce(&[f64], &[f64]) -> Result<T>,
     ) -> Result<T> {
         let (nx, nu) = (self.step.nrows(), self.controls.len());
         let mut buffer = self.buffers.take(nx + nu);
         let result = self.deviations_into(state, controls, &mut buffer).and_then(|()| {
             let (dx, du) = buffer.split_at(nx);
-            work(DVectorView::from_slice(dx, nx), DVectorView::from_slice(du, nu))
+            work(dx, du)
         });
         self.buffers.give_back(buffer);
         result
@@ -157,18 +155,18 @@ impl QuadraticCost {
         for &[first, dof] in &self.quaternions {
             let quaternion = |state: &[f64]| -> [f64; 4] { std::array::from_fn(|index| state[first + index]) };
             let jacobian = sub_quat_derivative(&quaternion(state), &quaternion(&self.state)).da;
-            let transpose = Matrix3::from_column_slice(&jacobian);
             let CostExpansion { x, xx, xu, .. } = &mut *expansion;
-            let product = transpose * x.fixed_rows::<3>(dof);
-            x.fixed_rows_mut::<3>(dof).copy_from(&product);
+            multiply_by_transpose(&jacobian, &mut x[dof..]);
             for row in 0..xx.nrows() {
-                let product = transpose * Vector3::new(xx[(row, dof)], xx[(row, dof + 1)], xx[(row, dof + 2)]);
-                xx.fixed_view_mut::<1, 3>(row, dof).copy_from(&product.transpose());
+                multiply_by_transpose(&jacobian, &mut xx.row_mut(row)[dof..]);
             }
             for matrix in [xx, xu] {
-                for mut column in matrix.column_iter_mut() {
-                    let product = transpose * column.fixed_rows::<3>(dof);
-                    column.fixed_rows_mut::<3>(dof).copy_from(&product);
+                for column in 0..matrix.ncols() {
+                    let mut part = [0, 1, 2].map(|axis| matrix[(dof + axis, column)]);
+                    multiply_by_transpose(&jacobian, &mut part);
+                    for (axis, value) in part.into_iter().enumerate() {
+                        matrix[(dof + axis, column)] = value;
+                    }
                 }
             }
         }
@@ -195,9 +193,42 @@ fn subtract(values: &[f64], references: &[f64], differences: &mut [f64]) {
     }
 }
 
+/// Returns the sum of a square matrix and its transpose.
+fn twice(matrix: &Matrix) -> Matrix {
+    let mut sum = matrix.clone();
+    for row in 0..matrix.nrows() {
+        for column in 0..matrix.ncols() {
+            sum[(row, column)] += matrix[(column, row)];
+        }
+    }
+    sum
+}
+
+/// Returns twice a matrix.
+fn twice_cross_term(mut matrix: Matrix) -> Matrix {
+    matrix.as_mut_slice().iter_mut().for_each(|value| *value *= 2.0);
+    matrix
+}
+
+/// Multiplies the first three numbers by the transpose of a 3×3 matrix.
+fn multiply_by_transpose(matrix: &[f64; 9], numbers: &mut [f64]) {
+    let part = numbers.first_chunk_mut().expect("Bug: a rotation has fewer than three degrees of freedom");
+    *part = rot_vec_mat_t(part, matrix);
+}
+
+/// Returns the scalar product of two vectors.
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one * other).sum()
+}
+
 /// Returns `vectorᵀ · matrix · other`, without a buffer.
-fn product(vector: DVectorView<'_, f64>, matrix: &DMatrix<f64>, other: DVectorView<'_, f64>) -> f64 {
-    matrix.column_iter().zip(other.iter()).map(|(column, factor)| factor * column.dot(&vector)).sum()
+fn product(vector: &[f64], matrix: &Matrix, other: &[f64]) -> f64 {
+    matrix.rows().zip(vector).map(|(row, factor)| factor * dot(row, other)).sum()
+}
+
+/// Computes `result += matrix · vector`.
+fn add_image(result: &mut [f64], matrix: &Matrix, vector: &[f64]) {
+    result.iter_mut().zip(matrix.rows()).for_each(|(result, row)| *result += dot(row, vector));
 }
 
 impl TrajectoryCost for QuadraticCost {
@@ -221,15 +252,18 @@ impl TrajectoryCost for QuadraticCost {
         expansion.check_shapes(self.step.nrows(), self.controls.len())?;
         self.with_deviations(state, controls, |dx, du| {
             let CostExpansion { x, u, xx, uu, xu } = &mut *expansion;
-            xx.copy_from(if controls.is_some() { &self.step } else { &self.terminal });
-            x.gemv(1.0, xx, &dx, 0.0);
+            let by_state = if controls.is_some() { &self.step } else { &self.terminal };
+            xx.as_mut_slice().copy_from_slice(by_state.as_slice());
+            x.fill(0.0);
+            add_image(x, xx, dx);
             if controls.is_some() {
-                uu.copy_from(&self.by_controls);
-                u.gemv(1.0, uu, &du, 0.0);
+                uu.as_mut_slice().copy_from_slice(self.by_controls.as_slice());
+                u.fill(0.0);
+                add_image(u, uu, du);
                 if let Some(mixed) = &self.mixed {
-                    xu.copy_from(mixed);
-                    x.gemv(1.0, xu, &du, 1.0);
-                    u.gemv_tr(1.0, xu, &dx, 1.0);
+                    xu.as_mut_slice().copy_from_slice(mixed.as_slice());
+                    add_image(x, xu, du);
+                    add_product(u, xu, dx, 1.0);
                 }
             }
             self.apply_chain_rule(state, expansion);

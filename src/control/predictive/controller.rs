@@ -33,7 +33,7 @@ impl<P: Planner, C: TrajectoryCost> PredictiveController<P, C> {
     pub fn new(data: &Data, planner: P, cost: C, interval: usize) -> Result<Self> {
         if !(1..=planner.horizon()).contains(&interval) {
             let expected = format!("from 1 to the horizon, {}", planner.horizon());
-            return Err(Error::invalid("the interval of a PredictiveController", interval, expected));
+            return Err(Error::out_of_range("the interval of a PredictiveController", interval, expected));
         }
         let policy = TimeVaryingLqr::hold_controls(data, planner.horizon())?;
         Ok(Self { planner, cost, policy, interval, steps_left: 0, time: data.time(), report: None })

@@ -49,7 +49,7 @@ impl IlqrPlanner {
     pub fn new(model: impl IntoModel, horizon: usize, options: IlqrOptions) -> Result<Self> {
         let model = model.into_model();
         if horizon == 0 {
-            return Err(Error::invalid("the horizon of an IlqrPlanner", 0, "at least 1 step"));
+            return Err(Error::out_of_range("the horizon of an IlqrPlanner", 0, "at least 1 step"));
         }
         options.check()?;
         let transition = TransitionOptions { threads: options.threads, ..Default::default() };

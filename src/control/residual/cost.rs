@@ -4,7 +4,7 @@ use super::Term;
 use super::evaluator::{Evaluators, Point};
 use crate::control::ilqr::{CostExpansion, TrajectoryCost};
 use crate::data::Data;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::model::IntoModel;
 
 /// Cost of a trajectory as a sum of weighted norms of residuals; see the
@@ -69,6 +69,7 @@ impl ResidualCost {
             term.check()?;
             if terms[..index].iter().any(|earlier| earlier.name() == term.name()) {
                 return Err(Error::invalid(
+                    InvalidKind::Duplicate,
                     "the name of a term",
                     term.name(),
                     "different from those of the other terms",
@@ -99,7 +100,7 @@ impl ResidualCost {
             return Ok(&mut self.terms[index]);
         }
         let names: Vec<&str> = self.terms.iter().map(Term::name).collect();
-        Err(Error::invalid("the name of a term", name, format!("one of {}", names.join(", "))))
+        Err(Error::invalid(InvalidKind::Unknown, "the name of a term", name, format!("one of {}", names.join(", "))))
     }
 
     /// Writes the cost of each term in a step, or at the end without controls, to a slice with one

@@ -100,28 +100,27 @@ fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostEx
     let CostExpansion { x, u, xx, uu, xu } = expansion;
     let (nx, nu) = (x.len(), u.len());
     let (states, controls) = row.split_at(nx);
-    // The matrices are column-major.
     let by_states = add_products(xx.as_mut_slice(), nx, states, states, curvature);
-    add(&mut x.as_mut_slice()[by_states.clone()], &states[by_states], slope);
+    add(&mut x[by_states.clone()], &states[by_states], slope);
     let by_controls = add_products(uu.as_mut_slice(), nu, controls, controls, curvature);
     if !by_controls.is_empty() {
-        add(&mut u.as_mut_slice()[by_controls.clone()], &controls[by_controls], slope);
-        add_products(xu.as_mut_slice(), nx, states, controls, curvature);
+        add(&mut u[by_controls.clone()], &controls[by_controls], slope);
+        add_products(xu.as_mut_slice(), nu, states, controls, curvature);
     }
 }
 }
 
-/// Adds `factor · left · rightᵀ` to a matrix, whose columns have the length of `left`. Returns the
-/// range of entries of `left` that are not zero.
+/// Adds `factor · left · rightᵀ` to a row-major matrix, whose rows have the length `columns` of
+/// `right`. Returns the range of entries of `right` that are not zero.
 #[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #[inline(always)]
-fn add_products(matrix: &mut [f64], rows: usize, left: &[f64], right: &[f64], factor: f64) -> Range<usize> {
-    let Some(first) = left.iter().position(|&value| value != 0.0) else { return 0..0 };
-    let end = left.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
-    let left = &left[first..end];
-    for (column, &value) in right.iter().enumerate() {
+fn add_products(matrix: &mut [f64], columns: usize, left: &[f64], right: &[f64], factor: f64) -> Range<usize> {
+    let Some(first) = right.iter().position(|&value| value != 0.0) else { return 0..0 };
+    let end = right.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
+    let right = &right[first..end];
+    for (row, &value) in left.iter().enumerate() {
         if value != 0.0 {
-            add(&mut matrix[column * rows..][first..end], left, factor * value);
+            add(&mut matrix[row * columns..][first..end], right, factor * value);
         }
     }
     first..end

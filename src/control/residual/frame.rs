@@ -3,7 +3,7 @@
 use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;
 use crate::error::Result;
-use crate::id::{BodyId, Key, SiteId};
+use crate::id::{BodyId, IntoId, SiteId};
 use crate::kind;
 use crate::math::{mat2quat, sub_quat, sub_quat_derivative};
 use crate::matrix::Matrix;
@@ -17,12 +17,12 @@ enum Frame {
 }
 
 impl Frame {
-    fn body(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
-        body.id(model).map(Self::Body)
+    fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
+        body.id_in(model).map(Self::Body)
     }
 
-    fn site(model: &Model, site: impl Key<kind::Site>) -> Result<Self> {
-        site.id(model).map(Self::Site)
+    fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
+        site.id_in(model).map(Self::Site)
     }
 
     fn position(self, data: &Data) -> &[f64; 3] {
@@ -86,7 +86,7 @@ impl FramePosition {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn body(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
+    pub fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         Ok(Self { frame: Frame::body(model, body)?, target: [0.0; 3] })
     }
 
@@ -100,7 +100,7 @@ impl FramePosition {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn site(model: &Model, site: impl Key<kind::Site>) -> Result<Self> {
+    pub fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
         Ok(Self { frame: Frame::site(model, site)?, target: [0.0; 3] })
     }
 
@@ -159,7 +159,7 @@ impl FrameOrientation {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn body(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
+    pub fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         Ok(Self { frame: Frame::body(model, body)?, target: [1.0, 0.0, 0.0, 0.0] })
     }
 
@@ -173,7 +173,7 @@ impl FrameOrientation {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn site(model: &Model, site: impl Key<kind::Site>) -> Result<Self> {
+    pub fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
         Ok(Self { frame: Frame::site(model, site)?, target: [1.0, 0.0, 0.0, 0.0] })
     }
 

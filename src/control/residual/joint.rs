@@ -7,7 +7,7 @@ use crate::data::Data;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{Key, Lineage};
+use crate::id::{IntoId, Lineage};
 use crate::kind;
 use crate::math::{sub_quat, sub_quat_derivative};
 use crate::model::Model;
@@ -73,8 +73,8 @@ impl JointPosition {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn new(model: &Model, joint: impl Key<kind::Joint>) -> Result<Self> {
-        let joint = joint.id(model)?.index();
+    pub fn new(model: &Model, joint: impl IntoId<kind::Joint>) -> Result<Self> {
+        let joint = joint.id_in(model)?.index();
         Ok(Self::with_joints(model, Coordinates::of(model, Some(joint))))
     }
 
@@ -181,8 +181,8 @@ impl JointVelocity {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn new(model: &Model, joint: impl Key<kind::Joint>) -> Result<Self> {
-        let joint = joint.id(model)?.index();
+    pub fn new(model: &Model, joint: impl IntoId<kind::Joint>) -> Result<Self> {
+        let joint = joint.id_in(model)?.index();
         Ok(Self::with_dofs(model, Coordinates::new(model, joint).dofs))
     }
 

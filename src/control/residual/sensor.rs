@@ -6,7 +6,7 @@ use super::{Needs, Residual, ResidualJacobian, check_model, subtract};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{Key, Lineage};
+use crate::id::{IntoId, Lineage};
 use crate::kind;
 use crate::model::Model;
 
@@ -43,8 +43,8 @@ impl SensorReading {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn new(model: &Model, sensor: impl Key<kind::Sensor>) -> Result<Self> {
-        let sensor = sensor.id(model)?.index();
+    pub fn new(model: &Model, sensor: impl IntoId<kind::Sensor>) -> Result<Self> {
+        let sensor = sensor.id_in(model)?.index();
         let (first, size) = (ffi::size(model.sensor_adr()[sensor]), ffi::size(model.sensor_dim()[sensor]));
         Ok(Self { readings: first..first + size, target: vec![0.0; size], lineage: model.lineage() })
     }

@@ -17,7 +17,7 @@ use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, Key};
+use crate::id::{BodyId, IntoId};
 use crate::kind;
 use crate::model::Model;
 use crate::numerics::spatial::{Vec3, add, angular, cross, cross_force, linear, momentum, scale, sub};
@@ -65,7 +65,7 @@ impl Subtree {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn com(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
+    pub fn com(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         Self::new(Quantity::Com, model, body)
     }
 
@@ -78,7 +78,7 @@ impl Subtree {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn velocity(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
+    pub fn velocity(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         Self::new(Quantity::Velocity, model, body)
     }
 
@@ -92,16 +92,16 @@ impl Subtree {
     /// # Panics
     ///
     /// If the id belongs to another model.
-    pub fn angular_momentum(model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
+    pub fn angular_momentum(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         Self::new(Quantity::AngularMomentum, model, body)
     }
 
-    fn new(quantity: Quantity, model: &Model, body: impl Key<kind::Body>) -> Result<Self> {
-        let body = body.id(model)?;
+    fn new(quantity: Quantity, model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
+        let body = body.id_in(model)?;
         let mass = model.body_subtreemass()[body.index()];
         // The engine has other formulas for a subtree without mass.
         if mass < mujoco_sys::mjMINVAL {
-            return Err(Error::invalid(format!("the mass of the subtree of {body}"), mass, "above zero"));
+            return Err(Error::out_of_range(format!("the mass of the subtree of {body}"), mass, "above zero"));
         }
         Ok(Self { quantity, body, target: [0.0; 3], dofs: moving_dofs(model, body.index()) })
     }

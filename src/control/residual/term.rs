@@ -97,9 +97,11 @@ impl Term {
     pub(super) fn check(&self) -> Result<()> {
         Error::check_length("the scales of a term", self.scales.len(), self.residual.size())?;
         match self.norm.width() {
-            Some(width) if !(width > 0.0 && width.is_finite()) => {
-                Err(Error::invalid(format!("the width of the norm of the term '{}'", self.name), width, "above zero"))
-            }
+            Some(width) if !(width > 0.0 && width.is_finite()) => Err(Error::out_of_range(
+                format!("the width of the norm of the term '{}'", self.name),
+                width,
+                "above zero",
+            )),
             _ => Ok(()),
         }
     }

@@ -1,9 +1,7 @@
 //! The Bellman backup of a linear system with quadratic costs: the cost to go before a step from
 //! that after the step.
 
-use nalgebra::DMatrix;
-
-use crate::matrix::MatrixView;
+use crate::matrix::{Matrix, MatrixView};
 use crate::numerics::InstructionSet;
 use crate::numerics::dense::PackedMatrix;
 
@@ -11,9 +9,9 @@ use crate::numerics::dense::PackedMatrix;
 /// the same for both. Only the symmetric parts of `q` and `r` matter.
 #[derive(Clone, Copy)]
 pub(in crate::control) struct StepCost<'a> {
-    pub(in crate::control) q: &'a DMatrix<f64>,
-    pub(in crate::control) r: &'a DMatrix<f64>,
-    pub(in crate::control) s: Option<&'a DMatrix<f64>>,
+    pub(in crate::control) q: &'a Matrix,
+    pub(in crate::control) r: &'a Matrix,
+    pub(in crate::control) s: Option<&'a Matrix>,
 }
 
 /// Cost to go, with the buffers of the backup.
@@ -63,7 +61,7 @@ impl BellmanBackup {
     }
 
     /// Restarts from a terminal cost. Uses its symmetric part.
-    pub(in crate::control) fn restart(&mut self, p: &DMatrix<f64>) {
+    pub(in crate::control) fn restart(&mut self, p: &Matrix) {
         self.p.copy_symmetric_part(p);
     }
 
@@ -85,8 +83,7 @@ impl BellmanBackup {
         self.uu.copy_from(&self.r);
         self.uu.add_symmetric_transposed(self.simd, &self.b, &self.pb);
         if let Some(s) = cost.s {
-            // S is column-major, so its memory contains the rows of Sᵀ.
-            self.s_transpose.copy_rows(m, n, s.as_slice());
+            self.s_transpose.fill(m, n, |row, column| s[(column, row)]);
             self.ux.copy_from(&self.s_transpose);
         } else {
             self.ux.clear(m, n);
@@ -119,7 +116,7 @@ impl BellmanBackup {
 }
 
 /// Replaces `matrix` by its symmetric part, `(M + Mᵀ) / 2`.
-pub(super) fn symmetrise(matrix: &mut DMatrix<f64>) {
+pub(super) fn symmetrise(matrix: &mut Matrix) {
     for column in 0..matrix.ncols() {
         for row in 0..column {
             let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
@@ -156,10 +153,11 @@ mod tests {
             let (q, r, s) = (matrix(n, n), matrix(m, m), matrix(n, m));
             let symmetric = |matrix: &DMatrix<f64>| (matrix + matrix.transpose()) * 0.5;
             for (s, regularisation) in [(None, 0.0), (Some(&s), 0.0), (Some(&s), 0.7)] {
-                let cost = StepCost { q: &q, r: &r, s };
+                let (row_major_q, row_major_r, row_major_s) = (Matrix::from(&q), Matrix::from(&r), s.map(Matrix::from));
+                let cost = StepCost { q: &row_major_q, r: &row_major_r, s: row_major_s.as_ref() };
                 let cross = s.cloned().unwrap_or_else(|| DMatrix::zeros(n, m));
                 let mut backup = BellmanBackup::new();
-                backup.restart(&p);
+                backup.restart(&Matrix::from(&p));
                 backup.expand(Matrix::from(&a).view(), Matrix::from(&b).view(), cost, regularisation);
                 let regularised = symmetric(&p) + DMatrix::identity(n, n) * regularisation;
                 assert_equal(&backup.uu, &(symmetric(&r) + b.transpose() * &regularised * &b));

@@ -52,12 +52,11 @@ mod error;
 mod problem;
 mod recursion;
 
-use nalgebra::{DMatrix, DMatrixView, Dyn};
-
 pub(in crate::control) use bellman::{BellmanBackup, StepCost};
 pub use error::{RiccatiError, RiccatiMatrix};
 pub use recursion::RiccatiRecursion;
 
+use crate::matrix::{Matrix, StridedView};
 use crate::numerics::dense::PackedMatrix;
 use problem::Problem;
 
@@ -76,7 +75,7 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 /// symmetric parts of `Q` and `R`, which may differ from their transposes by up to 10⁻⁸ of the
 /// largest entry because of rounding.
 ///
-/// Accepts any nalgebra matrix or view, statically or dynamically sized, column-major or row-major.
+/// Accepts matrices of this crate, and matrices and views of nalgebra: see [`StridedView`].
 ///
 /// ```
 /// use mujoco_safe::control::riccati::{Riccati, RiccatiError};
@@ -89,17 +88,17 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 ///
 /// assert!(solution.relative_residual < 1e-14);
 /// assert!(solution.spectral_radius < 0.95);
-/// let force = -(&solution.k * vector![1.0, 0.0])[0]; // at 1 m and at rest
+/// let force = -solution.k[(0, 0)]; // at 1 m and at rest
 /// assert!(-1.0 < force && force < -0.9); // newtons, towards the origin
 /// # Ok::<(), RiccatiError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Riccati<'a> {
-    a: DMatrixView<'a, f64, Dyn, Dyn>,
-    b: DMatrixView<'a, f64, Dyn, Dyn>,
-    q: DMatrixView<'a, f64, Dyn, Dyn>,
-    r: DMatrixView<'a, f64, Dyn, Dyn>,
-    s: Option<DMatrixView<'a, f64, Dyn, Dyn>>,
+    a: StridedView<'a>,
+    b: StridedView<'a>,
+    q: StridedView<'a>,
+    r: StridedView<'a>,
+    s: Option<StridedView<'a>>,
     residual_tolerance: f64,
 }
 
@@ -129,9 +128,9 @@ impl Default for RiccatiWorkspace {
 #[non_exhaustive]
 pub struct RiccatiSolution {
     /// Solution `P`, `(n, n)`, symmetric to the last bit: `xᵀPx` is the cost to go from `x`.
-    pub p: DMatrix<f64>,
+    pub p: Matrix,
     /// Gain `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`, `(m, n)`, of the optimal control `u = −K x`.
-    pub k: DMatrix<f64>,
+    pub k: Matrix,
     /// Relative residual of the equation: the Frobenius norm of
     /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by the norm of `P`; zero if both
     /// vanish.
@@ -149,17 +148,17 @@ pub struct RiccatiSolution {
 impl<'a> Riccati<'a> {
     /// Creates the equation of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
     pub fn new(
-        a: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
-        b: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
-        q: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
-        r: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
+        a: impl Into<StridedView<'a>>,
+        b: impl Into<StridedView<'a>>,
+        q: impl Into<StridedView<'a>>,
+        r: impl Into<StridedView<'a>>,
     ) -> Self {
         Self { a: a.into(), b: b.into(), q: q.into(), r: r.into(), s: None, residual_tolerance: RESIDUAL_TOLERANCE }
     }
 
     /// Adds the term `2 xᵀSu` to the cost.
     #[must_use]
-    pub fn with_cross_term(mut self, s: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>) -> Self {
+    pub fn with_cross_term(mut self, s: impl Into<StridedView<'a>>) -> Self {
         self.s = Some(s.into());
         self
     }
@@ -241,7 +240,7 @@ impl<'a> Riccati<'a> {
 
     /// Copies the matrices, and checks shapes, finiteness and symmetry.
     fn copy_to(&self, problem: &mut Problem) -> Result<(), RiccatiError> {
-        let (states, controls) = (self.a.nrows(), self.b.ncols());
+        let (states, controls) = (self.a.shape().0, self.b.shape().1);
         check(RiccatiMatrix::A, &self.a, (states, states))?;
         check(RiccatiMatrix::B, &self.b, (states, controls))?;
         check(RiccatiMatrix::Q, &self.q, (states, states))?;
@@ -259,37 +258,30 @@ impl<'a> Riccati<'a> {
 }
 
 /// Checks that a matrix has the expected shape and finite entries.
-fn check(
-    matrix: RiccatiMatrix,
-    view: &DMatrixView<'_, f64, Dyn, Dyn>,
-    expected: (usize, usize),
-) -> Result<(), RiccatiError> {
+fn check(matrix: RiccatiMatrix, view: &StridedView<'_>, expected: (usize, usize)) -> Result<(), RiccatiError> {
     if view.shape() != expected {
         return Err(RiccatiError::WrongShape { matrix, expected, found: view.shape() });
     }
-    for (column, entries) in view.column_iter().enumerate() {
-        if let Some(row) = entries.iter().position(|entry| !entry.is_finite()) {
-            return Err(RiccatiError::NotFinite { matrix, row, column, value: entries[row] });
+    for (column, mut entries) in view.columns().enumerate() {
+        if let Some(row) = entries.position(|entry| !entry.is_finite()) {
+            return Err(RiccatiError::NotFinite { matrix, row, column, value: view[(row, column)] });
         }
     }
     Ok(())
 }
 
 /// Copies the symmetric part of `weight`, if `weight` is symmetric up to rounding.
-fn copy_symmetric(
-    matrix: RiccatiMatrix,
-    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
-    to: &mut PackedMatrix,
-) -> Result<(), RiccatiError> {
+fn copy_symmetric(matrix: RiccatiMatrix, weight: &StridedView<'_>, to: &mut PackedMatrix) -> Result<(), RiccatiError> {
     check_symmetric(matrix, weight)?;
-    to.fill(weight.nrows(), weight.ncols(), |row, column| 0.5 * (weight[(row, column)] + weight[(column, row)]));
+    let (rows, columns) = weight.shape();
+    to.fill(rows, columns, |row, column| 0.5 * (weight[(row, column)] + weight[(column, row)]));
     Ok(())
 }
 
 /// Checks that a matrix differs from its transpose only by rounding.
-fn check_symmetric(matrix: RiccatiMatrix, weight: &DMatrixView<'_, f64, Dyn, Dyn>) -> Result<(), RiccatiError> {
-    let tolerance = SYMMETRY_TOLERANCE * weight.amax();
-    for column in 0..weight.ncols() {
+fn check_symmetric(matrix: RiccatiMatrix, weight: &StridedView<'_>) -> Result<(), RiccatiError> {
+    let tolerance = SYMMETRY_TOLERANCE * weight.columns().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    for column in 0..weight.shape().1 {
         for row in 0..column {
             let (value, mirror) = (weight[(row, column)], weight[(column, row)]);
             if (value - mirror).abs() > tolerance {

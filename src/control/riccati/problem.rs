@@ -1,11 +1,12 @@
 //! The solution process: balancing, elimination of the cross term, doubling, refinement.
 
-use nalgebra::{DMatrix, DMatrixView, Dyn};
+use nalgebra::DMatrix;
 
 use super::balancing;
 use super::diagnosis::{MAX_EIGENVALUE_ITERATIONS, Matrices, diagnose, diagnose_failure};
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
+use crate::matrix::{Matrix, StridedView};
 use crate::numerics::InstructionSet;
 use crate::numerics::dense::{LuFactors, PackedMatrix};
 
@@ -91,7 +92,7 @@ impl Problem {
     }
 
     /// Sets or removes the cross term.
-    pub(super) fn set_cross_term(&mut self, s: Option<&DMatrixView<'_, f64, Dyn, Dyn>>) {
+    pub(super) fn set_cross_term(&mut self, s: Option<&StridedView<'_>>) {
         if let Some(kept) = self.s.take() {
             self.spare_s = kept;
         }
@@ -307,7 +308,7 @@ impl Problem {
     }
 
     /// Writes the candidate in the original units.
-    pub(super) fn write_to(&self, p: &mut DMatrix<f64>, k: &mut DMatrix<f64>) {
+    pub(super) fn write_to(&self, p: &mut Matrix, k: &mut Matrix) {
         let unit = |state: usize| self.units.get(state).copied().unwrap_or(1.0);
         self.candidate.p.write_to(p, |row, column| unit(row) * unit(column));
         self.candidate.k.write_to(k, |_, column| unit(column));

@@ -1,12 +1,12 @@
 //! The Riccati recursion over a finite number of steps.
 
-use nalgebra::{Cholesky, DMatrix, DMatrixView, Dyn};
+use nalgebra::Cholesky;
 
 use super::bellman::{BellmanBackup, StepCost, symmetrise};
 use super::problem::smallest_eigenvalue;
 use super::{RiccatiError, RiccatiMatrix, check, check_symmetric};
 use crate::control::LqrWeights;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, StridedView};
 
 /// Riccati recursion: the optimal gains of a linear system over a finite number of steps, from the
 /// last step to the first (Bertsekas, *Dynamic Programming and Optimal Control*, volume I, section
@@ -17,14 +17,14 @@ use crate::matrix::Matrix;
 /// cost to go.
 ///
 /// ```
-/// use mujoco_safe::LqrWeights;
+/// use mujoco_safe::{LqrWeights, Matrix};
 /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiRecursion};
-/// use nalgebra::{DMatrix, dmatrix, matrix, vector};
+/// use nalgebra::{matrix, vector};
 ///
 /// // A mass of 1 kg under a force, in steps of 0.1 s: position (m), velocity (m/s). Only the final state has a cost.
 /// let (a, b) = (matrix![1.0, 0.1; 0.0, 1.0], vector![0.005, 0.1]);
 /// let weights = LqrWeights::diagonal(&[0.0, 0.0], &[1e-3]);
-/// let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 1)?;
+/// let mut recursion = RiccatiRecursion::new(&Matrix::identity(2), 1)?;
 /// for _ in 0..20 {
 ///     recursion.step_back(&a, &b, &weights)?;
 /// }
@@ -37,17 +37,14 @@ use crate::matrix::Matrix;
 ///     recursion.step_back(&a, &b, &weights)?;
 /// }
 /// let stationary = Riccati::new(&a, &b, &weights.q, &weights.r).solve()?;
-/// assert!((recursion.k() - stationary.k).norm() < 1e-12);
+/// assert!((recursion.k().to_nalgebra() - stationary.k.to_nalgebra()).norm() < 1e-12);
 /// # Ok::<(), RiccatiError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct RiccatiRecursion {
     backup: BellmanBackup,
-    p: DMatrix<f64>,
-    k: DMatrix<f64>,
-    /// Copies of the system with their rows one after another.
-    a: Matrix,
-    b: Matrix,
+    p: Matrix,
+    k: Matrix,
 }
 
 impl RiccatiRecursion {
@@ -58,14 +55,13 @@ impl RiccatiRecursion {
     ///
     /// [`WrongShape`](RiccatiError::WrongShape), [`NotFinite`](RiccatiError::NotFinite) and
     /// [`NotSymmetric`](RiccatiError::NotSymmetric) for the matrix [`P`](RiccatiMatrix::P).
-    pub fn new<'a>(terminal: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>, controls: usize) -> Result<Self, RiccatiError> {
+    pub fn new<'a>(terminal: impl Into<StridedView<'a>>, controls: usize) -> Result<Self, RiccatiError> {
         let terminal = terminal.into();
-        let n = terminal.nrows();
+        let (n, _) = terminal.shape();
         let p = symmetric(RiccatiMatrix::P, &terminal, n)?;
         let mut backup = BellmanBackup::new();
         backup.restart(&p);
-        let (a, b) = (Matrix::zeros(n, n), Matrix::zeros(n, controls));
-        Ok(Self { backup, p, k: DMatrix::zeros(controls, n), a, b })
+        Ok(Self { backup, p, k: Matrix::zeros(controls, n) })
     }
 
     /// Steps back in time over a step of the system `dx⁺ = A dx + B du`, and returns the gain K of
@@ -82,10 +78,10 @@ impl RiccatiRecursion {
     /// After an error the recursion is unchanged.
     pub fn step_back<'a>(
         &mut self,
-        a: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
-        b: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
+        a: impl Into<StridedView<'a>>,
+        b: impl Into<StridedView<'a>>,
         weights: &LqrWeights,
-    ) -> Result<&DMatrix<f64>, RiccatiError> {
+    ) -> Result<&Matrix, RiccatiError> {
         let (a, b) = (a.into(), b.into());
         let (m, n) = self.k.shape();
         check(RiccatiMatrix::A, &a, (n, n))?;
@@ -95,17 +91,14 @@ impl RiccatiRecursion {
         if let Some(s) = &weights.s {
             check(RiccatiMatrix::S, &s.into(), (n, m))?;
         }
-        a.transpose_to(&mut self.a.transposed_mut());
-        b.transpose_to(&mut self.b.transposed_mut());
         let cost = StepCost { q: &q, r: &r, s: weights.s.as_ref() };
         let backup = &mut self.backup;
-        backup.expand(self.a.view(), self.b.view(), cost, 0.0);
+        backup.expand(a.to_matrix().view(), b.to_matrix().view(), cost, 0.0);
         let uu = backup.uu.to_matrix(|_, _| 1.0);
         let Some(cholesky) = Cholesky::new(uu.clone()) else {
             return Err(RiccatiError::NoLeastCost { smallest_eigenvalue: smallest_eigenvalue(uu) });
         };
-        backup.ux.write_to(&mut self.k, |_, _| 1.0);
-        cholesky.solve_mut(&mut self.k);
+        self.k = cholesky.solve(&backup.ux.to_matrix(|_, _| 1.0)).into();
         backup.k.copy_view(&(&self.k).into());
         backup.close(cost);
         backup.p.write_to(&mut self.p, |_, _| 1.0);
@@ -113,27 +106,23 @@ impl RiccatiRecursion {
     }
 
     /// Returns the gain K of the most recent step, `(m, n)`; zeros before the first.
-    pub fn k(&self) -> &DMatrix<f64> {
+    pub fn k(&self) -> &Matrix {
         &self.k
     }
 
     /// Returns the cost to go P, `(n, n)`, symmetric to the last bit: the cost from `dx` is
     /// `dxᵀPdx`.
-    pub fn p(&self) -> &DMatrix<f64> {
+    pub fn p(&self) -> &Matrix {
         &self.p
     }
 }
 
 /// Returns the symmetric part of a weight `(size, size)`, if the weight is symmetric up to
 /// rounding.
-fn symmetric(
-    matrix: RiccatiMatrix,
-    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
-    size: usize,
-) -> Result<DMatrix<f64>, RiccatiError> {
+fn symmetric(matrix: RiccatiMatrix, weight: &StridedView<'_>, size: usize) -> Result<Matrix, RiccatiError> {
     check(matrix, weight, (size, size))?;
     check_symmetric(matrix, weight)?;
-    let mut weight = weight.clone_owned();
+    let mut weight = weight.to_matrix();
     symmetrise(&mut weight);
     Ok(weight)
 }

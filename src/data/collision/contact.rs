@@ -6,10 +6,10 @@ use std::fmt;
 use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 
 use crate::data::{Data, PipelineFlags, Stage};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};
-use crate::math::cross;
+use crate::math::{cross, rot_vec_mat_t};
 use crate::model::DisableFlags;
 
 /// Contact of the last collision detection.
@@ -95,13 +95,14 @@ impl<'d> Contact<'d> {
 
     /// Returns the axes of the contact frame as rows, world frame: the normal, which points from
     /// the first geom to the second, and two tangents.
-    pub fn frame(&self) -> &'d [[f64; 3]; 3] {
-        self.raw.frame.as_chunks().0.try_into().expect("Bug: nine values are not three rows")
+    /// [`math::rot_vec_mat`](crate::math::rot_vec_mat) rotates a vector into this frame.
+    pub fn frame(&self) -> &'d [f64; 9] {
+        &self.raw.frame
     }
 
     /// Returns the unit normal, which points from the first geom to the second, world frame.
     pub fn normal(&self) -> &'d [f64; 3] {
-        &self.frame()[0]
+        self.frame().first_chunk().expect("Bug: nine values do not start with three")
     }
 
     /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are
@@ -186,9 +187,7 @@ impl<'d> Contact<'d> {
     ///
     /// As for [`force`](Self::force).
     pub fn force_in_world(&self) -> Result<[f64; 3]> {
-        let force = self.force()?.force;
-        let frame = self.frame();
-        Ok(std::array::from_fn(|axis| (0..3).map(|row| frame[row][axis] * force[row]).sum()))
+        Ok(rot_vec_mat_t(&self.force()?.force, self.frame()))
     }
 }
 
@@ -249,10 +248,11 @@ impl NewContact {
         let numbers = numbers.iter().chain(&self.pos).chain(&self.normal).chain(&self.friction);
         let finite = numbers.chain(&self.solref).chain(&self.solimp).all(|value| value.is_finite());
         let length = norm(self.normal);
+        if !finite {
+            return Err(Error::not_finite("a value of a new contact", format!("{self:?}")));
+        }
         let (field, value, expected) = if !matches!(self.dim, 1 | 3 | 4 | 6) {
             ("dim", self.dim.to_string(), "1, 3, 4 or 6")
-        } else if !finite {
-            ("a value", format!("{self:?}"), "finite")
         } else if !(length.is_finite() && length > 0.0) {
             ("normal", format!("{:?}", self.normal), "finite and not zero")
         } else if self.friction.iter().any(|&value| value < 0.0) {
@@ -260,7 +260,7 @@ impl NewContact {
         } else {
             return Ok(());
         };
-        Err(Error::Invalid { what: format!("{field} of a new contact"), value, expected: expected.to_owned() })
+        Err(Error::out_of_range(format!("{field} of a new contact"), value, expected))
     }
 
     /// Computes the contact frame: the normal and two tangents.
@@ -328,6 +328,7 @@ impl Data {
         if first == second {
             // The engine would create rows longer than the space that it reserves for them.
             return Err(Error::invalid(
+                InvalidKind::Unsuitable,
                 "the geoms of a new contact",
                 format!("both of {first:?}"),
                 "of different bodies",

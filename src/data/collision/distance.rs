@@ -9,7 +9,7 @@ use mujoco_sys::{
 
 use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 
 /// Distance between two geoms, and the nearest points.
@@ -76,15 +76,15 @@ impl Data {
     #[doc(alias = "mj_geomDistance")]
     pub fn geom_distance(
         &mut self,
-        geom1: impl Key<kind::Geom>,
-        geom2: impl Key<kind::Geom>,
+        geom1: impl IntoId<kind::Geom>,
+        geom2: impl IntoId<kind::Geom>,
         distmax: f64,
     ) -> Result<Option<GeomDistance>> {
         let model = &**self.model();
-        let geoms = [geom1.id(model)?.index(), geom2.id(model)?.index()];
+        let geoms = [geom1.id_in(model)?.index(), geom2.id_in(model)?.index()];
         self.check_parts("geom_distance", PipelineFlags::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
-            return Err(Error::invalid("distmax of geom_distance", distmax, "finite and not negative"));
+            return Err(Error::out_of_range("distmax of geom_distance", distmax, "finite and not negative"));
         }
         for geom in geoms {
             let pose = self.geom_xpos()[geom].iter().chain(&self.geom_xmat()[geom]);

@@ -11,9 +11,9 @@ use mujoco_sys::{self as sys, guard, mjGEOM_HFIELD, mjGEOM_MESH};
 
 use crate::data::{Data, PipelineFlags};
 use crate::enums::GeomType;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
-use crate::id::{BodyId, GeomId, Id, Key};
+use crate::id::{BodyId, GeomId, Id, IntoId};
 use crate::kind;
 use crate::macros::with_methods;
 use crate::math::check_ray;
@@ -117,7 +117,7 @@ impl Data {
     /// data.forward()?;
     /// let directions = [[0.0, 0.0, -1.0], [0.0, 0.0, -0.1], [0.0, 0.0, 1.0]];
     /// let mut hits = [None; 3];
-    /// data.multi_ray_into([5.0, 5.0, 3.0], &directions, 10.0, &RayOptions::default(), &mut hits)?;
+    /// data.multi_ray_into([5.0, 5.0, 3.0], &directions, &RayOptions::default(), 10.0, &mut hits)?;
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.distance)), [Some(3.0), None, None]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
@@ -126,13 +126,13 @@ impl Data {
         &self,
         point: [f64; 3],
         directions: &[[f64; 3]],
-        cutoff: f64,
         options: &RayOptions,
+        cutoff: f64,
         hits: &mut [Option<RayHit>],
     ) -> Result<()> {
         Error::check_length("the hits of multi_ray_into", hits.len(), directions.len())?;
         if cutoff.is_nan() {
-            return Err(Error::invalid("cutoff of multi_ray_into", cutoff, "a number"));
+            return Err(Error::out_of_range("cutoff of multi_ray_into", cutoff, "a number"));
         }
         for (hit, direction) in hits.iter_mut().zip(directions) {
             *hit = self.ray(point, *direction, options)?.filter(|hit| hit.distance <= cutoff);
@@ -152,7 +152,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayMesh")]
-    pub fn ray_mesh(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+    pub fn ray_mesh(&self, geom: impl IntoId<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_mesh", geom, mjGEOM_MESH, "a mesh")?;
         check_ray(&point, &direction)?;
         // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of
@@ -181,7 +181,12 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayHfield")]
-    pub fn ray_hfield(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+    pub fn ray_hfield(
+        &self,
+        geom: impl IntoId<kind::Geom>,
+        point: [f64; 3],
+        direction: [f64; 3],
+    ) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_hfield", geom, mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
         if self.model().is_unsafe_for_rays(index) {
@@ -248,18 +253,23 @@ impl Data {
     fn geom_of_type(
         &self,
         call: &'static str,
-        geom: impl Key<kind::Geom>,
+        geom: impl IntoId<kind::Geom>,
         geom_type: u32,
         expected: &str,
     ) -> Result<usize> {
-        let geom = geom.id(&**self.model())?;
+        let geom = geom.id_in(&**self.model())?;
         self.check_parts(call, PipelineFlags::KINEMATICS)?;
         let found = self.model().geom_type()[geom.index()];
         if found == geom_type as i32 {
             Ok(geom.index())
         } else {
             let found = GeomType::of_field(found);
-            Err(Error::invalid(format!("the geom of {call}"), format_args!("a {found:?}"), expected))
+            Err(Error::invalid(
+                InvalidKind::Unsuitable,
+                format!("the geom of {call}"),
+                format_args!("a {found:?}"),
+                expected,
+            ))
         }
     }
 }

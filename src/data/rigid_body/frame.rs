@@ -6,7 +6,7 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, 
 
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
-use crate::id::{BodyId, CameraId, GeomId, Id, Key, SiteId};
+use crate::id::{BodyId, CameraId, GeomId, Id, IntoId, SiteId};
 use crate::kind::{self, ElementKind};
 use crate::model::Model;
 
@@ -158,10 +158,10 @@ impl Data {
         force: [f64; 3],
         torque: [f64; 3],
         point: [f64; 3],
-        body: impl Key<kind::Body>,
+        body: impl IntoId<kind::Body>,
         qfrc_target: &mut [f64],
     ) -> Result<()> {
-        let body = body.id(&**self.model())?;
+        let body = body.id_in(&**self.model())?;
         self.check_computed("apply_ft", Stage::Position)?;
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
         let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
@@ -188,27 +188,27 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
-    /// let (pos, _) = data.local_to_global("foot_left", [0.0; 3], [1.0, 0.0, 0.0, 0.0])?;
+    /// let (pos, _) = data.local_to_global([0.0; 3], [1.0, 0.0, 0.0, 0.0], "foot_left")?;
     /// assert_eq!(&pos, data.body("foot_left")?.xpos());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_local2Global")]
     pub fn local_to_global(
         &self,
-        body: impl Key<kind::Body>,
         pos: [f64; 3],
         quat: [f64; 4],
-    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
-        let body = body.id(&**self.model())?;
+        body: impl IntoId<kind::Body>,
+    ) -> Result<([f64; 3], [f64; 9])> {
+        let body = body.id_in(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;
-        let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
+        let (mut xpos, mut xmat) = ([0.0; 3], [0.0; 9]);
         // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only
         // reads the data.
         unsafe {
             sys::mj_local2Global(
                 self.as_ptr().cast_mut(),
                 xpos.as_mut_ptr(),
-                xmat.as_flattened_mut().as_mut_ptr(),
+                xmat.as_mut_ptr(),
                 pos.as_ptr(),
                 quat.as_ptr(),
                 body.index() as c_int,

@@ -297,7 +297,7 @@ impl Data {
     fn check_sparse_row(&self, row: usize, nnz: i32, adr: i32, end: usize, colind: &[i32]) -> Result<()> {
         let model = self.model();
         let invalid = |value: String, expected: String| {
-            Err(Error::Invalid { what: format!("row {row} of add_m_sparse"), value, expected })
+            Err(Error::out_of_range(format!("row {row} of add_m_sparse"), value, expected))
         };
         let (Ok(count), Ok(start)) = (usize::try_from(nnz), usize::try_from(adr)) else {
             return invalid(format!("{nnz} elements from {adr} on"), "within the arrays".to_owned());

@@ -12,7 +12,7 @@ use mujoco_sys::{self as sys, guard};
 
 use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind::{self, ElementKind};
 use crate::math::cross;
 use crate::matrix::Matrix;
@@ -78,7 +78,7 @@ macro_rules! jacobian_of {
         ///
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
-        pub fn $name(&self, key: impl Key<kind::$kind>) -> Result<Jacobian> {
+        pub fn $name(&self, key: impl IntoId<kind::$kind>) -> Result<Jacobian> {
             let mut jacobian = self.zero_jacobian();
             self.$into(key, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
             Ok(jacobian)
@@ -97,7 +97,7 @@ macro_rules! jacobian_of {
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
         #[inline]
-        pub fn $into(&self, key: impl Key<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
+        pub fn $into(&self, key: impl IntoId<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
             let index = self.index_for(stringify!($name), key)?;
             let (jacp, jacr) = self.output_pointers(translation, rotation)?;
             // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and
@@ -153,9 +153,9 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
-    pub fn jac(&self, body: impl Key<kind::Body>, point: [f64; 3]) -> Result<Jacobian> {
+    pub fn jac(&self, point: [f64; 3], body: impl IntoId<kind::Body>) -> Result<Jacobian> {
         let mut jacobian = self.zero_jacobian();
-        self.jac_into(body, point, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
+        self.jac_into(point, body, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
         Ok(jacobian)
     }
 
@@ -173,8 +173,8 @@ impl Data {
     #[doc(alias = "mj_jac")]
     pub fn jac_into(
         &self,
-        body: impl Key<kind::Body>,
         point: [f64; 3],
+        body: impl IntoId<kind::Body>,
         translation: Option<&mut Matrix>,
         rotation: Option<&mut Matrix>,
     ) -> Result<()> {
@@ -196,7 +196,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com(&mut self, body: impl Key<kind::Body>) -> Result<Matrix> {
+    pub fn jac_subtree_com(&mut self, body: impl IntoId<kind::Body>) -> Result<Matrix> {
         let mut jacobian = Matrix::zeros(3, self.model().nv());
         self.jac_subtree_com_into(body, &mut jacobian)?;
         Ok(jacobian)
@@ -215,7 +215,7 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com_into(&mut self, body: impl Key<kind::Body>, jacobian: &mut Matrix) -> Result<()> {
+    pub fn jac_subtree_com_into(&mut self, body: impl IntoId<kind::Body>, jacobian: &mut Matrix) -> Result<()> {
         let index = self.index_for("jac_subtree_com", body)?;
         let jacp = output_pointer("jacobian", Some(jacobian), self.model().nv())?;
         self.call_mut("mj_jacSubtreeCom", |m, d| {
@@ -242,7 +242,7 @@ impl Data {
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.forward()?;
     /// let pole = data.model().body("pole")?.id();
-    /// let [point, axis] = data.jac_point_axis(pole, [0.0; 3], [0.0, 0.0, 1.0])?;
+    /// let [point, axis] = data.jac_point_axis([0.0; 3], [0.0, 0.0, 1.0], pole)?;
     /// assert_eq!(point[(0, 0)], 1.0); // the cart translates the point,
     /// assert_eq!(axis[(0, 0)], 0.0); // and does not rotate the axis
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -250,14 +250,14 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis(
         &mut self,
-        body: impl Key<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
+        body: impl IntoId<kind::Body>,
     ) -> Result<[Matrix; 2]> {
         let nv = self.model().nv();
         let mut jacobians = [Matrix::zeros(3, nv), Matrix::zeros(3, nv)];
         let [jac_point, jac_axis] = &mut jacobians;
-        self.jac_point_axis_into(body, point, axis, Some(jac_point), Some(jac_axis))?;
+        self.jac_point_axis_into(point, axis, body, Some(jac_point), Some(jac_axis))?;
         Ok(jacobians)
     }
 
@@ -276,9 +276,9 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis_into(
         &mut self,
-        body: impl Key<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
+        body: impl IntoId<kind::Body>,
         jac_point: Option<&mut Matrix>,
         jac_axis: Option<&mut Matrix>,
     ) -> Result<()> {
@@ -323,7 +323,7 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat(&self, body: impl Key<kind::Body>) -> Result<Matrix> {
+    pub fn angmom_mat(&self, body: impl IntoId<kind::Body>) -> Result<Matrix> {
         let mut matrix = Matrix::zeros(3, self.model().nv());
         self.angmom_mat_into(body, &mut matrix)?;
         Ok(matrix)
@@ -340,9 +340,9 @@ impl Data {
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat_into(&self, body: impl Key<kind::Body>, matrix: &mut Matrix) -> Result<()> {
+    pub fn angmom_mat_into(&self, body: impl IntoId<kind::Body>, matrix: &mut Matrix) -> Result<()> {
         let model = self.model();
-        let root = body.id(&**model)?;
+        let root = body.id_in(&**model)?;
         self.check_parts("angmom_mat", INPUTS)?;
         Error::check_shape("the matrix of angmom_mat", matrix.shape(), (3, model.nv()))?;
         matrix.as_mut_slice().fill(0.0);
@@ -393,8 +393,8 @@ impl Data {
     }
 
     #[inline]
-    fn index_for<K: ElementKind>(&self, call: &'static str, key: impl Key<K>) -> Result<c_int> {
-        let id = key.id(&**self.model())?;
+    fn index_for<K: ElementKind>(&self, call: &'static str, key: impl IntoId<K>) -> Result<c_int> {
+        let id = key.id_in(&**self.model())?;
         self.check_parts(call, INPUTS)?;
         Ok(id.index() as c_int)
     }

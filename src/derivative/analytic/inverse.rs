@@ -47,7 +47,7 @@ impl Analytic {
         force: InverseForce,
         wants_sensors: bool,
     ) -> Result<Outcome> {
-        data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;
+        data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
         if force == InverseForce::WithoutActuators {
             data.fwd_actuation()?;
         }

@@ -129,7 +129,7 @@ impl<'a> InversePerturbation<'a> {
         // First stores the perturbed outputs in each row, from the cheapest stage to the most
         // expensive.
         if df_da.is_some() || ds_da.is_some() || df_dv.is_some() || ds_dv.is_some() {
-            self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
+            self.evaluate(Stage::None, SensorUpdate::Compute)?;
         }
         for dof in 0..nv {
             if df_da.is_some() || ds_da.is_some() {
@@ -142,7 +142,7 @@ impl<'a> InversePerturbation<'a> {
         }
         // The engine evaluates the kinetic energy with the sensors of positions.
         let has_energy = ds_dv.is_some() && has_kinetic_energy(self.data.model());
-        let of_velocities = if has_energy { Stage::Nothing } else { Stage::Position };
+        let of_velocities = if has_energy { Stage::None } else { Stage::Position };
         for dof in 0..nv {
             if df_dv.is_some() || ds_dv.is_some() {
                 let qvel = self.data.qvel()[dof];
@@ -155,7 +155,7 @@ impl<'a> InversePerturbation<'a> {
         for dof in 0..nv {
             if df_dq.is_some() || ds_dq.is_some() || dm_dq.is_some() {
                 self.perturb_position(dof)?;
-                self.evaluate(Stage::Nothing, SensorUpdate::needed(ds_dq.is_some()))?;
+                self.evaluate(Stage::None, SensorUpdate::needed(ds_dq.is_some()))?;
                 self.record(dof, df_dq, ds_dq);
                 if let Some(dm_dq) = dm_dq {
                     dm_dq.row_mut(dof).copy_from_slice(self.data.inertia_elements());
@@ -166,7 +166,7 @@ impl<'a> InversePerturbation<'a> {
 
         // Then subtracts the unperturbed outputs, which also leaves the data at the unperturbed
         // state.
-        self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
+        self.evaluate(Stage::None, SensorUpdate::Compute)?;
         let Self { data, eps, force, .. } = &self;
         for df in [df_dq, df_dv, df_da].into_iter().flatten() {
             (0..nv).for_each(|dof| difference(df.row_mut(dof), data.inverse_force(*force), *eps));

@@ -135,7 +135,7 @@ fn by_differences(
 /// read.
 fn compute_actuation(data: &mut Data) -> Result<()> {
     if data.model().nactuator() > 0 && data.model().nsensor() > 0 {
-        data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)?;
+        data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
         data.fwd_actuation()?;
     }
     Ok(())

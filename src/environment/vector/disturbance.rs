@@ -24,9 +24,9 @@ pub(super) const STREAM: u64 = u64::MAX;
 ///
 /// // Motors that act one to three steps late, with 2 % noise, and encoders with an error of 0.01 rad or rad/s.
 /// let mut hoppers = VectorEnvironment::new(Hopper::model(), Hopper, 4, 42)?
-///     .action_delay(1..=3)?
-///     .action_noise(&[0.02; 3])?
-///     .observation_noise(&[0.01; 11])?;
+///     .with_action_delay(1..=3)?
+///     .with_action_noise(&[0.02; 3])?
+///     .with_observation_noise(&[0.01; 11])?;
 /// assert_ne!(hoppers.observations(), hoppers.batch().observations());
 /// hoppers.step(&[1.0; 12])?;
 /// assert!(hoppers.batch().controls()[(0, 0)].abs() < 0.2); // the first action has not arrived yet
@@ -40,7 +40,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// [`Error::Shape`] if there are not `nu` deviations, [`Error::Invalid`] if one is negative or
     /// not finite, and the errors of [`reset`](Self::reset).
-    pub fn action_noise(mut self, deviations: &[f64]) -> Result<Self> {
+    pub fn with_action_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nu = self.batch.model().nu();
         Error::check_length("the standard deviations of the action noise (nu)", deviations.len(), nu)?;
         check_deviations("the standard deviation of the noise of action", deviations)?;
@@ -56,7 +56,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// [`Error::Shape`] if there are not `nobs` deviations, [`Error::Invalid`] if one is negative
     /// or not finite, and the errors of [`reset`](Self::reset).
-    pub fn observation_noise(mut self, deviations: &[f64]) -> Result<Self> {
+    pub fn with_observation_noise(mut self, deviations: &[f64]) -> Result<Self> {
         let nobs = self.final_observations.ncols();
         Error::check_length("the standard deviations of the observation noise (nobs)", deviations.len(), nobs)?;
         check_deviations("the standard deviation of the noise of observation", deviations)?;
@@ -72,9 +72,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// [`Error::Invalid`] if the range is empty, or if memory does not suffice for the actions of
     /// the longest delay, and the errors of [`reset`](Self::reset).
-    pub fn action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
+    pub fn with_action_delay(mut self, steps: RangeInclusive<usize>) -> Result<Self> {
         if steps.is_empty() {
-            return Err(Error::invalid("the range of the delay", format!("{steps:?}"), "not empty"));
+            return Err(Error::out_of_range("the range of the delay", format!("{steps:?}"), "not empty"));
         }
         let slots = steps.end().saturating_add(1);
         let nu = self.batch.model().nu();
@@ -97,7 +97,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
 fn check_deviations(what: &str, deviations: &[f64]) -> Result<()> {
     match deviations.iter().position(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
         None => Ok(()),
-        Some(index) => Err(Error::invalid(format!("{what} {index}"), deviations[index], "finite and not negative")),
+        Some(index) => {
+            Err(Error::out_of_range(format!("{what} {index}"), deviations[index], "finite and not negative"))
+        }
     }
 }
 

@@ -56,8 +56,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         let (model, task) = (model.into_model(), Arc::new(task));
         let (width, observer) = (task.observation_size(&model), task.clone());
         let batch = Batch::new(&model, count)?
-            .substeps(task.frame_skip())
-            .observe(width, move |data, observation| observer.observe(data, observation));
+            .with_substeps(task.frame_skip())
+            .with_observations(width, move |data, observation| observer.observe(data, observation));
         let mut environment = Self {
             task,
             batch,
@@ -78,10 +78,10 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     }
 
     /// Computes all quantities of the present state before an observation: see
-    /// [`Batch::forward_after_step`].
+    /// [`Batch::with_forward_after_step`].
     #[must_use]
-    pub fn forward_after_step(mut self) -> Self {
-        self.batch = self.batch.forward_after_step();
+    pub fn with_forward_after_step(mut self) -> Self {
+        self.batch = self.batch.with_forward_after_step();
         self
     }
 
@@ -95,16 +95,17 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     /// let model = Hopper::model();
     /// let torso = Parameter::MassFactor(model.body("torso")?.id());
     /// let parameters = Parameters::new().with(&model, torso, Distribution::Uniform { low: 0.8, high: 1.2 })?;
-    /// let hoppers = VectorEnvironment::new(model, Hopper, 4, 42)?.vary(parameters)?;
+    /// let hoppers = VectorEnvironment::new(model, Hopper, 4, 42)?.with_parameters(parameters)?;
     /// assert_ne!(hoppers.batch().parameters()[(0, 0)], hoppers.batch().parameters()[(1, 0)]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// The errors of [`Batch::vary`], [`Batch::sample_parameters`] and [`reset`](Self::reset).
-    pub fn vary(mut self, parameters: Parameters) -> Result<Self> {
-        self.batch = self.batch.vary(parameters)?;
+    /// The errors of [`Batch::with_parameters`], [`Batch::sample_parameters`] and
+    /// [`reset`](Self::reset).
+    pub fn with_parameters(mut self, parameters: Parameters) -> Result<Self> {
+        self.batch = self.batch.with_parameters(parameters)?;
         self.has_parameters = true;
         self.reset()?;
         Ok(self)
@@ -118,8 +119,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     /// # Errors
     ///
     /// The errors of [`reset`](Self::reset).
-    pub fn first_index(mut self, index: usize) -> Result<Self> {
-        self.batch = self.batch.first_index(index);
+    pub fn with_first_index(mut self, index: usize) -> Result<Self> {
+        self.batch = self.batch.with_first_index(index);
         self.reset()?;
         Ok(self)
     }

@@ -98,10 +98,8 @@ impl VirtualFiles {
     /// Adds a file. Rejects a file for which the engine would raise a fatal error, or whose errors
     /// it does not detect.
     pub(super) fn add(&mut self, name: &str, content: &[u8]) -> Result<()> {
-        let invalid = |value: String, expected: &str| Error::Invalid {
-            what: format!("the in-memory file '{name}'"),
-            value,
-            expected: expected.to_owned(),
+        let invalid = |value: String, expected: &str| {
+            Error::out_of_range(format!("the in-memory file '{name}'"), value, expected)
         };
         let base = name.rsplit(['/', '\\']).next().unwrap_or_default();
         if base.is_empty() || base.len() >= MAX_NAME {

@@ -149,7 +149,7 @@ impl Checks {
         if holds {
             return Ok(());
         }
-        Err(Error::invalid(format!("{}{name}", self.0), value, expected.to_string()))
+        Err(Error::out_of_range(format!("{}{name}", self.0), value, expected.to_string()))
     }
 
     pub(super) fn positive(&self, name: &str, value: impl Into<f64> + Display + Copy) -> Result<()> {
@@ -163,7 +163,9 @@ impl Checks {
     }
 
     pub(super) fn finite<T: Into<f64> + Debug + Copy>(&self, name: &str, values: &[T]) -> Result<()> {
-        let finite = values.iter().all(|&value| value.into().is_finite());
-        self.require(finite, name, format_args!("{values:?}"), "finite")
+        if values.iter().all(|&value| value.into().is_finite()) {
+            return Ok(());
+        }
+        Err(Error::not_finite(format!("{}{name}", self.0), format!("{values:?}")))
     }
 }

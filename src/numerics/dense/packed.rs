@@ -3,9 +3,10 @@
 //! Rows and columns are padded with zeros to whole blocks. Sums and products of padded matrices are
 //! padded matrices, so no loop has a remainder.
 
-use nalgebra::{DMatrix, DMatrixView, Dyn};
+use nalgebra::DMatrix;
 
 use super::simd::{self, BLOCK, Blocks, F64x8, Update};
+use crate::matrix::{Matrix, StridedView};
 use crate::numerics::InstructionSet;
 
 /// Matrix in padded panels of eight columns.
@@ -92,10 +93,8 @@ impl PackedMatrix {
     }
 
     /// Copies the symmetric part `(M + Mᵀ) / 2` of a square matrix.
-    pub(crate) fn copy_symmetric_part(&mut self, matrix: &DMatrix<f64>) {
-        // The matrix is column-major, so this copies the transpose, whose symmetric part is the
-        // same.
-        self.copy_rows(matrix.ncols(), matrix.nrows(), matrix.as_slice());
+    pub(crate) fn copy_symmetric_part(&mut self, matrix: &Matrix) {
+        self.copy_rows(matrix.nrows(), matrix.ncols(), matrix.as_slice());
         self.symmetrise();
     }
 
@@ -107,8 +106,9 @@ impl PackedMatrix {
         }
     }
 
-    pub(crate) fn copy_view(&mut self, view: &DMatrixView<'_, f64, Dyn, Dyn>) {
-        self.fill(view.nrows(), view.ncols(), |row, column| view[(row, column)]);
+    pub(crate) fn copy_view(&mut self, view: &StridedView<'_>) {
+        let (rows, columns) = view.shape();
+        self.fill(rows, columns, |row, column| view[(row, column)]);
     }
 
     pub(crate) fn fill(&mut self, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) {
@@ -128,12 +128,12 @@ impl PackedMatrix {
     }
 
     /// Writes the entries, each multiplied by a factor.
-    pub(crate) fn write_to(&self, matrix: &mut DMatrix<f64>, factor: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn write_to(&self, matrix: &mut Matrix, factor: impl Fn(usize, usize) -> f64) {
         if matrix.shape() != (self.rows, self.columns) {
-            *matrix = DMatrix::zeros(self.rows, self.columns);
+            *matrix = Matrix::zeros(self.rows, self.columns);
         }
-        for column in 0..self.columns {
-            for (row, entry) in matrix.column_mut(column).iter_mut().enumerate() {
+        for row in 0..self.rows {
+            for (column, entry) in matrix.row_mut(row).iter_mut().enumerate() {
                 *entry = self.get(row, column) * factor(row, column);
             }
         }

@@ -2,9 +2,10 @@
 //! the geom.
 
 use super::level_of_detail::Detail;
+use crate::element::Object;
 use crate::render::assets::{RoundShape, Shapes};
 use crate::render::bounding_volume::ARROWHEAD_SCALE;
-use crate::scene::{SceneGeom, SceneGeomType, SceneObject};
+use crate::scene::{SceneGeom, SceneGeomType};
 
 /// Shape in the frame of a geom.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,7 +119,7 @@ pub(super) fn parts(
         SceneGeomType::Arrow2 => parts.extend(double_arrow(size, round)),
         SceneGeomType::Line => parts.push(Part::line(shapes.line(), [0.0; 3], [0.0, 0.0, size[2]])),
         SceneGeomType::Skin => {
-            if let Some(SceneObject::Skin(skin)) = geom.object() {
+            if let Some(Object::Skin(skin)) = geom.object() {
                 parts.extend(shapes.skin(skin.index()).map(asset));
             }
         }

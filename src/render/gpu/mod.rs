@@ -131,8 +131,11 @@ impl Gpu {
     }
 
     /// Returns the largest supported MSAA sample count that does not exceed `wanted`.
-    pub(crate) fn samples(&self, wanted: u32) -> u32 {
-        [8, 4, 2, 1].into_iter().find(|&count| count <= wanted.max(1) && self.shared.samples & count != 0).unwrap_or(1)
+    pub(crate) fn samples(&self, wanted: usize) -> u32 {
+        [8, 4, 2, 1]
+            .into_iter()
+            .find(|&count| count as usize <= wanted.max(1) && self.shared.samples & count != 0)
+            .unwrap_or(1)
     }
 }
 

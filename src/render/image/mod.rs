@@ -30,7 +30,7 @@ fn area(width: usize, height: usize) -> Option<usize> {
 /// Checks the length of a pixel array with `channels` elements per pixel.
 fn check(what: &'static str, [width, height]: [usize; 2], channels: usize, found: usize) -> Result<()> {
     let Some(area) = area(width, height) else {
-        return Err(Error::invalid(
+        return Err(Error::out_of_range(
             "the size of an image",
             format!("{width} x {height} pixels"),
             "small enough to fit into memory",

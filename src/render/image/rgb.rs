@@ -118,7 +118,7 @@ impl RgbImage {
         let mut bytes = Vec::new();
         // Writing to memory cannot fail, so any error is due to the image.
         write_png_rgb8(&mut bytes, [self.width, self.height], &self.rgb)
-            .map_err(|error| Error::invalid("an image for a PNG file", error, "non-empty"))?;
+            .map_err(|error| Error::out_of_range("an image for a PNG file", error, "non-empty"))?;
         Ok(bytes)
     }
 

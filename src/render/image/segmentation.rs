@@ -4,9 +4,10 @@ use std::fmt;
 use std::path::Path;
 
 use super::{RgbImage, index};
+use crate::element::Object;
 use crate::error::Result;
 use crate::math;
-use crate::scene::{Scene, SceneObject};
+use crate::scene::Scene;
 
 /// Geom that is visible at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,7 +17,7 @@ pub struct Segment {
     pub geom: usize,
     /// Model element that the geom represents; `None` for decoration and for geoms added by the
     /// user.
-    pub object: Option<SceneObject>,
+    pub object: Option<Object>,
 }
 
 /// Segmentation image: for each pixel the visible geom of the scene, and the model element that it
@@ -28,7 +29,7 @@ pub struct SegmentationImage {
     /// For each pixel 0 for the background, or the geom's index in the scene plus 1.
     ids: Vec<u32>,
     /// Model element of each geom of the scene.
-    objects: Vec<Option<SceneObject>>,
+    objects: Vec<Option<Object>>,
 }
 
 impl SegmentationImage {
@@ -132,7 +133,8 @@ fn rgb(id: u32) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::{Segment, SegmentationImage};
-    use crate::scene::{Camera, Categories, NewGeom, Scene, SceneObject, SceneOptions};
+    use crate::element::Object;
+    use crate::scene::{Camera, Categories, NewGeom, Scene, SceneOptions};
     use crate::{Data, sample};
 
     fn picture() -> (SegmentationImage, usize) {
@@ -153,7 +155,7 @@ mod tests {
         assert_eq!(picture.pixel(0, 0), None);
         let segment = picture.pixel(1, 0).unwrap();
         assert_eq!(segment.geom, 0);
-        assert!(matches!(segment.object, Some(SceneObject::Geom(geom)) if geom.index() == 0));
+        assert!(matches!(segment.object, Some(Object::Geom(geom)) if geom.index() == 0));
         assert_eq!(picture.pixel(0, 1), Some(Segment { geom: added, object: None }));
         assert_eq!(picture.pixel(2, 1), None, "id of no geom");
         assert_eq!(picture.pixels().len(), 6);

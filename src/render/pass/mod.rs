@@ -18,7 +18,7 @@ pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines, Wireframe};
 pub(crate) use self::screen_pipeline::screen_pipeline;
 pub(crate) use self::shadow_map::ShadowMaps;
 pub(crate) use self::sky::Sky;
-pub(crate) use self::target::{COLOR_FORMAT, Target, check_size, create_texture, default_view};
+pub(crate) use self::target::{COLOR_FORMAT, Target, check_size, create_texture, default_view, too_large};
 pub(crate) use self::tiles::{TileDetail, TileSelection};
 use super::Gpu;
 use super::assets::{Shapes, Textures};

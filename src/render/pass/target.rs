@@ -26,7 +26,7 @@ impl Target {
         samples: u32,
         stencil: bool,
     ) -> Result<Self, RenderError> {
-        check_size(gpu, size)?;
+        check_size(gpu, size.map(|length| length as usize))?;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let multisampled = (samples > 1)
             .then(|| default_view(&create_texture(gpu, "samples of an image", size, format, samples, usage)));
@@ -46,18 +46,23 @@ pub(crate) fn depth_format(gpu: &Gpu, stencil: bool) -> wgpu::TextureFormat {
 }
 
 /// Returns an error for an empty image or an image that exceeds the limits of the adapter.
-pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), RenderError> {
-    let limit = gpu.limits().max_texture_dimension_2d;
+/// Converts the size of any other image.
+pub(crate) fn check_size(gpu: &Gpu, [width, height]: [usize; 2]) -> Result<[u32; 2], RenderError> {
+    let limit = gpu.limits().max_texture_dimension_2d as usize;
     for (what, length) in [("the width of an image", width), ("the height of an image", height)] {
         if length == 0 {
-            return Err(crate::error::Error::invalid(what, "0 pixels", "at least one pixel").into());
+            return Err(crate::error::Error::out_of_range(what, "0 pixels", "at least one pixel").into());
         }
         if length > limit {
-            let what = format!("{what}, pixels,");
-            return Err(RenderError::TooLarge { what, size: length.into(), limit: limit.into() });
+            return Err(too_large(what, length, limit));
         }
     }
-    Ok(())
+    Ok([width, height].map(|length| length as u32))
+}
+
+/// Returns the error about a length in pixels that exceeds a limit of the adapter.
+pub(crate) fn too_large(what: &str, length: usize, limit: usize) -> RenderError {
+    RenderError::TooLarge { what: format!("{what}, pixels,"), size: length as u64, limit: limit as u64 }
 }
 
 /// Creates a 2D texture without mip maps. Errors of wgpu and graphics debuggers show the label.

@@ -73,7 +73,7 @@ impl Renderer {
         flip_y: bool,
     ) -> Result<wgpu::CommandEncoder, RenderError> {
         let Self { assets, frame, target, samples, .. } = self;
-        check_size(&assets.gpu, size)?;
+        check_size(&assets.gpu, size.map(|length| length as usize))?;
         frame.prepare_color(assets, scene, size, flip_y)?;
         let needs = frame.target_needs(*samples);
         let target = matching_target(&assets.gpu, target, size, format, needs)?;

@@ -23,12 +23,12 @@ use super::bounding_volume::AssetBounds;
 use super::draw_list::AuxOutput;
 use super::gpu::DropUse;
 use super::gpu::buffer::ReadBackBuffer;
-use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size};
+use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size, too_large};
 use super::settings::VisualSettings;
 use super::support;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
-use crate::id::Key;
+use crate::id::IntoId;
 use crate::kind;
 use crate::model::Model;
 use crate::scene::Scene;
@@ -96,7 +96,7 @@ impl Renderer {
     /// [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an empty image; the errors of
     /// [`Scene::new`] for the scene of snapshots.
     #[doc(alias = "mjr_makeContext")]
-    pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
+    pub fn new(model: &Model, width: usize, height: usize) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, RendererOptions::default())
     }
 
@@ -105,7 +105,12 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`new`](Self::new).
-    pub fn with_options(model: &Model, width: u32, height: u32, options: RendererOptions) -> Result<Self, RenderError> {
+    pub fn with_options(
+        model: &Model,
+        width: usize,
+        height: usize,
+        options: RendererOptions,
+    ) -> Result<Self, RenderError> {
         Self::on(&Gpu::new()?, model, width, height, options)
     }
 
@@ -118,17 +123,16 @@ impl Renderer {
     pub fn on(
         gpu: &Gpu,
         model: &Model,
-        width: u32,
-        height: u32,
+        width: usize,
+        height: usize,
         options: RendererOptions,
     ) -> Result<Self, RenderError> {
-        let size = [width, height];
         gpu.guarded(|| {
-            check_size(gpu, size)?;
+            let size = check_size(gpu, [width, height])?;
             support::log(model);
             let quality = model.visual().quality;
             let settings = VisualSettings::new(model);
-            let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
+            let samples = options.samples.unwrap_or(quality.offsamples);
             let shadow_size = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
             let assets = Assets {
                 gpu: gpu.clone(),
@@ -157,8 +161,8 @@ impl Renderer {
     }
 
     /// Returns the width and height of the images, pixels.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
+    pub fn size(&self) -> [usize; 2] {
+        self.size.map(|length| length as usize)
     }
 
     /// Returns the graphics adapter.
@@ -178,9 +182,8 @@ impl Renderer {
     ///
     /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if
     /// it is 0. The size is then unchanged.
-    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
-        check_size(&self.assets.gpu, [width, height])?;
-        self.size = [width, height];
+    pub fn resize(&mut self, width: usize, height: usize) -> Result<(), RenderError> {
+        self.size = check_size(&self.assets.gpu, [width, height])?;
         Ok(())
     }
 
@@ -196,9 +199,9 @@ impl Renderer {
     ///
     /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadMesh")]
-    pub fn update_mesh(&mut self, model: &Model, mesh: impl Key<kind::Mesh>) -> Result<(), RenderError> {
+    pub fn update_mesh(&mut self, model: &Model, mesh: impl IntoId<kind::Mesh>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = mesh.id(model)?;
+        let id = mesh.id_in(model)?;
         let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
         *bounds = AssetBounds::new(model);
@@ -220,10 +223,10 @@ impl Renderer {
     pub fn update_height_field(
         &mut self,
         model: &Model,
-        field: impl Key<kind::HeightField>,
+        field: impl IntoId<kind::HeightField>,
     ) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = field.id(model)?;
+        let id = field.id_in(model)?;
         let Assets { gpu, shapes, bounds, .. } = &mut self.assets;
         gpu.guarded(|| shapes.update_height_field(gpu, model, id))?;
         bounds.update_height_field(model, id);
@@ -242,9 +245,9 @@ impl Renderer {
     ///
     /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadTexture")]
-    pub fn update_texture(&mut self, model: &Model, texture: impl Key<kind::Texture>) -> Result<(), RenderError> {
+    pub fn update_texture(&mut self, model: &Model, texture: impl IntoId<kind::Texture>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        let id = texture.id(model)?;
+        let id = texture.id_in(model)?;
         let Assets { gpu, textures, .. } = &mut self.assets;
         gpu.guarded(|| {
             textures.update(gpu, model, id);
@@ -402,15 +405,12 @@ impl Renderer {
 
 /// Returns the size of shadow maps: the requested size, or the size in the model limited by the
 /// adapter.
-fn shadow_size(gpu: &Gpu, requested: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
-    let limit = gpu.limits().max_texture_dimension_2d;
+fn shadow_size(gpu: &Gpu, requested: Option<usize>, of_model: usize) -> Result<u32, RenderError> {
+    let limit = gpu.limits().max_texture_dimension_2d as usize;
     match requested {
-        Some(size) if size > limit => {
-            let what = "the size of shadow maps, pixels,".to_owned();
-            Err(RenderError::TooLarge { what, size: size.into(), limit: limit.into() })
-        }
-        Some(size) => Ok(size),
-        None => Ok(of_model.min(limit as usize) as u32),
+        Some(size) if size > limit => Err(too_large("the size of shadow maps", size, limit)),
+        Some(size) => Ok(size as u32),
+        None => Ok(of_model.min(limit) as u32),
     }
 }
 
@@ -447,7 +447,7 @@ mod tests {
         let mut camera = Camera::free(data.model());
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
         let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
-        let draw = |count: u32| {
+        let draw = |count: usize| {
             let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, options).unwrap();
             for frame in 0..count {
                 renderer.resize(4 + frame % 7, 4 + frame % 5).unwrap();

@@ -237,7 +237,7 @@ impl Snapshot<'_> {
     /// data.forward()?;
     /// let mut renderer = Renderer::new(data.model(), 640, 480)?;
     /// let mut snapshot = renderer.snapshot(&mut data, "side")?;
-    /// snapshot.scene_mut().add_geom(&NewGeom::sphere(0.1).pos([0.0, 0.0, 2.0]))?;
+    /// snapshot.scene_mut().add_geom(&NewGeom::sphere(0.1).with_pos([0.0, 0.0, 2.0]))?;
     /// snapshot.rgb()?.save_png("marked.png")?;
     /// # Ok::<(), mujoco_safe::render::RenderError>(())
     /// ```

@@ -93,8 +93,9 @@ mod tests {
             let shape = height_field(&model, id, usize::MAX).unwrap();
             assert_closed(&[&shape]);
             assert_normals_agree(&shape, 1.0);
-            let elevation =
-                |row: usize, column: usize| 0.5 * f64::from(model.height_field(id).matrix()[(row, column)]) + 0.25;
+            let elevation = |row: usize, column: usize| {
+                0.5 * f64::from(model.height_field(id).data()[row * columns + column]) + 0.25
+            };
             let half_cell = (4.0 / (columns - 1) as f64) * (6.0 / (rows - 1) as f64) / 2.0;
             let mut expected = 0.0;
             for row in 0..rows - 1 {

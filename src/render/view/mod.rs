@@ -215,7 +215,7 @@ fn check(viewpoint: &Viewpoint) -> Result<()> {
     if numbers.into_iter().all(|&number| is_drawable(number)) && is_ordered {
         return Ok(());
     }
-    Err(Error::invalid(
+    Err(Error::out_of_range(
         "the viewpoint of the scene",
         format!("{viewpoint:?}"),
         "from an updated scene, with magnitudes below 1e15 and a frustum of 0 < near < far and bottom < top",

@@ -45,7 +45,7 @@ impl Batch<'_> {
     /// call of [`Data::set_callbacks`], affects that simulation only, and persists. The batch keeps
     /// the values that differ from its model for each simulation with such an edit. Steps of a
     /// simulation with such an edit or with callbacks take about twice as long;
-    /// [parameters](Batch::vary) do not have this cost.
+    /// [parameters](Batch::with_parameters) do not have this cost.
     ///
     /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that
     /// starts, and the simulation. The first reset of a simulation starts its episode 1. Random
@@ -69,9 +69,10 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// The error of the reset, of `start` or of [`forward_after_step`](Self::forward_after_step)
-    /// with the smallest index, and [`Error::OtherModel`] if `start` replaces the simulation by one
-    /// of a model that was loaded separately. All simulations with an error count as failed.
+    /// The error of the reset, of `start` or of
+    /// [`with_forward_after_step`](Self::with_forward_after_step) with the smallest index, and
+    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
+    /// separately. All simulations with an error count as failed.
     ///
     /// # Panics
     ///

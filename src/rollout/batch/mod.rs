@@ -35,7 +35,7 @@ use crate::model::{IntoModel, Model};
 /// use mujoco_safe::sample;
 ///
 /// // 16 cart-poles under one policy; the observations are the angle and its rate.
-/// let mut batch = Batch::new(sample::cartpole(), 16)?.observe(2, |data, row| {
+/// let mut batch = Batch::new(sample::cartpole(), 16)?.with_observations(2, |data, row| {
 ///     row.copy_from_slice(&[data.qpos()[1], data.qvel()[1]]);
 /// });
 /// batch.reset_where(|_| true, |index, _, data| data.qpos_mut()[1] = 0.01 * index as f64)?;
@@ -72,8 +72,8 @@ pub struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     /// Creates `count` simulations in the reference position. By default the observation is the
-    /// physics state `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`], an
-    /// `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
+    /// physics state `[qpos; qvel; act]`; see [`with_observations`](Self::with_observations). Takes
+    /// a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
     ///
     /// # Errors
     ///
@@ -108,7 +108,7 @@ impl<'a> Batch<'a> {
             chunk: None,
         };
         let width = model.state_size(StateSpec::PHYSICS);
-        Ok(batch.observe(width, |data, row| {
+        Ok(batch.with_observations(width, |data, row| {
             data.physics_state_into(row).expect("Bug: the row does not have the length of a state");
         }))
     }
@@ -118,14 +118,14 @@ impl<'a> Batch<'a> {
     /// The batch calls it after each step, reset and edit. After a step, computed quantities such
     /// as poses and contacts belong to the state before the step. After a reset or an edit, only
     /// the quantities that its closure has computed are available.
-    /// [`forward_after_step`](Self::forward_after_step) computes all quantities for the present
-    /// state first.
+    /// [`with_forward_after_step`](Self::with_forward_after_step) computes all quantities for the
+    /// present state first.
     ///
     /// # Panics
     ///
     /// If memory does not suffice for the observations.
     #[must_use]
-    pub fn observe(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
+    pub fn with_observations(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.observations = Matrix::zeros(self.len(), nobs);
         self.observe = Box::new(read);
         self.observe_all();
@@ -133,9 +133,9 @@ impl<'a> Batch<'a> {
     }
 
     /// Calls [`Data::forward`] after each [`step`](Self::step), each reset and each edit, so that
-    /// all quantities that the closure of [`observe`](Self::observe) reads belong to the present
-    /// state. This includes sensor readings, which otherwise lag by one engine step like all
-    /// computed quantities.
+    /// all quantities that the closure of [`with_observations`](Self::with_observations) reads
+    /// belong to the present state. This includes sensor readings, which otherwise lag by one
+    /// engine step like all computed quantities.
     ///
     /// The simulations are bit for bit the same with and without this call. A simulation in which
     /// it fails counts as [failed](Self::failure).
@@ -151,8 +151,8 @@ impl<'a> Batch<'a> {
     /// let model = sample::humanoid();
     /// let hand = model.body("hand_left")?.id();
     /// let mut batch = Batch::new(model, 4)?
-    ///     .observe(1, |data, row| row[0] = data.body(hand).xpos()[2])
-    ///     .forward_after_step();
+    ///     .with_observations(1, |data, row| row[0] = data.body(hand).xpos()[2])
+    ///     .with_forward_after_step();
     /// assert!(batch.observations()[(0, 0)] > 0.5); // m, in the initial pose
     /// batch.step(|_, _| ())?;
     ///
@@ -162,7 +162,7 @@ impl<'a> Batch<'a> {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[must_use]
-    pub fn forward_after_step(mut self) -> Self {
+    pub fn with_forward_after_step(mut self) -> Self {
         self.forward = true;
         self.observe_all();
         self
@@ -171,7 +171,7 @@ impl<'a> Batch<'a> {
     /// Sets the number of engine steps per [`step`](Self::step), with the same controls; one by
     /// default.
     #[must_use]
-    pub fn substeps(mut self, substeps: usize) -> Self {
+    pub fn with_substeps(mut self, substeps: usize) -> Self {
         self.substeps = substeps;
         self
     }
@@ -179,7 +179,7 @@ impl<'a> Batch<'a> {
     /// Sets the number of simulations that a thread takes at a time, at least one. The result does
     /// not depend on it. If it is the number of simulations or more, all run in the calling thread.
     #[must_use]
-    pub fn chunk(mut self, simulations: usize) -> Self {
+    pub fn with_chunk(mut self, simulations: usize) -> Self {
         self.chunk = Some(simulations.max(1));
         self
     }

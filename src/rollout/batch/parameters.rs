@@ -25,7 +25,7 @@ impl Batch<'_> {
     /// # Panics
     ///
     /// If the parameters belong to another model, or memory does not suffice for the values.
-    pub fn vary(mut self, parameters: Parameters) -> Result<Self> {
+    pub fn with_parameters(mut self, parameters: Parameters) -> Result<Self> {
         parameters.check_model(self.model())?;
         let nominal = parameters.nominal(self.model());
         let mut values = Matrix::zeros(self.len(), parameters.len());
@@ -72,7 +72,7 @@ impl Batch<'_> {
     /// // Let cart-poles fall on planets of different gravity.
     /// let model = sample::cartpole();
     /// let parameters = Parameters::new().with(&model, Parameter::Gravity(2), Distribution::Unchanged)?;
-    /// let mut batch = Batch::new(model, 3)?.vary(parameters)?;
+    /// let mut batch = Batch::new(model, 3)?.with_parameters(parameters)?;
     /// assert_eq!(batch.parameters()[(0, 0)], -9.81);
     /// batch.set_parameters(|_| true, |index, values| values[0] = [-1.62, -3.72, -9.81][index])?; // Moon, Mars, Earth
     /// batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[1] = 0.2)?;
@@ -103,9 +103,9 @@ impl Batch<'_> {
     /// as [`set_parameters`](Self::set_parameters) sets them.
     ///
     /// A value is determined by the seed, the index of the simulation (plus the
-    /// [`first_index`](Self::first_index)), the number of its [`episode`](Self::episode) and the
-    /// position of the parameter in the list. For other values in each episode, draw before or
-    /// after each reset:
+    /// [`with_first_index`](Self::with_first_index)), the number of its [`episode`](Self::episode)
+    /// and the position of the parameter in the list. For other values in each episode, draw before
+    /// or after each reset:
     ///
     /// ```
     /// # use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
@@ -113,7 +113,7 @@ impl Batch<'_> {
     /// # let model = sample::cartpole();
     /// # let gravity = Distribution::Normal { mean: -9.81, deviation: 0.1 };
     /// # let parameters = Parameters::new().with(&model, Parameter::Gravity(2), gravity)?;
-    /// # let mut batch = Batch::new(model, 3)?.vary(parameters)?;
+    /// # let mut batch = Batch::new(model, 3)?.with_parameters(parameters)?;
     /// # let ended = [true, false, true];
     /// batch.reset_where(|index| ended[index], |_, _, data| data.qpos_mut()[1] = 0.1)?;
     /// batch.sample_parameters(|index| ended[index], 42)?;
@@ -148,15 +148,15 @@ impl Batch<'_> {
     /// let model = std::sync::Arc::new(sample::cartpole());
     /// let gravity = Distribution::Normal { mean: -9.81, deviation: 0.1 };
     /// let parameters = Parameters::new().with(&model, Parameter::Gravity(2), gravity)?;
-    /// let mut all = Batch::new(&model, 8)?.vary(parameters.clone())?;
-    /// let mut half = Batch::new(&model, 4)?.vary(parameters)?.first_index(4);
+    /// let mut all = Batch::new(&model, 8)?.with_parameters(parameters.clone())?;
+    /// let mut half = Batch::new(&model, 4)?.with_parameters(parameters)?.with_first_index(4);
     /// all.sample_parameters(|_| true, 42)?;
     /// half.sample_parameters(|_| true, 42)?;
     /// assert_eq!(half.parameters().row(0), all.parameters().row(4));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[must_use]
-    pub fn first_index(mut self, index: usize) -> Self {
+    pub fn with_first_index(mut self, index: usize) -> Self {
         self.first_index = index;
         self
     }

@@ -147,7 +147,7 @@ impl Parameter {
             0 => Err(Error::Unsupported(format!(
                 "{field}{element} cannot vary: the geom must be a sphere, capsule, cylinder, ellipsoid or box"
             ))),
-            number if component >= number => Err(Error::invalid(
+            number if component >= number => Err(Error::out_of_range(
                 format!("the component of {field}{element}"),
                 component,
                 format!("less than {number}"),

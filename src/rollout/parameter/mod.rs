@@ -5,7 +5,7 @@ mod random;
 
 pub use self::field::Parameter;
 pub use self::random::{Distribution, Random};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::model::{Model, ModelMut};
 
 /// List of parameters that differ between the simulations of a [`Batch`](super::Batch), each with
@@ -22,7 +22,7 @@ use crate::model::{Model, ModelMut};
 /// let parameters = Parameters::new()
 ///     .with(&model, Parameter::MassFactor(pole), Distribution::LogUniform { low: 0.5, high: 2.0 })?
 ///     .with(&model, Parameter::JointDamping(hinge), Distribution::Uniform { low: 0.0, high: 0.1 })?;
-/// let mut batch = Batch::new(model, 64)?.vary(parameters)?;
+/// let mut batch = Batch::new(model, 64)?.with_parameters(parameters)?;
 /// batch.sample_parameters(|_| true, 42)?;
 /// batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[1] = 0.2)?;
 /// batch.step(|_, _| ())?;
@@ -82,21 +82,26 @@ impl Parameters {
     pub fn with(mut self, model: &Model, parameter: Parameter, distribution: Distribution) -> Result<Self> {
         let name = parameter.name(model)?;
         if self.columns.iter().any(|column| column.parameter == parameter) {
-            return Err(Error::invalid("the list of parameters", format!("given {name} twice"), "without repetitions"));
+            return Err(Error::invalid(
+                InvalidKind::Duplicate,
+                "the list of parameters",
+                format!("given {name} twice"),
+                "without repetitions",
+            ));
         }
         let valid = parameter.valid();
         if let Some([low, high]) = distribution.bounds() {
             for (what, value) in [("smallest", low), ("largest", high)] {
                 if !valid.contains(value) {
-                    return Err(Error::invalid(format!("the {what} value of {name}"), value, valid.text()));
+                    return Err(Error::out_of_range(format!("the {what} value of {name}"), value, valid.text()));
                 }
             }
             if low > high {
                 let expected = format!("at most the largest, {high}");
-                return Err(Error::invalid(format!("the smallest value of {name}"), low, expected));
+                return Err(Error::out_of_range(format!("the smallest value of {name}"), low, expected));
             }
             if matches!(distribution, Distribution::LogUniform { .. }) && low <= 0.0 {
-                return Err(Error::invalid(
+                return Err(Error::out_of_range(
                     format!("the smallest value of {name}"),
                     low,
                     "positive, for its logarithm",
@@ -148,7 +153,7 @@ impl Parameters {
             let valid = column.parameter.valid();
             if !valid.contains(value) {
                 let what = format!("the {} of simulation {index}", column.name);
-                return Err(Error::invalid(what, value, valid.text()));
+                return Err(Error::out_of_range(what, value, valid.text()));
             }
         }
         Ok(())

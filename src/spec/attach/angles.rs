@@ -6,7 +6,7 @@ use super::super::tree::{Index, Tree};
 use super::super::value::Value;
 use super::units::{Angles, parsed};
 use super::{classes, positions};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::math;
 
 /// Attributes of an orientation. An element has at most one of them.
@@ -94,7 +94,7 @@ impl Angles {
         let numbers = parsed(tree, index, attribute, text)?;
         let invalid = |length: usize| {
             let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
-            Error::invalid(what, format!("'{text}'"), format!("{length} numbers"))
+            Error::invalid(InvalidKind::Text, what, format!("'{text}'"), format!("{length} numbers"))
         };
         match attribute {
             "quat" => {

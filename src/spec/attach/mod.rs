@@ -13,13 +13,13 @@ pub(super) use self::classes::{heirs, inseparable, separate_own};
 pub(super) use self::positions::resolved;
 use self::units::Angles;
 use super::attributes::Named;
-use super::key::{ElementId, name_or_create};
+use super::element_id::{ElementId, name_or_create};
 use super::names::{self, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
 use super::value::Value;
 use super::{Spec, attributes, paths};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::kind::{self, Kind};
 use crate::math::{self, Pose};
 
@@ -147,7 +147,12 @@ impl Spec {
         add_prefix(&mut child, prefix, &body_name);
         if let Some((class, name)) = shared_name(&tree, &child) {
             let what = format!("the prefix '{prefix}' of the attached {}", other.source_name());
-            return Err(Error::invalid(what, format!("not unique: the {class} '{name}' exists"), "another text"));
+            return Err(Error::invalid(
+                InvalidKind::Duplicate,
+                what,
+                format!("not unique: the {class} '{name}' exists"),
+                "another text",
+            ));
         }
 
         let angles = Angles::of(&tree);
@@ -224,8 +229,9 @@ fn check_known(child: &Tree) -> Result<()> {
 
 /// Returns an error if names with the prefix would be other names in a text.
 fn check_prefix(child: &Tree, prefix: &str) -> Result<()> {
-    let invalid =
-        |expected: &str| Err(Error::invalid("the prefix of the attached spec", format!("{prefix:?}"), expected));
+    let invalid = |expected: &str| {
+        Err(Error::invalid(InvalidKind::Text, "the prefix of the attached spec", format!("{prefix:?}"), expected))
+    };
     if prefix.contains('\0') {
         return invalid("a text without NUL");
     }

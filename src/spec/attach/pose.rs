@@ -6,7 +6,7 @@ use super::super::value::Value;
 use super::angles::ORIENTATIONS;
 use super::classes;
 use super::units::{Angles, parsed};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::math::{self, Pose};
 
 /// Returns the pose of an element in the frame of its body.
@@ -178,7 +178,7 @@ pub(super) fn triple(tree: &Tree, index: Index, attribute: &str) -> Result<Optio
     let numbers = parsed(tree, index, attribute, text)?;
     let triple = numbers.try_into().map_err(|_| {
         let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
-        Error::invalid(what, format!("'{text}'"), "3 numbers")
+        Error::invalid(InvalidKind::Text, what, format!("'{text}'"), "3 numbers")
     })?;
     Ok(Some(triple))
 }

@@ -6,7 +6,7 @@ use super::super::paths;
 use super::super::tree::{Index, Tree};
 use super::super::value;
 use super::{BODY, classes};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::kind::Kind;
 use crate::spec::schema::Schema;
 
@@ -58,7 +58,12 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
         if ours.is_some() || has_bodies || (has_meshes && OF_MESHES.contains(&attribute)) {
             let what = format!("'{attribute}' of <compiler> in the attached spec");
             let ours = ours.or(default).map_or("absent".to_owned(), |ours| format!("'{ours}'"));
-            return Err(Error::invalid(what, format!("'{theirs}'"), format!("{ours}, as in this spec")));
+            return Err(Error::invalid(
+                InvalidKind::Unsuitable,
+                what,
+                format!("'{theirs}'"),
+                format!("{ours}, as in this spec"),
+            ));
         }
         let theirs = theirs.to_owned();
         let section = tree.section("compiler");

@@ -2,7 +2,7 @@
 
 use super::super::tree::{Index, Tree};
 use super::super::{names, paths, value};
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 
 /// Settings of `compiler` on angles.
 #[derive(Clone, PartialEq)]
@@ -29,6 +29,6 @@ impl Angles {
 pub(super) fn parsed(tree: &Tree, index: Index, attribute: &str, text: &str) -> Result<Vec<f64>> {
     value::numbers(text).ok_or_else(|| {
         let what = format!("attribute '{attribute}' of {}", names::describe(tree, index));
-        Error::invalid(what, format!("'{text}'"), "a list of numbers")
+        Error::invalid(InvalidKind::Text, what, format!("'{text}'"), "a list of numbers")
     })
 }

@@ -124,8 +124,7 @@ impl SimulationEndpoint {
 fn add_instruments(scene: &mut Scene, instruments: &Instruments) -> Result<()> {
     for geom in instruments.geoms() {
         if !geom.fits(scene) {
-            let found = "with a mesh, height field or texture of another model";
-            return Err(Error::invalid("a geom of the instruments", found, "of the model in the window"));
+            return Err(Error::OtherModel { what: "a mesh, height field or texture of the instruments" });
         }
         scene.add_geom(geom)?;
     }

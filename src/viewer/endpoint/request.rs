@@ -158,5 +158,5 @@ fn set_position(joint: JointId, part: usize, value: f64, data: &mut Data) -> Res
 }
 
 fn check_finite(what: &str, value: f64) -> Result<()> {
-    if value.is_finite() { Ok(()) } else { Err(Error::invalid(what, value, "a finite number")) }
+    if value.is_finite() { Ok(()) } else { Err(Error::not_finite(what, value)) }
 }

@@ -81,7 +81,7 @@ impl SimulationEndpoint {
             return Ok(());
         }
         let mut perturbation = self.perturbation.clone();
-        self.with_scene(data, |scene, data| perturbation.move_by(data, scene, action, motion))?;
+        self.with_scene(data, |scene, data| perturbation.move_by(data, action, motion, scene))?;
         self.perturbation = perturbation;
         self.dragged = true;
         Ok(())

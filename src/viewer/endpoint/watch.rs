@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::data::Data;
-use crate::error::{Error, Result};
+use crate::error::{Error, InvalidKind, Result};
 use crate::field_docs::FieldDoc;
 use crate::matrix::MatrixView;
 
@@ -56,7 +56,9 @@ impl FromStr for Watch {
         };
         match index.trim().parse() {
             Ok(index) => Self::new(field.trim(), index),
-            Err(_) => Err(Error::invalid("the index of a watched value", index, "an integer from 0")),
+            Err(_) => {
+                Err(Error::invalid(InvalidKind::Text, "the index of a watched value", index, "an integer from 0"))
+            }
         }
     }
 }

@@ -148,7 +148,7 @@ impl WindowEnd {
 
     /// Returns the number of requests that were ever queued, which is the number of the last
     /// request.
-    #[cfg(feature = "test-hooks")]
+    #[cfg(feature = "_test-hooks")]
     pub fn queued(&self) -> u64 {
         lock(&self.shared.inbox).queued
     }

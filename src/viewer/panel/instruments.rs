@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
                 let is_logarithmic = low > 0.0 && high >= LOGARITHMIC * low;
                 let slider = layout::slider(&mut value, low..=high).logarithmic(is_logarithmic).max_decimals(5);
                 let slider = ui.add(slider);
-                #[cfg(feature = "test-hooks")]
+                #[cfg(feature = "_test-hooks")]
                 crate::viewer::test_hooks::add_slider(&slider, ui);
                 if slider.changed() {
                     cx.send(EndpointRequest::SetParameter(parameter.name.clone(), value));

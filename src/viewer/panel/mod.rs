@@ -84,7 +84,7 @@ impl Panels {
     }
 
     /// Returns the messages that are currently shown.
-    #[cfg(feature = "test-hooks")]
+    #[cfg(feature = "_test-hooks")]
     pub fn messages(&self) -> Vec<String> {
         self.messages.texts()
     }

@@ -53,7 +53,7 @@ impl PlotPanel {
             // A title may equal the title of a plot of the viewer, or of a plot in another panel.
             ui.push_id(("instruments", index), |ui| show_plot(ui, &plot.title, "", &plot.curves, height));
         }
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::set_plots(
             plots
                 .iter()

@@ -63,7 +63,7 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             let mut value = cx.predicted.control(snapshot, actuator.id(), number).unwrap_or(ctrl);
             let range = low.min(value)..=high.max(value);
             let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
-            #[cfg(feature = "test-hooks")]
+            #[cfg(feature = "_test-hooks")]
             crate::viewer::test_hooks::add_slider(&slider, ui);
             if slider.changed() {
                 cx.send(EndpointRequest::SetControl(actuator.id(), number, value));

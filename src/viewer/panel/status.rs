@@ -96,7 +96,7 @@ impl Messages {
         self.add(text, true, PROBLEM_TIME);
     }
 
-    #[cfg(feature = "test-hooks")]
+    #[cfg(feature = "_test-hooks")]
     pub fn texts(&self) -> Vec<String> {
         self.messages.iter().map(|message| message.text.clone()).collect()
     }

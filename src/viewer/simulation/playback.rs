@@ -36,7 +36,7 @@ impl Player {
             trajectory.check_sizes(model)?;
         }
         if trajectories.is_empty() || trajectories.iter().any(Trajectory::is_empty) {
-            return Err(Error::invalid("a trajectory to be shown", "empty", "of at least one record"));
+            return Err(Error::out_of_range("a trajectory to be shown", "empty", "of at least one record"));
         }
         Ok(Self {
             trajectories,

@@ -165,7 +165,7 @@ fn modified_assets_are_uploaded_once() {
 fn geoms_of_the_program_are_shown_until_removed() {
     let (mut window, mut handle, mut data) = squatting();
     let before = newest(&mut window).scene.ngeom();
-    handle.geoms_mut().push(NewGeom::sphere(0.1).label("goal").unwrap());
+    handle.geoms_mut().push(NewGeom::sphere(0.1).with_label("goal").unwrap());
     for _ in 0..3 {
         handle.sync(&mut data).unwrap();
         let scene = &newest(&mut window).scene;

@@ -10,7 +10,7 @@ use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
 use crate::viewer::link::{Event, Snapshot};
 use crate::viewer::panel::{PanelContext, Panels, WindowStatus, has_place_for_sides, limited_scale, side_widths};
-#[cfg(feature = "test-hooks")]
+#[cfg(feature = "_test-hooks")]
 use crate::viewer::test_hooks;
 use crate::viewer::view::View;
 
@@ -40,7 +40,7 @@ impl Session {
         if self.closed {
             return Ok(());
         }
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         {
             test_hooks::wait_while_held();
             test_hooks::panic_if_requested(&self.options.title);
@@ -159,7 +159,7 @@ impl Session {
         let scene_changed = self.renderer.draw(&gpu, snapshot, &view.camera, self.surface.format(), area.size)?;
         self.update_panels();
         self.repaint(&texture.texture, area, scene_changed)?;
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         if let (Some(snapshot), Some(view)) = (self.link.current(), &self.view) {
             test_hooks::record(test_hooks::Frame {
                 snapshot,
@@ -195,7 +195,7 @@ impl Session {
             parts[1] = columns[1];
         }
         let parts: Vec<PixelRect> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         test_hooks::count_repainted(parts.iter().map(|part| part.pixels()).sum());
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         let mut commands = Vec::new();
@@ -228,7 +228,7 @@ impl Session {
         let gpu = self.surface.gpu().clone();
         let now = Instant::now();
         self.scheduler.pass_started(now);
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         test_hooks::count_pass();
         self.panels_stale = false;
         let status = self.status(&gpu);
@@ -238,7 +238,7 @@ impl Session {
         self.shown = Some(PanelContent { snapshot: (snapshot.generation, snapshot.number), view: before.clone() });
         let pass = self.overlay.run(&self.window, |ui| {
             actions.clear();
-            #[cfg(feature = "test-hooks")]
+            #[cfg(feature = "_test-hooks")]
             test_hooks::clear_widgets();
             let mut cx =
                 PanelContext { snapshot, view, predicted: &self.predicted, status: &status, actions: &mut actions };

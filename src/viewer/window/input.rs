@@ -85,7 +85,7 @@ impl Session {
             return;
         }
         let Some(key) = translate_key(event) else { return };
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::count_marker(key);
         let press = KeyPress { key, modifiers: viewer_modifiers(self.modifiers), repeat: event.repeat };
         match find_action(press, self.mode()) {
@@ -136,7 +136,7 @@ impl Session {
             WindowAction::Resize(size) => self.resize(size),
             WindowAction::DefaultSize => {
                 if let Some(size) = self.options.size {
-                    self.resize(size);
+                    self.resize(size.map(|length| length as u32));
                 }
             }
             WindowAction::FullScreen => {

@@ -21,7 +21,7 @@ impl ModelLoader {
         let (sender, result) = mpsc::channel();
         let file = path.to_owned();
         thread::Builder::new().name("model loader".to_owned()).spawn(move || {
-            #[cfg(feature = "test-hooks")]
+            #[cfg(feature = "_test-hooks")]
             crate::viewer::test_hooks::wait_while_loading_is_held();
             let is_binary = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mjb"));
             let model = if is_binary { Model::from_binary_path(&file) } else { Model::from_xml_path(&file) };

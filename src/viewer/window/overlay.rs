@@ -143,7 +143,7 @@ impl Overlay {
 
     /// Returns the rectangles of the panels with these names, from the upper left to the lower
     /// right corner, in pixels.
-    #[cfg(feature = "test-hooks")]
+    #[cfg(feature = "_test-hooks")]
     pub fn panel_rects(&self, names: &[&'static str]) -> Vec<(&'static str, [[f32; 2]; 2])> {
         let scale = self.context.pixels_per_point();
         let rect = |name: &&'static str| {
@@ -226,7 +226,7 @@ impl Overlay {
         self.input.handle_platform_output(window, output.platform_output);
         let scale = output.pixels_per_point;
         let theme = std::mem::replace(&mut self.theme, self.context.theme());
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::set_texts(&output.shapes, scale);
         let changes = if (scale, self.theme) == (self.scale, theme) {
             changed_rects(&self.shapes, &output.shapes)

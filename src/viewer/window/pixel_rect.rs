@@ -26,7 +26,7 @@ impl PixelRect {
     }
 
     /// Returns the number of pixels.
-    #[cfg(feature = "test-hooks")]
+    #[cfg(feature = "_test-hooks")]
     pub fn pixels(self) -> u64 {
         u64::from(self.size[0]) * u64::from(self.size[1])
     }

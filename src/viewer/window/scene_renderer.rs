@@ -30,12 +30,8 @@ impl SceneRenderer {
         (self.renderer, self.drawn) = (None, None);
     }
 
-    fn renderer(
-        &mut self,
-        gpu: &Gpu,
-        snapshot: &Snapshot,
-        [width, height]: [u32; 2],
-    ) -> Result<&mut Renderer, RenderError> {
+    fn renderer(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&mut Renderer, RenderError> {
+        let [width, height] = size.map(|length| length as usize);
         let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
         let renderer = match kept {
             Some((_, renderer)) => renderer,
@@ -83,7 +79,7 @@ impl SceneRenderer {
             self.drawn = drawn;
             return Ok(false);
         }
-        #[cfg(feature = "test-hooks")]
+        #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::count_scene();
         let image = match drawn {
             Some((_, image)) => image,
@@ -108,8 +104,9 @@ impl SceneRenderer {
         // Reuses the memory of the last image.
         let mut picture = std::mem::take(&mut self.picture);
         let renderer = self.renderer(gpu, snapshot, size)?;
-        if renderer.size() != size {
-            renderer.resize(size[0], size[1])?;
+        let [width, height] = size.map(|length| length as usize);
+        if renderer.size() != [width, height] {
+            renderer.resize(width, height)?;
         }
         let drawn = renderer.rgb_into(&snapshot.scene, &mut picture);
         self.picture = picture;

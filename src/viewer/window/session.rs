@@ -116,7 +116,8 @@ impl Session {
         let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
         let two_thirds = |size: PhysicalSize<u32>| [2 * size.width / 3, 2 * size.height / 3];
         let default = monitor.as_ref().map(|monitor| two_thirds(monitor.size())).filter(|size| !size.contains(&0));
-        let size = *options.size.get_or_insert(default.unwrap_or(DEFAULT_SIZE));
+        let size = *options.size.get_or_insert(default.unwrap_or(DEFAULT_SIZE).map(|length| length as usize));
+        let size = size.map(|length| length as u32);
         let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz()).map(|rate| f64::from(rate) / 1000.0);
 
         let attributes =

@@ -146,7 +146,9 @@ fn an_uncontrollable_mode_is_found_in_matrices_by_differences() {
                     assert!(distance <= 1e-7 + 10.0 * error, "{distance:e}");
                 }
                 // The error gives the control an effect.
-                Ok(solution) => assert!(error > 0.0 && solution.k.amax() > 10.0, "{error:e}: {:?}", solution.k),
+                Ok(solution) => {
+                    assert!(error > 0.0 && solution.k.to_nalgebra().amax() > 10.0, "{error:e}: {:?}", solution.k);
+                }
                 Err(failure) => panic!("{error:e}, {seed}: {failure}"),
             }
         }

@@ -15,6 +15,7 @@ mod failures;
 mod solutions;
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiSolution};
+use mujoco_safe::matrix::StridedView;
 use nalgebra::{DMatrix, DMatrixView, Dyn, Matrix1};
 
 /// A linear congruential generator of numbers between -1 and 1.
@@ -77,8 +78,9 @@ fn assert_close(got: f64, expected: f64, relative: f64) {
 }
 
 #[track_caller]
-fn assert_close_matrix(got: &DMatrix<f64>, expected: &DMatrix<f64>, relative: f64) {
-    let difference = (got - expected).norm();
+fn assert_close_matrix<'a>(got: impl Into<StridedView<'a>>, expected: impl Into<StridedView<'a>>, relative: f64) {
+    let (got, expected) = (got.into().to_matrix().to_nalgebra(), expected.into().to_matrix().to_nalgebra());
+    let difference = (&got - &expected).norm();
     assert!(
         difference <= relative * expected.norm(),
         "differs by {difference:e} from one of norm {:e}: {got} {expected}",
@@ -96,7 +98,7 @@ fn assert_solves(
     r: &DMatrix<f64>,
     s: &DMatrix<f64>,
 ) {
-    let RiccatiSolution { p, k, .. } = solution;
+    let (p, k) = (&solution.p.to_nalgebra(), &solution.k.to_nalgebra());
     assert_eq!(p, &p.transpose());
     let least = p.clone().symmetric_eigenvalues().min();
     assert!(least >= -1e-12 * p.norm(), "an eigenvalue of P is {least:e}");

@@ -16,9 +16,9 @@ fn a_scalar_equation_has_the_root_of_its_quadratic() {
                 for r in [1e-4, 1.0, 100.0] {
                     let p = scalar_solution(a, b, q, r);
                     let solution = scalar(a, b, q, r).unwrap_or_else(|error| panic!("{a} {b} {q} {r}: {error}"));
-                    assert_close(solution.p[0], p, 1e-8);
+                    assert_close(solution.p[(0, 0)], p, 1e-8);
                     let k = a * b * p / (r + b * b * p);
-                    assert!((solution.k[0] - k).abs() <= 1e-8 * k.abs());
+                    assert!((solution.k[(0, 0)] - k).abs() <= 1e-8 * k.abs());
                     assert!((solution.spectral_radius - (a - b * k).abs()).abs() < 1e-10);
                 }
             }
@@ -76,7 +76,7 @@ fn the_cart_pole_has_the_gain_of_the_reference() {
     let k = [-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
     let diagonal = [180.2819066017, 2907.909272519, 166.5472641831, 37.13361185153];
     for index in 0..4 {
-        assert_close(solution.k[index], k[index], 1e-11);
+        assert_close(solution.k[(0, index)], k[index], 1e-11);
         assert_close(solution.p[(index, index)], diagonal[index], 1e-11);
     }
     assert_close(solution.spectral_radius, 0.9897460625077, 1e-11);
@@ -113,7 +113,7 @@ fn a_cross_term_equals_a_substitution_of_the_control() {
         let changed = Riccati::new(&changed_a, &b, &changed_q, &r).with_cross_term(&s).solve().unwrap();
         assert_solves(&changed, &changed_a, &b, &changed_q, &r, &s);
         assert_close_matrix(&changed.p, &plain.p, 1e-10);
-        assert_close_matrix(&(changed.k + f), &plain.k, 1e-10);
+        assert_close_matrix(&(changed.k.to_nalgebra() + f), &plain.k, 1e-10);
     }
 }
 
@@ -126,11 +126,11 @@ fn the_solution_is_the_cost_of_the_closed_loop() {
     let start = DVector::from_fn(6, |_, _| generator.number());
     let (mut x, mut cost) = (start.clone(), 0.0);
     for _ in 0..2_000 {
-        let u = -(&solution.k * &x);
+        let u = -(solution.k.to_nalgebra() * &x);
         cost += x.dot(&(&q * &x)) + u.dot(&(&r * &u)) + 2.0 * x.dot(&(&s * &u));
         x = &a * &x + &b * &u;
     }
-    assert_close(start.dot(&(&solution.p * &start)), cost, 1e-10);
+    assert_close(start.dot(&(solution.p.to_nalgebra() * &start)), cost, 1e-10);
 }
 
 #[test]
@@ -169,8 +169,8 @@ fn the_solution_is_invariant_to_units_of_the_states() {
     let units = DVector::from_fn(14, |index, _| 10.0_f64.powi(i32::try_from(index).unwrap() % 7 - 3));
     let (to, from) = (DMatrix::from_diagonal(&units), DMatrix::from_diagonal(&units.map(f64::recip)));
     let scaled = solve(&(&to * a * &from), &(&to * b), &(&from * q * &from), &r).unwrap();
-    assert_close_matrix(&(&to * scaled.p * &to), &plain.p, 1e-8);
-    assert_close_matrix(&(scaled.k * &to), &plain.k, 1e-8);
+    assert_close_matrix(&(&to * scaled.p.to_nalgebra() * &to), &plain.p, 1e-8);
+    assert_close_matrix(&(scaled.k.to_nalgebra() * &to), &plain.k, 1e-8);
     assert_close(scaled.spectral_radius, plain.spectral_radius, 1e-8);
 }
 
@@ -179,7 +179,7 @@ fn an_unweighted_unstable_mode_is_stabilised() {
     // P = 0 solves the equation too, but does not stabilise the mode.
     for (a, b, r) in [(2.0, 1.0, 1.0), (-1.1, 3.0, 0.1), (1e3, 1e-2, 1.0)] {
         let solution = scalar(a, b, 0.0, r).unwrap();
-        assert_close(solution.p[0], (a * a - 1.0) * r / (b * b), 1e-12);
+        assert_close(solution.p[(0, 0)], (a * a - 1.0) * r / (b * b), 1e-12);
         assert!((solution.spectral_radius - 1.0 / a.abs()).abs() < 1e-12);
     }
     // The two unstable modes do not couple to the third state, which alone has a cost.

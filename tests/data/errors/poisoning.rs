@@ -58,7 +58,7 @@ const WRITING: [Call; 20] = [
     ("inverse_fd", |data| data.inverse_fd(1e-6, InverseForce::Total).map(drop)),
     ("rne", |data| data.rne_into(Accelerations::Present, &mut vec![0.0; data.model().nv()])),
     ("jac_subtree_com", |data| data.jac_subtree_com(body(data)).map(drop)),
-    ("jac_point_axis", |data| data.jac_point_axis(body(data), [0.0; 3], [1.0, 0.0, 0.0]).map(drop)),
+    ("jac_point_axis", |data| data.jac_point_axis([0.0; 3], [1.0, 0.0, 0.0], body(data)).map(drop)),
     ("apply_ft", |data| {
         let mut target = vec![0.0; data.model().nv()];
         data.apply_ft([1.0; 3], [0.0; 3], [0.0; 3], body(data), &mut target)
@@ -171,7 +171,7 @@ fn an_engine_error_in_a_call_that_only_reads_leaves_the_data_usable_and_unchange
     perturbation.select = Some(body(&data));
     let failed = [
         perturbation.start(&mut data, &scene),
-        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.1]),
+        perturbation.move_by(&data, MouseAction::MoveV, [0.1, 0.1], &scene),
         scene.select(&data, &SceneOptions::default(), 1.0, [0.5, 0.5]).map(drop),
     ];
     for result in failed {

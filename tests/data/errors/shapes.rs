@@ -5,7 +5,6 @@ use mujoco_safe::{
     Controller, Data, Differences, Error, Lqr, LqrWeights, Matrix, Model, PdController, Result, StateSpace, StateSpec,
     Trajectory, sample,
 };
-use nalgebra::DMatrix;
 
 use super::text_of;
 
@@ -79,11 +78,11 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     assert_shape_error(data.solve_m_into(&numbers(2 * nv + 1), &mut numbers(2 * nv)), "");
 
     let wanted = (3, nv);
-    data.jac_into(body, [0.0; 3], Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
+    data.jac_into([0.0; 3], body, Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
     for wrong in shapes(wanted) {
         let text = format!("(3, {nv})");
-        assert_shape_error(data.jac_into(body, [0.0; 3], Some(&mut full(wrong)), None), &text);
-        assert_shape_error(data.jac_into(body, [0.0; 3], None, Some(&mut full(wrong))), &text);
+        assert_shape_error(data.jac_into([0.0; 3], body, Some(&mut full(wrong)), None), &text);
+        assert_shape_error(data.jac_into([0.0; 3], body, None, Some(&mut full(wrong))), &text);
         assert_shape_error(data.jac_body_into(body, Some(&mut full(wrong)), None), &text);
         assert_shape_error(data.jac_body_com_into(body, None, Some(&mut full(wrong))), &text);
         assert_shape_error(data.jac_geom_into(geom, Some(&mut full(wanted)), Some(&mut full(wrong))), &text);
@@ -143,14 +142,14 @@ fn a_wrong_shape_of_a_linearisation_is_an_error() {
 #[test]
 fn weights_of_wrong_shapes_are_errors() {
     let mut data = Data::new(sample::cartpole()).unwrap();
-    let good = || LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let good = || LqrWeights::new(Matrix::identity(4), Matrix::identity(1));
     Lqr::at_present_state(&mut data, &good()).unwrap();
     for wrong in [
-        LqrWeights { q: DMatrix::identity(3, 3), ..good() },
-        LqrWeights { r: DMatrix::identity(2, 2), ..good() },
-        LqrWeights { s: Some(DMatrix::zeros(1, 4)), ..good() },
-        LqrWeights { r: -DMatrix::identity(1, 1), ..good() },
-        LqrWeights { q: DMatrix::from_element(4, 4, f64::NAN), ..good() },
+        LqrWeights { q: Matrix::identity(3), ..good() },
+        LqrWeights { r: Matrix::identity(2), ..good() },
+        LqrWeights { s: Some(Matrix::zeros(1, 4)), ..good() },
+        LqrWeights { r: Matrix::from_diagonal(&[-1.0]), ..good() },
+        LqrWeights { q: Matrix::from_row_major(4, 4, vec![f64::NAN; 16]), ..good() },
     ] {
         text_of(Lqr::at_present_state(&mut data, &wrong), &["there is no regulator"]);
     }

@@ -111,7 +111,7 @@ fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
         data.transition_fd(1e-6, Differences::Forward).map(drop),
         data.jac_body(body).map(drop),
         data.jac_body_com(body).map(drop),
-        data.jac(body, [0.0; 3]).map(drop),
+        data.jac([0.0; 3], body).map(drop),
         data.jac_subtree_com(body).map(drop),
         data.full_m().map(drop),
         data.mul_m_into(&vector, &mut result),

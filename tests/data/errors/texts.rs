@@ -34,7 +34,7 @@ fn errors_of_rollouts_and_of_the_riccati_equation_print_their_texts() {
     assert_debug_is_display(error.solver::<RiccatiError>().unwrap());
 
     let states = [f64::NAN, 0.0, 0.0, 0.0];
-    let result = Rollout::new(sample::cartpole(), 1, 1).initial_state(StateSpec::PHYSICS, &states).run().unwrap();
+    let result = Rollout::new(sample::cartpole(), 1, 1).with_initial_state(StateSpec::PHYSICS, &states).run().unwrap();
     let error = result.outcomes()[0].as_ref().unwrap_err();
     assert_debug_is_display(error);
     assert!(format!("{error:?}").starts_with("step 0: the simulation is unstable"), "{error:?}");

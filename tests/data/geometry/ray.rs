@@ -20,13 +20,13 @@ fn a_ray_without_a_direction_is_an_error() {
         let skin = ray_skin(&[], &[], &[0.0; 3], &direction);
         assert!(matches!(skin, Err(Error::Invalid { .. })), "{direction:?}");
         let mut hits = [None; 1];
-        assert!(data.multi_ray_into([0.0; 3], &[direction], 1.0, &any(), &mut hits).is_err());
+        assert!(data.multi_ray_into([0.0; 3], &[direction], &any(), 1.0, &mut hits).is_err());
     }
     assert!(matches!(data.ray([nan, 0.0, 0.0], [1.0, 0.0, 0.0], &any()), Err(Error::Invalid { .. })));
     let mut hits = [None; 2];
     let one = [[0.0, 0.0, -1.0]];
-    assert!(matches!(data.multi_ray_into([0.0; 3], &one, 1.0, &any(), &mut hits), Err(Error::Shape { .. })));
-    assert!(matches!(data.multi_ray_into([0.0; 3], &one, nan, &any(), &mut hits[..1]), Err(Error::Invalid { .. })));
+    assert!(matches!(data.multi_ray_into([0.0; 3], &one, &any(), 1.0, &mut hits), Err(Error::Shape { .. })));
+    assert!(matches!(data.multi_ray_into([0.0; 3], &one, &any(), nan, &mut hits[..1]), Err(Error::Invalid { .. })));
 }
 
 #[test]

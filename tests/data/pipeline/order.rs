@@ -44,10 +44,10 @@ fn more() -> Vec<Part> {
         data.forward_skip(stage, sensors)
     }
     vec![
-        ("skip nothing", |data| skip(data, Stage::Nothing, SensorUpdate::Skip)),
+        ("skip nothing", |data| skip(data, Stage::None, SensorUpdate::Skip)),
         ("skip positions", |data| skip(data, Stage::Position, SensorUpdate::Compute)),
         ("skip velocities", |data| skip(data, Stage::Velocity, SensorUpdate::Skip)),
-        ("inverse, skip nothing", |data| data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)),
+        ("inverse, skip nothing", |data| data.inverse_skip(Stage::None, SensorUpdate::Skip)),
         ("inverse, skip positions", |data| data.inverse_skip(Stage::Position, SensorUpdate::Compute)),
         ("inverse, skip velocities", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Skip)),
         ("full_m", |data| data.full_m().map(drop)),
@@ -172,7 +172,7 @@ fn stages_in_order_equal_forward_dynamics() {
         }
         let mut parts = whole.clone();
         parts.edit_model(|_| ()).unwrap(); // which discards computed results
-        assert_eq!(parts.stage(), Stage::Nothing);
+        assert_eq!(parts.stage(), Stage::None);
         let mut stepped = whole.clone();
         whole.forward().unwrap();
         for (part, compute) in IN_ORDER {

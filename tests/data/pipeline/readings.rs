@@ -131,7 +131,7 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
 fn require_succeeds_exactly_for_computed_results() {
     let mut data = Data::new(model()).unwrap();
     let met = |data: &Data| {
-        [Stage::Nothing, Stage::Position, Stage::Velocity, Stage::Acceleration].map(|stage| data.require(stage).is_ok())
+        [Stage::None, Stage::Position, Stage::Velocity, Stage::Acceleration].map(|stage| data.require(stage).is_ok())
     };
     assert_eq!(met(&data), [true, false, false, false]);
     data.fwd_position().unwrap();
@@ -150,7 +150,7 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
         let mut data = Data::new(model()).unwrap();
         data.edit_model(|model| model.edit_options(|options| options.integrator = integrator)).unwrap();
         let mut calls = 0;
-        let control = Callbacks::new().control(|context| {
+        let control = Callbacks::new().with_control(|context| {
             assert_eq!(computed(context), [true, true, false], "the acceleration is not computed yet");
             let position = context.sensor("position").unwrap().data().unwrap()[0];
             context.ctrl_mut()[0] = -position;
@@ -190,7 +190,7 @@ const CALLS: [Call; 19] = [
     },
     |data, number| {
         data.qpos_mut()[0] = number;
-        data.forward_skip(Stage::Nothing, sensors(number))
+        data.forward_skip(Stage::None, sensors(number))
     },
     |data, number| {
         data.qvel_mut()[0] = number;

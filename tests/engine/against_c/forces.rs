@@ -170,15 +170,15 @@ fn forces_on_bodies_and_points_equal_c() {
             let quat = [numbers[9], numbers[10], numbers[11], numbers[12]];
             let (mut xpos, mut xmat) = ([0.0; 3], [0.0; 9]);
             c!(mj_local2Global(d, xpos.as_mut_ptr(), xmat.as_mut_ptr(), point.as_ptr(), quat.as_ptr(), id, 0));
-            let (pos, mat) = twins.ours.local_to_global(body, point, quat).unwrap();
+            let (pos, mat) = twins.ours.local_to_global(point, quat, body).unwrap();
             assert_same(&twins.name, &pos, &xpos);
-            assert_same(&twins.name, mat.as_flattened(), &xmat);
+            assert_same(&twins.name, &mat, &xmat);
 
             let [axis, point] = [force, torque];
             let mut theirs = [vec![0.0; 3 * nv], vec![0.0; 3 * nv]];
             let [jac_point, jac_axis] = theirs.each_mut().map(|matrix| matrix.as_mut_ptr());
             c!(mj_jacPointAxis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), id));
-            let ours = twins.ours.jac_point_axis(body, point, axis).unwrap();
+            let ours = twins.ours.jac_point_axis(point, axis, body).unwrap();
             assert_same(&twins.name, ours[0].as_slice(), &theirs[0]);
             assert_same(&twins.name, ours[1].as_slice(), &theirs[1]);
         }

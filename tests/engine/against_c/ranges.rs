@@ -45,7 +45,7 @@ fn length_ranges_equal_c() {
         for index in 0..2 {
             let mut model = original.clone();
             let options = LengthRangeOptions::default().with_mode(mode).with_maxforce(maxforce).with_uselimit(uselimit);
-            let id = model.id_at(index).unwrap();
+            let id = model.id(index).unwrap();
             let ours = model.edit().set_length_range(id, &options).expect("the length range converges");
 
             if uselimit && index == 1 {

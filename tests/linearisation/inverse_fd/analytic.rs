@@ -263,7 +263,7 @@ fn callbacks_are_called_on_the_simulation_itself() {
     let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let stiffness = 7.0;
     let callbacks = mujoco_safe::callback::Callbacks::new()
-        .passive(|context| context.qfrc_passive_mut()[0] -= stiffness * context.qpos()[0]);
+        .with_passive(|context| context.qfrc_passive_mut()[0] -= stiffness * context.qpos()[0]);
     let (found, report) =
         data.with_callbacks(callbacks, |data| lineariser.inverse_jacobians(data, InverseForce::Total)).unwrap();
     assert_eq!((report.method, report.fallback), (TransitionMethod::Engine, Some(Fallback::Callbacks)));

@@ -287,7 +287,7 @@ fn linearisations_include_callbacks() {
     let mut data = cartpole();
     data.ctrl_mut()[0] = -0.5 * data.qpos()[1];
     let before = data.state(StateSpec::INTEGRATION);
-    let feedback = Callbacks::new().control(|context| context.ctrl_mut()[0] = -0.5 * context.qpos()[1]);
+    let feedback = Callbacks::new().with_control(|context| context.ctrl_mut()[0] = -0.5 * context.qpos()[1]);
     let mut transition = workspace(&data, TransitionOptions::default());
     let (system, used) = data.with_callbacks(feedback, |data| transition.linear_system(data)).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Engine, Some(Fallback::Callbacks)));

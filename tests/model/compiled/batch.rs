@@ -47,7 +47,7 @@ fn campaign(first_seed: u64, rows: usize) -> [usize; 2] {
         let model = Arc::new(model);
         let parameter = parameter(&model, &mut random);
         let parameters = Parameters::new().with(&model, parameter, Distribution::Unchanged).unwrap();
-        let mut batch = Batch::new(&model, 3).unwrap().vary(parameters).unwrap();
+        let mut batch = Batch::new(&model, 3).unwrap().with_parameters(parameters).unwrap();
         for row in 0..3 {
             let value = random.random_range(0.05..1.5);
             let written = batch.set_parameters(|index| index == row, |_, values| values[0] = value);
@@ -131,7 +131,8 @@ fn compiled_campaign(rows: usize) {
         Parameter::ActuatorGear(motor),
     ];
     let with = |all: Parameters, parameter| all.with(&model, parameter, Distribution::Unchanged).unwrap();
-    let mut batch = Batch::new(&model, 1).unwrap().vary(list.into_iter().fold(Parameters::new(), with)).unwrap();
+    let mut batch =
+        Batch::new(&model, 1).unwrap().with_parameters(list.into_iter().fold(Parameters::new(), with)).unwrap();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(rows as u64);
     let mut usual_end = Vec::new();
     for row in 0..rows {

@@ -2,7 +2,7 @@
 
 use mujoco_safe::enums::{GeomType, JointType, SensorType, TextureType};
 use mujoco_safe::kind::Kind;
-use mujoco_safe::spec::{ActuatorElement, Spec, TexturePattern};
+use mujoco_safe::spec::{ActuatorElement, SensorFrame, Spec, TexturePattern};
 use mujoco_safe::{Error, Model};
 
 use super::same;
@@ -42,7 +42,7 @@ fn a_model_built_in_code_equals_its_text() {
     spec.add_actuator(ActuatorElement::Motor).set_name("torque").set_joint(elbow).set_gear(&[10.0]);
     spec.add_actuator(ActuatorElement::Position).set_name("servo").set_tendon("cord").set_kp(5.0);
     spec.add_sensor(SensorType::JointPosition).unwrap().set_name("angle").set_joint(elbow);
-    spec.add_sensor(SensorType::FramePosition).unwrap().set_objtype("site").set_objname("tip");
+    spec.add_sensor(SensorType::FramePosition).unwrap().set_objtype(SensorFrame::Site).set_objname("tip");
     spec.add_exclude().set_body1(upper).set_body2(lower);
     spec.add_connect().set_body1(lower).set_anchor([0.2, 0.0, 0.0]).set_active(false);
     spec.add_numeric().set_name("gains").set_data(&[1.0, 0.25]);

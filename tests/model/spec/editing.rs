@@ -70,7 +70,7 @@ fn removing_a_class_or_a_material_keeps_the_elements_that_have_it() {
          <worldbody childclass='c'><geom name='g' class='c' material='m' size='.1'/>
            <body childclass='c'><geom material='m' size='.2'/></body></worldbody></mujoco>",
     );
-    let class = spec.default_mut("c", "geom").unwrap().as_ref().parent().unwrap();
+    let class = spec.default_mut("c", "geom").unwrap().view().parent().unwrap();
     assert!(spec.remove(class).is_err());
     let [material, texture] = [spec.material("m").unwrap().id().any(), spec.texture("t").unwrap().id().any()];
     for id in [class, texture] {

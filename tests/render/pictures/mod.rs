@@ -64,7 +64,7 @@ fn engines(setting: &Setting) -> RgbImage {
 }
 
 fn ours(data: &Data, scene: &Scene, options: RendererOptions) -> RgbImage {
-    let mut renderer = Renderer::on(stage::gpu(), data.model(), WIDTH as u32, HEIGHT as u32, options).unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), WIDTH, HEIGHT, options).unwrap();
     renderer.rgb(scene).unwrap()
 }
 

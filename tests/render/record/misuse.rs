@@ -37,7 +37,7 @@ fn creating_a_recorder_with_an_unwritable_file_names_the_file() {
     let error = Recorder::create(folder.path().join("file/frames"), RecorderOptions::default()).unwrap_err();
     assert!(error.to_string().contains("file/frames"), "{error}");
     let error = Recorder::create(folder.path().join("walk.jpg"), RecorderOptions::default()).unwrap_err();
-    assert!(matches!(&error, Error::Recording { path, .. } if path.ends_with("walk.jpg")), "{error}");
+    assert!(matches!(&error, Error::Save { path, .. } if path.ends_with("walk.jpg")), "{error}");
 }
 
 #[test]

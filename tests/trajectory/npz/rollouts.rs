@@ -17,13 +17,13 @@ fn assert_array(path: &Path, name: &str, shape: &str, values: &[f64]) {
 /// Returns four rollouts of ten steps, of which number 2 fails in step 3.
 fn with_a_failure() -> RolloutResult {
     Rollout::new(sample::cartpole(), 4, 10)
-        .controllers(|index| {
+        .with_controllers(|index| {
             move |data: &mut Data| {
                 let fails = index == 2 && data.time() > 0.025;
                 data.ctrl_mut()[0] = if fails { f64::NAN } else { 0.1 * index as f64 };
             }
         })
-        .outputs(1, |data, row| row[0] = data.time())
+        .with_outputs(1, |data, row| row[0] = data.time())
         .run()
         .unwrap()
 }
@@ -36,9 +36,9 @@ fn all_results_of_rollouts_are_saved_bit_for_bit() {
     let model = Model::from_xml_path(model).unwrap();
     let (nstate, nsensordata) = (model.state_size(StateSpec::INTEGRATION), model.nsensordata());
     let result = Rollout::new(model, 3, 7)
-        .controllers(|index| RandomController::new(index as u64))
-        .record(StateSpec::INTEGRATION)
-        .outputs(2, |data, row| row.copy_from_slice(&[data.time(), data.energy()[0]]))
+        .with_controllers(|index| RandomController::new(index as u64))
+        .with_recorded_states(StateSpec::INTEGRATION)
+        .with_outputs(2, |data, row| row.copy_from_slice(&[data.time(), data.energy()[0]]))
         .run()
         .unwrap();
     result.save_npz(&path).unwrap();

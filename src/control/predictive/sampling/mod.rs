@@ -104,7 +104,7 @@ impl SamplingPlanner {
     pub fn new(model: impl IntoModel, horizon: usize, options: SamplingOptions) -> Result<Self> {
         let model = model.into_model();
         if horizon == 0 {
-            return Err(Error::invalid("the horizon of a SamplingPlanner", 0, "at least 1 step"));
+            return Err(Error::out_of_range("the horizon of a SamplingPlanner", 0, "at least 1 step"));
         }
         options.check()?;
         let (nx, nu, _) = derivative::sizes(&model);

@@ -57,16 +57,16 @@ impl SamplingOptions {
             ("the number of deviations", self.deviations.len()),
         ] {
             if number == 0 {
-                return Err(Error::invalid(format!("{name} of SamplingOptions"), number, "at least 1"));
+                return Err(Error::out_of_range(format!("{name} of SamplingOptions"), number, "at least 1"));
             }
         }
         let is_valid = |number: f64| number.is_finite() && number >= 0.0;
         if let Some(deviation) = self.deviations.iter().find(|&&deviation| !is_valid(deviation)) {
-            return Err(Error::invalid("a deviation of SamplingOptions", deviation, "finite and not negative"));
+            return Err(Error::out_of_range("a deviation of SamplingOptions", deviation, "finite and not negative"));
         }
         if !is_valid(self.temperature) {
             let found = self.temperature;
-            return Err(Error::invalid("temperature of SamplingOptions", found, "finite and not negative"));
+            return Err(Error::out_of_range("temperature of SamplingOptions", found, "finite and not negative"));
         }
         Ok(())
     }

@@ -105,7 +105,10 @@ pub(super) const CALLS: &[(&str, Call)] = &[("Batch against simulations", |scene
         Distribution::Unchanged,
     )?;
     let (count, substeps) = (1 + bytes.below(3), bytes.below(3));
-    let mut batch = Batch::new(&model, count)?.substeps(substeps).chunk(1 + bytes.below(3)).vary(parameters)?;
+    let mut batch = Batch::new(&model, count)?
+        .with_substeps(substeps)
+        .with_chunk(1 + bytes.below(3))
+        .with_parameters(parameters)?;
     let mut all = Vec::new();
     for row in batch.parameters().rows() {
         all.push(Alone::new(&model, [row[0], row[1]])?);

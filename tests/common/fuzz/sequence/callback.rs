@@ -58,9 +58,9 @@ impl Closure {
             3 => {
                 let number = bytes.number();
                 let callbacks = Callbacks::new()
-                    .control(move |context| context.ctrl_mut().fill(number))
-                    .actuator_gain(move |_, _| number)
-                    .contact_filter(|_, _, collides| !collides);
+                    .with_control(move |context| context.ctrl_mut().fill(number))
+                    .with_actuator_gain(move |_, _| number)
+                    .with_contact_filter(|_, _, collides| !collides);
                 let Some(own) = &mut self.own else { return Ok(()) };
                 if bytes.once_in(2) {
                     own.set_callbacks(callbacks);
@@ -97,7 +97,7 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
             .then(|| Closure::new(bytes, other.filter(|_| kind < 3).and_then(|data| data.try_clone().ok())))
     };
     if let Some(mut closure) = closure(0) {
-        callbacks = callbacks.control(move |context| {
+        callbacks = callbacks.with_control(move |context| {
             // A context dereferences to its data, which must not be borrowed while it is written
             // to.
             let mut value = None;
@@ -112,14 +112,14 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
         });
     }
     if let Some(mut closure) = closure(1) {
-        callbacks = callbacks.passive(move |context| {
+        callbacks = callbacks.with_passive(move |context| {
             let number = closure.act(context, |_| ());
             context.qfrc_passive_mut().iter_mut().step_by(2).for_each(|force| *force += number);
             context.userdata_mut().fill(number);
         });
     }
     if let Some(mut closure) = closure(2) {
-        callbacks = callbacks.sensor(move |context| {
+        callbacks = callbacks.with_sensor(move |context| {
             let mut index = 0;
             let number = closure.act(context, |bytes| index = bytes.index(context.model().nsensor()));
             if number > 0.0 {
@@ -131,23 +131,23 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
         });
     }
     if let Some(mut closure) = closure(3) {
-        callbacks = callbacks.contact_filter(move |data, [one, other], collides| {
+        callbacks = callbacks.with_contact_filter(move |data, [one, other], collides| {
             assert_ne!(data.geom(one).index(), data.geom(other).index());
             (closure.act(data, |_| ()) > 0.0) ^ collides
         });
     }
     if let Some(mut closure) = closure(4) {
-        callbacks = callbacks.actuator_dynamics(move |data, actuator| {
+        callbacks = callbacks.with_actuator_dynamics(move |data, actuator| {
             closure.act(data, |_| ()) + data.model().actuator(actuator).dynprm()[0]
         });
     }
     if let Some(mut closure) = closure(5) {
-        callbacks =
-            callbacks.actuator_gain(move |data, actuator| closure.act(data, |_| ()) * data.actuator(actuator).ctrl());
+        callbacks = callbacks
+            .with_actuator_gain(move |data, actuator| closure.act(data, |_| ()) * data.actuator(actuator).ctrl());
     }
     if let Some(mut closure) = closure(6) {
-        callbacks =
-            callbacks.actuator_bias(move |data, actuator| closure.act(data, |_| ()) + data.actuator(actuator).length());
+        callbacks = callbacks
+            .with_actuator_bias(move |data, actuator| closure.act(data, |_| ()) + data.actuator(actuator).length());
     }
     callbacks
 }

@@ -109,12 +109,12 @@ fn step<T: Task + 'static>(mut environment: VectorEnvironment<T>, bytes: &mut By
 }
 
 pub(super) const CALLS: &[(&str, Call)] = &[
-    ("Batch::vary", |scene, bytes| {
+    ("Batch::with_parameters", |scene, bytes| {
         if scene.data.model().nv() >= 30 {
             return Ok(());
         }
         let parameters = parameters(scene, bytes);
-        let mut batch = Batch::new(scene.data.model().clone(), bytes.below(4))?.vary(parameters)?;
+        let mut batch = Batch::new(scene.data.model().clone(), bytes.below(4))?.with_parameters(parameters)?;
         for _ in 0..=bytes.below(6) {
             let (number, which, at) = (bytes.number(), bytes.below(4), bytes.below(5));
             let result = match bytes.below(8) {
@@ -150,7 +150,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             must_panic(|| Parameters::new().with(scene.data.model(), mass, Distribution::Unchanged));
         } else {
             let batch = Batch::new(scene.data.model().clone(), 1)?;
-            must_panic(|| batch.vary(parameters));
+            must_panic(|| batch.with_parameters(parameters));
         }
         Ok(())
     }),
@@ -169,10 +169,10 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let (count, seed) = (bytes.below(4), bytes.word());
         let mut environment = VectorEnvironment::new(scene.data.model().clone(), task, count, seed)?;
         if let Some(parameters) = parameters {
-            environment = environment.vary(parameters)?;
+            environment = environment.with_parameters(parameters)?;
         }
         if bytes.once_in(4) {
-            environment = environment.forward_after_step();
+            environment = environment.with_forward_after_step();
         }
         step(environment, bytes)
     }),

@@ -91,7 +91,8 @@ fn cost(bytes: &mut Bytes<'_>, size: usize) -> DMatrix<f64> {
 }
 
 fn weights(bytes: &mut Bytes<'_>, nx: usize, nu: usize) -> LqrWeights {
-    LqrWeights { q: cost(bytes, nx), r: cost(bytes, nu), s: bytes.once_in(3).then(|| matrix(bytes, nx, nu)) }
+    let (q, r) = (cost(bytes, nx), cost(bytes, nu));
+    LqrWeights { s: bytes.once_in(3).then(|| matrix(bytes, nx, nu).into()), ..LqrWeights::new(q, r) }
 }
 
 pub(super) const CALLS: &[(&str, Call)] = &[
@@ -123,7 +124,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     ("Lineariser::linear_system, with a callback", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, bytes| {
             let number = bytes.number();
-            let callbacks = Callbacks::new().control(move |context| context.ctrl_mut().fill(number));
+            let callbacks = Callbacks::new().with_control(move |context| context.ctrl_mut().fill(number));
             data.with_callbacks(callbacks, |data| transition.linear_system(data).map(drop))
         })
     }),
@@ -206,7 +207,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         for _ in 0..=bytes.below(4) {
             let (a, b, weights) = (matrix(bytes, n, n), matrix(bytes, n, m), weights(bytes, n, m));
             (scene.log)(&format!("  {a:?} {b:?} {weights:?}"));
-            let result = recursion.step_back(&a, &b, &weights).map(DMatrix::shape);
+            let result = recursion.step_back(&a, &b, &weights).map(Matrix::shape);
             black_box(result.err().map(|error| error.to_string()));
         }
         black_box((recursion.k().shape(), recursion.p().shape()));

@@ -58,7 +58,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.fwd_constraint()
     }),
     ("forward_skip, inverse_skip", |scene, bytes| {
-        let skip = [Stage::Nothing, Stage::Position, Stage::Velocity, Stage::Acceleration][bytes.below(4)];
+        let skip = [Stage::None, Stage::Position, Stage::Velocity, Stage::Acceleration][bytes.below(4)];
         let sensors = bytes.either(SensorUpdate::Skip, SensorUpdate::Compute);
         if bytes.once_in(2) { scene.data.forward_skip(skip, sensors) } else { scene.data.inverse_skip(skip, sensors) }
     }),

@@ -12,10 +12,10 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     ("jac_subtree_com, jac_point_axis", |scene, bytes| {
         let body = read_only::body(&scene.data, bytes)?;
         black_box(scene.data.jac_subtree_com(body)?);
-        black_box(scene.data.jac_point_axis(body, bytes.numbers(), bytes.numbers())?);
+        black_box(scene.data.jac_point_axis(bytes.numbers(), bytes.numbers(), body)?);
         let mut matrix = Matrix::zeros(3, scene.data.model().nv() + usize::from(bytes.once_in(4)));
         scene.data.jac_subtree_com_into(body, &mut matrix)?;
-        scene.data.jac_point_axis_into(body, bytes.numbers(), bytes.numbers(), None, Some(&mut matrix))
+        scene.data.jac_point_axis_into(bytes.numbers(), bytes.numbers(), body, None, Some(&mut matrix))
     }),
     ("solve_m", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m_into(b, result))),
     ("solve_m2", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m2_into(b, result))),
@@ -72,7 +72,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             2 => must_panic(|| scene.data.model().name(body).map(str::len)),
             3 => must_panic(|| scene.data.ray_mesh(geom, [0.0; 3], [1.0; 3])),
             4 => must_panic(|| scene.data.geom_distance(geom, geom, 1.0)),
-            5 => must_panic(|| scene.data.local_to_global(body, [0.0; 3], [0.0; 4])),
+            5 => must_panic(|| scene.data.local_to_global([0.0; 3], [0.0; 4], body)),
             _ => must_panic(|| scene.data.edit_model(|model| model.body_mut(body).set_mass(1.0))),
         }
         Ok(())

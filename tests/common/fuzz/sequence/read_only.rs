@@ -67,10 +67,10 @@ fn direction(bytes: &mut Bytes<'_>) -> [f64; 3] {
 const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
     ("jac_body, jac_body_com, jac", |data, bytes| {
         let body = body(data, bytes)?;
-        black_box((data.jac_body(body)?, data.jac_body_com(body)?, data.jac(body, bytes.numbers())?));
+        black_box((data.jac_body(body)?, data.jac_body_com(body)?, data.jac(bytes.numbers(), body)?));
         let nv = data.model().nv() + usize::from(bytes.once_in(8));
         let (mut translation, mut rotation) = (Matrix::zeros(3, nv), Matrix::zeros(3, data.model().nv()));
-        data.jac_into(body, bytes.numbers(), Some(&mut translation), None)?;
+        data.jac_into(bytes.numbers(), body, Some(&mut translation), None)?;
         data.jac_body_into(body, Some(&mut translation), Some(&mut rotation))?;
         data.jac_body_com_into(body, None, Some(&mut translation))
     }),
@@ -107,7 +107,7 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
         Ok(())
     }),
     ("local_to_global", |data, bytes| {
-        data.local_to_global(body(data, bytes)?, bytes.numbers(), bytes.numbers()).map(drop)
+        data.local_to_global(bytes.numbers(), bytes.numbers(), body(data, bytes)?).map(drop)
     }),
     ("ray", |data, bytes| {
         let options = ray_options(data, bytes)?;
@@ -117,7 +117,7 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
         let options = ray_options(data, bytes)?;
         let directions: Vec<_> = (0..bytes.below(5)).map(|_| direction(bytes)).collect();
         let mut hits = vec![None; directions.len() + usize::from(bytes.once_in(8))];
-        data.multi_ray_into(bytes.numbers(), &directions, bytes.number(), &options, &mut hits)
+        data.multi_ray_into(bytes.numbers(), &directions, &options, bytes.number(), &mut hits)
     }),
     ("ray_mesh, ray_hfield", |data, bytes| {
         let (mesh, field) = (

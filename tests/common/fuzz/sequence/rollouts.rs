@@ -34,26 +34,26 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let (seldom, last) = (bytes.below(4), bytes.below(6));
 
         let workers = Workers::new(model);
-        let mut rollout = Rollout::on(&workers, nroll, nstep).record(specs[1]).chunk(bytes.below(5));
+        let mut rollout = Rollout::on(&workers, nroll, nstep).with_recorded_states(specs[1]).with_chunk(bytes.below(5));
         if bytes.once_in(2) {
             rollout = if each {
-                rollout.initial_states(specs[0], &initial)
+                rollout.with_initial_states(specs[0], &initial)
             } else {
-                rollout.initial_state(specs[0], &initial)
+                rollout.with_initial_state(specs[0], &initial)
             };
         }
         rollout = match bytes.below(4) {
             0 => rollout,
-            1 if each => rollout.controls(&controls),
-            1 => rollout.shared_controls(&controls),
-            2 => rollout.controllers(|index| {
+            1 if each => rollout.with_controls(&controls),
+            1 => rollout.with_shared_controls(&controls),
+            2 => rollout.with_controllers(|index| {
                 move |data: &mut Data| {
                     data.ctrl_mut().fill(number);
                     // Other calls that a controller may make.
                     if index == seldom { data.reset() } else { Ok(()) }
                 }
             }),
-            _ => rollout.controllers(|index| {
+            _ => rollout.with_controllers(|index| {
                 move |data: &mut Data| {
                     if index != seldom {
                         return data.forward();
@@ -63,7 +63,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             }),
         };
         if bytes.once_in(3) {
-            rollout = rollout.edit_model(|index, model| {
+            rollout = rollout.with_model_edits(|index, model| {
                 if index == seldom {
                     model.body_mass_mut().fill(edited);
                     return model.update_constants();
@@ -73,14 +73,14 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             });
         }
         if bytes.once_in(2) {
-            rollout = rollout.outputs(bytes.below(3), |data, row| row.fill(data.time()));
+            rollout = rollout.with_outputs(bytes.below(3), |data, row| row.fill(data.time()));
         }
         if bytes.once_in(4) {
-            rollout = rollout.forward_after_step();
+            rollout = rollout.with_forward_after_step();
         }
         if bytes.once_in(4) {
-            rollout =
-                rollout.progress(|done| if done < last { ControlFlow::Continue(()) } else { ControlFlow::Break(()) });
+            rollout = rollout
+                .with_progress(|done| if done < last { ControlFlow::Continue(()) } else { ControlFlow::Break(()) });
         }
         let result = rollout.run()?;
         for outcome in result.outcomes() {
@@ -103,7 +103,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     ("a Rollout larger than memory", |scene, bytes| {
         let model = scene.data.model().clone();
         let (nroll, nstep) = [(TOO_MANY, 1), (1, TOO_MANY), (usize::MAX, usize::MAX)][bytes.below(3)];
-        let rollout = Rollout::new(model, nroll, nstep).record(StateSpec::TIME).outputs(TOO_MANY, |_, _| ());
+        let rollout =
+            Rollout::new(model, nroll, nstep).with_recorded_states(StateSpec::TIME).with_outputs(TOO_MANY, |_, _| ());
         assert!(rollout.run().is_err(), "memory suffices for {nroll} × {nstep}");
         // Without buffers, a single rollout of many steps would only be slow.
         assert!(nroll == 1 || rollout.run_into(RolloutBuffers::default()).is_err(), "memory suffices for {nroll}");
@@ -114,12 +115,13 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             return Ok(());
         }
         let (count, nobs) = (bytes.below(4), bytes.below(4));
-        let mut batch = Batch::new(scene.data.model().clone(), count)?.substeps(bytes.below(4)).chunk(bytes.below(4));
+        let mut batch =
+            Batch::new(scene.data.model().clone(), count)?.with_substeps(bytes.below(4)).with_chunk(bytes.below(4));
         if bytes.once_in(2) {
-            batch = batch.observe(nobs, |data, row| row.fill(data.qpos().first().copied().unwrap_or(0.0)));
+            batch = batch.with_observations(nobs, |data, row| row.fill(data.qpos().first().copied().unwrap_or(0.0)));
         }
         if bytes.once_in(4) {
-            batch = batch.forward_after_step();
+            batch = batch.with_forward_after_step();
         }
         for _ in 0..=bytes.below(4) {
             let (number, which) = (bytes.number(), bytes.below(4));

@@ -118,16 +118,18 @@ fn new_geom(data: &Data, bytes: &mut Bytes<'_>) -> Result<NewGeom> {
     };
     let number = bytes.number();
     match bytes.below(8) {
-        0 => geom = geom.pos(bytes.numbers()),
-        1 => geom = geom.mat(bytes.numbers()),
-        2 => geom = geom.rgba([number as f32; 4]),
-        3 => geom = geom.surface(number as f32, 0.0, 1.0, number as f32),
+        0 => geom = geom.with_pos(bytes.numbers()),
+        1 => geom = geom.with_mat(bytes.numbers()),
+        2 => geom = geom.with_rgba([number as f32; 4]),
+        3 => geom = geom.with_surface(number as f32, 0.0, 1.0, number as f32),
         4 => {
-            geom = geom
-                .texture(model.texture(bytes.index(model.ntex()))?.id(), TextureRepeat::PerLength([number as f32; 2]));
+            geom = geom.with_texture(
+                model.texture(bytes.index(model.ntex()))?.id(),
+                TextureRepeat::PerLength([number as f32; 2]),
+            );
         }
-        5 => geom = geom.category(Categories::from_bits_retain(bytes.word() as u32)),
-        6 => geom = geom.label(&"ä".repeat(bytes.below(60)))?,
+        5 => geom = geom.with_category(Categories::from_bits_retain(bytes.word() as u32)),
+        6 => geom = geom.with_label(&"ä".repeat(bytes.below(60)))?,
         _ => {}
     }
     Ok(geom)
@@ -213,7 +215,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 aim(view, data, bytes)?;
             }
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
-            let result = view.camera.move_by(data.model(), &view.scene, action(bytes), motion);
+            let result = view.camera.move_by(data.model(), action(bytes), motion, &view.scene);
             expected(&result);
             view.scene.update_camera(data, &mut view.camera)
         })
@@ -279,7 +281,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             }
             expected(&perturbation.start(data, scene));
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
-            expected(&perturbation.move_by(data, scene, action(bytes), motion));
+            expected(&perturbation.move_by(data, action(bytes), motion, scene));
             expected(&perturbation.apply_pose(data, bytes.either(MovableBodies::MocapAndFree, MovableBodies::Mocap)));
             expected(&perturbation.apply_force(data));
             if bytes.once_in(2) {

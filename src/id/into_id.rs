@@ -1,30 +1,26 @@
-//! Keys: the names, indices and ids by which elements are looked up.
+//! The names, indices, ids and views by which elements are looked up.
 
 use super::sealed::Sealed;
 use super::{ElementKind, Id};
 use crate::error::Result;
 
-/// Key of an element of kind `K`: a name, an index, an id or a view. A name or an index may not
+/// Selects an element of kind `K`: a name, an index, an id or a view. A name or an index may not
 /// exist, so lookups by them return a [`Result`]. Lookups by an id or a view of the same model are
-/// infallible.
+/// infallible. [`Model::id`](crate::Model::id) returns the id in a generic function.
 ///
 /// # Panics
 ///
 /// An id or a view of another model panics, because only a mistake in the program can combine the
 /// two.
-pub trait Key<K: ElementKind>: Sealed + Sized {
+pub trait IntoId<K: ElementKind>: Sealed + Sized {
     /// `Result<T>` for a name or an index, `T` for an id or a view.
     type Found<T>;
 
-    /// Returns the id of the element in a [`Model`](crate::Model).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
-    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex).
-    fn id(self, model: &impl Lookup) -> Result<Id<K>>;
+    /// Returns the id of the element in a model.
+    #[doc(hidden)]
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>>;
 
-    /// Converts the result of [`id`](Self::id) into a view or a reference.
+    /// Converts the result of [`id_in`](Self::id_in) into a view or a reference.
     #[doc(hidden)]
     fn found<T>(id: Result<Id<K>>, make: impl FnOnce(Id<K>) -> T) -> Self::Found<T>;
 
@@ -32,7 +28,7 @@ pub trait Key<K: ElementKind>: Sealed + Sized {
     #[doc(hidden)]
     #[inline]
     fn find<T>(self, model: &impl Lookup, make: impl FnOnce(Id<K>) -> T) -> Self::Found<T> {
-        Self::found(self.id(model), make)
+        Self::found(self.id_in(model), make)
     }
 }
 
@@ -49,15 +45,15 @@ pub trait Lookup: Sealed {
     fn check_id<K: ElementKind>(&self, id: Id<K>);
 }
 
-/// Implements [`Key`] for a type whose lookup can fail.
+/// Implements [`IntoId`] for a type whose lookup can fail.
 macro_rules! fallible {
     ($key:ty, $lookup:ident) => {
         impl Sealed for $key {}
 
-        impl<K: ElementKind> Key<K> for $key {
+        impl<K: ElementKind> IntoId<K> for $key {
             type Found<T> = Result<T>;
 
-            fn id(self, model: &impl Lookup) -> Result<Id<K>> {
+            fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
                 model.$lookup(self)
             }
 
@@ -74,12 +70,12 @@ fallible!(usize, id_of_index);
 
 impl<K> Sealed for Id<K> {}
 
-impl<K: ElementKind> Key<K> for Id<K> {
+impl<K: ElementKind> IntoId<K> for Id<K> {
     type Found<T> = T;
 
     #[inline]
     #[track_caller]
-    fn id(self, model: &impl Lookup) -> Result<Id<K>> {
+    fn id_in(self, model: &impl Lookup) -> Result<Id<K>> {
         model.check_id(self);
         Ok(self)
     }

@@ -1,5 +1,6 @@
-//! Ids of elements, and the keys by which elements are looked up.
+//! Ids of elements, and the names and ids by which elements are looked up.
 
+use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
@@ -40,6 +41,14 @@ impl<K: ElementKind> SpecKind for K {
 /// added to the original after the clone was made belongs to another spec, and vice versa.
 ///
 /// It is not the id of the element in the compiled model: look that one up by its name.
+///
+/// ```
+/// use mujoco_safe::spec::Spec;
+///
+/// let mut spec = Spec::new("robot");
+/// let (first, second) = (spec.add_body(spec.world()).id(), spec.add_body(spec.world()).id());
+/// assert!(first < second && first.to_string().starts_with("body "));
+/// ```
 pub struct ElementId<K = Any> {
     index: Index,
     lineage: Lineage,
@@ -88,7 +97,27 @@ impl<K> Hash for ElementId<K> {
     }
 }
 
+impl<K> PartialOrd for ElementId<K> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<K> Ord for ElementId<K> {
+    /// Compares the specs, then the order in which the elements were added.
+    fn cmp(&self, other: &Self) -> Ordering {
+        (self.lineage, self.index).cmp(&(other.lineage, other.index))
+    }
+}
+
 impl<K: SpecKind> fmt::Debug for ElementId<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl<K: SpecKind> fmt::Display for ElementId<K> {
+    /// Writes the kind and the number of the element: `joint 3`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match K::KIND {
             Some(kind) => write!(f, "{kind} {}", self.index),
@@ -97,13 +126,13 @@ impl<K: SpecKind> fmt::Debug for ElementId<K> {
     }
 }
 
-/// Key of an element of a spec: a name or an id. A name may not exist, so its lookup returns a
+/// Selects an element of a spec: a name or an id. A name may not exist, so its lookup returns a
 /// [`Result`].
 ///
 /// # Panics
 ///
 /// An id of another spec, or of a removed element, panics.
-pub trait Key<K: ElementKind>: Sealed {
+pub trait IntoElementId<K: ElementKind>: Sealed {
     /// `Result<T>` for a name, `T` for an id.
     type Found<T>;
 
@@ -117,7 +146,7 @@ pub trait Key<K: ElementKind>: Sealed {
     fn map<T>(found: Self::Found<Index>, make: impl FnOnce(Index) -> T) -> Self::Found<T>;
 }
 
-impl<K: ElementKind> Key<K> for &str {
+impl<K: ElementKind> IntoElementId<K> for &str {
     type Found<T> = Result<T>;
 
     fn find(self, spec: &Spec) -> Result<Index> {
@@ -136,7 +165,7 @@ impl<K: ElementKind> Key<K> for &str {
 
 impl<K> Sealed for ElementId<K> {}
 
-impl<K: ElementKind> Key<K> for ElementId<K> {
+impl<K: ElementKind> IntoElementId<K> for ElementId<K> {
     type Found<T> = T;
 
     #[track_caller]
