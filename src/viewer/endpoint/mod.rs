@@ -96,9 +96,7 @@ impl SimulationEndpoint {
             self.spare = None;
             self.captured = Arc::default();
         }
-        if !Arc::ptr_eq(&self.model, model) {
-            self.model = model.clone();
-        }
+        self.model = model.clone();
     }
 
     /// Restores the start state.
