@@ -25,27 +25,17 @@ pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
         Line::new(&format!("push {}", attempt.seed), color(attempt), points)
     });
     let panels = [
-        Panel {
-            title: "Height of the centre of mass with the planner and (dashed) under LQR alone",
-            x: "time (s)",
-            y: "height (m)",
-            lines: both(&|com| com[2]),
-            at_least: None,
-        },
-        Panel {
-            title: "Horizontal distance of the centre of mass from the start",
-            x: "time (s)",
-            y: "distance (m)",
-            lines: both(&|com| com[0].hypot(com[1])),
-            at_least: None,
-        },
-        Panel {
-            title: "Predicted cost of the next half second",
-            x: "time (s)",
-            y: "logarithm (base 10)",
-            lines: expected.collect(),
-            at_least: None,
-        },
+        Panel::new(
+            "Height of the centre of mass with the planner and (dashed) under LQR alone",
+            ["time (s)", "height (m)"],
+            both(&|com| com[2]),
+        ),
+        Panel::new(
+            "Horizontal distance of the centre of mass from the start",
+            ["time (s)", "distance (m)"],
+            both(&|com| com[0].hypot(com[1])),
+        ),
+        Panel::new("Predicted cost of the next half second", ["time (s)", "logarithm (base 10)"], expected.collect()),
     ];
     chart::draw(path, 280, &panels)
 }

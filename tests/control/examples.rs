@@ -146,7 +146,7 @@ fn examples_report_invalid_arguments() {
         ("cartpole_swing_up", ["--seeds", "many"], "'many' for '--seeds"),
         ("cartpole_swing_up", ["--speed", "1"], "unexpected argument '--speed'"),
         ("cartpole_lqr", ["--angle", "steep"], "'steep' for '--angle"),
-        ("rollouts", ["--seed", "-1"], "unexpected argument '-1'"),
+        ("rollouts", ["--rollouts", "-1"], "unexpected argument '-1'"),
         ("rollouts", ["many", "pushes"], "unexpected argument 'many'"),
         ("humanoid_lqr", ["--seconds", "-1"], "'-1' for '--seconds"),
         ("humanoid_lqr", ["--push", "-20,north"], "'-20,north' for '--push"),
