@@ -5,7 +5,6 @@ use std::fmt;
 use mujoco_sys::{self as sys, adapted, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene};
-use crate::enums::engine_enum;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::{
@@ -13,6 +12,7 @@ use crate::id::{
     SiteId, SkinId, TendonId, TextureId,
 };
 use crate::kind::Kind;
+use crate::macros::engine_enum;
 use crate::model::Model;
 
 engine_enum! {
