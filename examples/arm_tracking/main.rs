@@ -60,11 +60,10 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
     }
     if let Some(out) = &arguments.planning.out {
-        std::fs::create_dir_all(out)?;
-        let [svg, csv] = ["arm_tracking.svg", "arm_tracking.csv"].map(|name| out.join(name));
-        chart::draw(&svg, 280, &panels(&times, &run))?;
+        chart::save(out, "arm_tracking.svg", 280, &panels(&times, &run))?;
+        let csv = out.join("arm_tracking.csv");
         run.trajectory.save_csv(&csv)?;
-        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+        println!("wrote {}", csv.display());
     }
     if arguments.planning.view {
         view(&model, run)?;

@@ -7,7 +7,7 @@ use crate::attempt::Attempt;
 use crate::common::chart::{self, Line, PALETTE, Panel};
 use crate::simulate::Run;
 
-pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
+pub fn draw(out: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     let color = |attempt: &Attempt| PALETTE[(attempt.seed as usize + PALETTE.len() - 1) % PALETTE.len()];
     let line = |attempt: &Attempt, run: &Run, dashed: bool, value: &dyn Fn([f64; 3]) -> f64| Line {
         label: if dashed { String::new() } else { format!("push {}", attempt.seed) },
@@ -37,5 +37,5 @@ pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
         ),
         Panel::new("Predicted cost of the next half second", ["time (s)", "logarithm (base 10)"], expected.collect()),
     ];
-    chart::draw(path, 280, &panels)
+    chart::save(out, "humanoid_predictive.svg", 280, &panels)
 }

@@ -45,11 +45,10 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
     }
     if let Some(out) = &arguments.planning.out {
-        std::fs::create_dir_all(out)?;
-        let [svg, csv] = ["humanoid_stand_up.svg", "humanoid_stand_up.csv"].map(|name| out.join(name));
-        chart::draw(&svg, 280, &panels(&run))?;
+        chart::save(out, "humanoid_stand_up.svg", 280, &panels(&run))?;
+        let csv = out.join("humanoid_stand_up.csv");
         run.trajectory.save_csv(&csv)?;
-        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+        println!("wrote {}", csv.display());
     }
     if arguments.planning.view {
         common::window::replay("Humanoid that gets up", mujoco_safe::Data::new(run.model)?, vec![run.trajectory])?;

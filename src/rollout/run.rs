@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::forward::forward_between_steps;
 use super::result::Sizes;
 use super::workers::{Worker, prepare};
 use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError};
@@ -149,7 +148,7 @@ impl Run<'_, '_> {
             }
             data.step()?;
             recorder.sensordata(data)?;
-            let computed = if *forward { forward_between_steps(data, saved) } else { Ok(()) };
+            let computed = if *forward { data.forward_between_steps(saved) } else { Ok(()) };
             if let Some((_, read)) = outputs
                 && computed.is_ok()
             {

@@ -11,6 +11,7 @@ use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};
 use crate::math::cross;
 use crate::model::DisableFlags;
+use crate::numerics::spatial::norm;
 
 /// Contact of the last collision detection.
 #[derive(Clone, Copy)]
@@ -248,7 +249,7 @@ impl NewContact {
         let numbers = [self.dist, self.includemargin];
         let numbers = numbers.iter().chain(&self.pos).chain(&self.normal).chain(&self.friction);
         let finite = numbers.chain(&self.solref).chain(&self.solimp).all(|value| value.is_finite());
-        let length = norm(self.normal);
+        let length = norm(&self.normal);
         let (field, value, expected) = if !matches!(self.dim, 1 | 3 | 4 | 6) {
             ("dim", self.dim.to_string(), "1, 3, 4 or 6")
         } else if !finite {
@@ -266,7 +267,7 @@ impl NewContact {
     /// Computes the contact frame: the normal and two tangents.
     fn frame(&self) -> [f64; 9] {
         let unit = |vector: [f64; 3]| {
-            let length = norm(vector);
+            let length = norm(&vector);
             vector.map(|value| value / length)
         };
         let normal = unit(self.normal);
@@ -370,8 +371,4 @@ impl Data {
         // Newer engines have a limit of memory instead of a number.
         if full == 0 { Ok(()) } else { Err(Error::Unsupported("more contacts than fit in the arena".to_owned())) }
     }
-}
-
-fn norm(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
