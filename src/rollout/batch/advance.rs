@@ -66,8 +66,9 @@ impl Batch<'_> {
     /// # Errors
     ///
     /// The error of the reset, of `start` or of [`forward_after_step`](Self::forward_after_step)
-    /// with the smallest index, and [`Error::OtherModel`] if `start` replaces the simulation by one
-    /// of a model that was loaded separately. All simulations with an error count as failed.
+    /// with the smallest index, and [`Error::OtherModel`](crate::Error::OtherModel) if `start`
+    /// replaces the simulation by one of a model that was loaded separately. All simulations with
+    /// an error count as failed.
     ///
     /// # Panics
     ///
@@ -130,8 +131,8 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine fails, which occurs for a loaded
-    /// model only if memory is exhausted.
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
+    /// if the engine fails, which occurs for a loaded model only if memory is exhausted.
     ///
     /// # Panics
     ///
