@@ -8,7 +8,8 @@ Reads requests from standard input, one JSON object per line, and answers each w
                                                     KIND is rgb, depth (in metres) or ids (of segments)
     {"picture": FILE}                               writes the bytes of an image, from the upper left: {}
 
-As on the Rust side, an image consists of updating the abstract scene, drawing it and reading the pixels back.
+As on the Rust side, an image consists of updating the abstract scene, drawing it and reading the
+pixels back.
 """
 
 import json
@@ -24,7 +25,10 @@ import make  # noqa: E402
 
 
 class Drawing:
-    """A model in a given state, seen from its camera `fixed` or from a free camera, with these flags of `mjvOption` and `mjvScene`."""
+    """A model in a given state, with these flags of `mjvOption` and `mjvScene`.
+
+    It is seen from its camera `fixed` or from a free camera.
+    """
 
     def __init__(self, scene):
         self.model = mujoco.MjModel.from_xml_path(scene["open"])

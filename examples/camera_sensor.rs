@@ -21,7 +21,9 @@ use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{DepthImage, Renderer, SegmentationImage};
 use mujoco_safe::{Data, Model};
 
-/// Simulation time between two images, s.
+/// Simulated time, s.
+const SECONDS: f64 = 6.0;
+/// Simulated time between two images, s.
 const IMAGE_INTERVAL: f64 = 0.1;
 /// Distance from the ball at which the rover stops, m.
 const STOP_DISTANCE: f64 = 0.5;
@@ -30,12 +32,6 @@ const STOP_DISTANCE: f64 = 0.5;
 #[derive(Parser)]
 #[command(args_override_self = true)]
 struct Arguments {
-    /// Simulated time, s
-    #[arg(long, value_name = "S", default_value_t = 6.0)]
-    seconds: f64,
-    /// Image size in pixels
-    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = command_line::size)]
-    size: [usize; 2],
     /// Folder for every tenth image; without it, no images are written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -45,23 +41,22 @@ fn main() -> std::process::ExitCode {
     command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let &Arguments { seconds, size: [width, height], ref out } = arguments;
+fn run(Arguments { out }: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut data = Data::new(Model::from_xml_str(include_str!("../models/rover.xml"))?)?;
     let model = data.model().clone();
     let (ball, mast) = (model.geom("ball")?.id(), model.geom("head")?.id());
     let eye = model.camera("eye")?.id();
-    let mut renderer = Renderer::new(&model, width, height)?;
+    let mut renderer = Renderer::new(&model, 320, 240)?;
     let (mut depth, mut segmentation) = (DepthImage::default(), SegmentationImage::default());
     if let Some(out) = out {
         std::fs::create_dir_all(out)?;
     }
 
-    let bar = command_line::progress_bar(seconds)?;
+    let bar = command_line::progress_bar(SECONDS)?;
     let mut images = 0;
     let mut detection = None;
     data.forward()?;
-    while data.time() < seconds {
+    while data.time() < SECONDS {
         if data.time() >= f64::from(images) * IMAGE_INTERVAL {
             // Render the present view of the camera.
             let mut snapshot = renderer.snapshot(&mut data, eye)?;

@@ -18,6 +18,9 @@ use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Trajectory, sample};
 
+/// Simulated time, s.
+const SECONDS: f64 = 10.0;
+
 /// Balances a cart-pole with a linear-quadratic regulator.
 #[derive(Parser)]
 #[command(allow_negative_numbers = true, args_override_self = true)]
@@ -25,18 +28,12 @@ struct Arguments {
     /// Initial angle of the pole, rad
     #[arg(long, value_name = "RAD", default_value_t = 0.1)]
     angle: f64,
-    /// Simulated time, s
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
-    seconds: f64,
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Show the result in a window (requires `--features viewer`)
     #[arg(long)]
     view: bool,
-    /// Print A, B, K and the outcome as one JSON object
-    #[arg(long)]
-    json: bool,
 }
 
 fn main() -> std::process::ExitCode {
@@ -58,46 +55,25 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
 
     // Simulate from a tilted pole.
     data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
-    let steps = (arguments.seconds / model.timestep()).round() as usize;
+    let steps = (SECONDS / model.timestep()).round() as usize;
     let mut trajectory = Trajectory::with_capacity(&model, steps);
     trajectory.record(&mut data, &mut lqr, steps)?;
     let upright = data.qpos()[1].abs() < 0.01 && data.qvel()[1].abs() < 0.01;
 
-    if arguments.json {
-        println!(
-            "{}",
-            serde_json::json!({
-                "A": system.a.rows().collect::<Vec<_>>(),
-                "B": system.b.rows().collect::<Vec<_>>(),
-                "K": lqr.gain().rows().collect::<Vec<_>>(),
-                "residual": solution.relative_residual,
-                "spectral_radius": solution.spectral_radius,
-                "final_state": data.physics_state(),
-                "upright": upright,
-            })
-        );
-    } else {
-        println!("A = {:.6?}\nB = {:.6?}\nK = {:.6?}", system.a, system.b, lqr.gain());
-        println!(
-            "Riccati equation: relative residual {:.1e}, spectral radius of A − BK {:.9}",
-            solution.relative_residual, solution.spectral_radius
-        );
-        println!(
-            "initial angle {} rad: the pole is {} after {} s, [qpos; qvel] = {:.6?}",
-            arguments.angle,
-            if upright { "upright" } else { "not upright" },
-            arguments.seconds,
-            data.physics_state()
-        );
-    }
+    println!("A = {:.6?}\nB = {:.6?}\nK = {:.6?}", system.a, system.b, lqr.gain());
+    println!(
+        "Riccati equation: relative residual {:.1e}, spectral radius of A − BK {:.9}",
+        solution.relative_residual, solution.spectral_radius
+    );
+    println!(
+        "initial angle {} rad: the pole is {} after {SECONDS} s, [qpos; qvel] = {:.6?}",
+        arguments.angle,
+        if upright { "upright" } else { "not upright" },
+        data.physics_state()
+    );
 
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("cartpole.svg");
-        plot(&path, &trajectory)?;
-        if !arguments.json {
-            println!("wrote {}", path.display());
-        }
+        plot(out, &trajectory)?;
     }
     if arguments.view {
         data.reset()?;
@@ -107,7 +83,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     if upright { Ok(()) } else { Err("the pole fell over".into()) }
 }
 
-fn plot(path: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn std::error::Error>> {
+fn plot(out: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn std::error::Error>> {
     let line = |label: &str, color: usize, value: &dyn Fn(usize) -> f64| {
         Line::new(
             label,
@@ -121,18 +97,13 @@ fn plot(path: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn s
     ];
     // The engine clamps the control to its range.
     let control = vec![line("", 2, &|record| trajectory.ctrl(record)[0].clamp(-1.0, 1.0))];
-    chart::draw(
-        path,
+    chart::save(
+        out,
+        "cartpole.svg",
         280,
         &[
-            Panel { title: "Cart-pole under LQR", x: "time (s)", y: "position", lines: state, at_least: None },
-            Panel {
-                title: "Control",
-                x: "time (s)",
-                y: "fraction of the motor's range",
-                lines: control,
-                at_least: None,
-            },
+            Panel::new("Cart-pole under LQR", ["time (s)", "position"], state),
+            Panel::new("Control", ["time (s)", "fraction of the motor's range"], control),
         ],
     )
 }

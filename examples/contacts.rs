@@ -79,14 +79,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     println!("sum of the normal forces {sum:.3} N, weight {weight:.3} N");
 
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("contacts.svg");
-        let panel = |title, y, color, points: Vec<_>| Panel {
-            title,
-            x: "time, s",
-            y,
-            lines: vec![Line::new("", color, points)],
-            at_least: Some((0.0, 1.0)),
+        let panel = |title, y, color, points: Vec<_>| {
+            Panel::new(title, ["time, s", y], vec![Line::new("", color, points)]).at_least(0.0, 1.0)
         };
         let panels = [
             panel("Number of contacts", "", PALETTE[0], counts),
@@ -94,8 +88,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
             panel("Speed of the centre of mass", "m/s", PALETTE[2], speeds),
             panel("Largest penetration", "mm", PALETTE[3], depths),
         ];
-        chart::draw(&path, 200, &panels)?;
-        println!("wrote {}", path.display());
+        chart::save(out, "contacts.svg", 200, &panels)?;
     }
     Ok(())
 }

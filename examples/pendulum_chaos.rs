@@ -84,31 +84,16 @@ fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Err
     }
 
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("pendulum_chaos.svg");
         let lines = |curves: Vec<(String, Vec<(f64, f64)>)>| {
             curves.into_iter().zip(PALETTE).map(|((label, points), color)| Line::new(&label, color, points)).collect()
         };
         let runs = runs.into_iter().enumerate().map(|(run, angles)| (format!("+{run}e-9 rad/s"), angles)).collect();
         let drifts = drifts.into_iter().map(|(name, line)| (name.to_owned(), line)).collect();
         let panels = [
-            Panel {
-                title: "Shoulder angle from nearly equal states",
-                x: "time, s",
-                y: "rad",
-                lines: lines(runs),
-                at_least: None,
-            },
-            Panel {
-                title: "Drift of the energy",
-                x: "log10 of the timestep, s",
-                y: "log10 of J",
-                lines: lines(drifts),
-                at_least: None,
-            },
+            Panel::new("Shoulder angle from nearly equal states", ["time, s", "rad"], lines(runs)),
+            Panel::new("Drift of the energy", ["log10 of the timestep, s", "log10 of J"], lines(drifts)),
         ];
-        chart::draw(&path, 260, &panels)?;
-        println!("wrote {}", path.display());
+        chart::save(out, "pendulum_chaos.svg", 260, &panels)?;
     }
     Ok(())
 }

@@ -35,25 +35,14 @@ struct Arguments {
     /// Simulated time, s
     #[arg(long, value_name = "S", default_value_t = 4.0)]
     seconds: f64,
-    /// Slow-motion factor
-    #[arg(long, value_name = "N", default_value_t = 1.0)]
-    slow: f64,
-    /// Frames per second
-    #[arg(long = "fps", value_name = "N", default_value_t = 25.0)]
-    frames_per_second: f64,
-    /// Image size in pixels
-    #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = command_line::size)]
-    size: [usize; 2],
 }
 
 fn main() -> std::process::ExitCode {
-    command_line::exit_code(run(Arguments::parse()))
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
-    let Arguments { out, seconds, slow, frames_per_second, size: [width, height] } = arguments;
-    let options = RecorderOptions::default().with_frames_per_second(frames_per_second).with_speed(1.0 / slow);
-    let mut recorder = Recorder::create(&out, options)?;
+fn run(&Arguments { ref out, seconds }: &Arguments) -> Result<(), Box<dyn Error>> {
+    let mut recorder = Recorder::create(out, RecorderOptions::default().with_frames_per_second(25.0))?;
     let (mut data, _, mut lqr) = balance::humanoid()?;
     let model = data.model().clone();
     let torso = model.body("torso")?.id();
@@ -63,7 +52,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     shown.flags |= VisualFlags::PERTFORCE;
     let mut camera = Camera { distance: 2.9, azimuth: 215.0, elevation: -12.0, ..Camera::free(&model) };
     camera.lookat = [0.0, 0.0, 0.85];
-    let mut renderer = Renderer::new(&model, width, height)?;
+    let mut renderer = Renderer::new(&model, 480, 360)?;
     let mut picture = RgbImage::default();
 
     let bar = command_line::progress_bar(seconds)?;

@@ -26,6 +26,10 @@ use plotters::style::RGBColor;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
+/// Simulated time of each rollout, s.
+const SECONDS: f64 = 3.0;
+/// Standard deviation of the pushes, N.
+const NEWTONS: f64 = 6.0;
 /// Duration of a push, s.
 const PUSH_DURATION: f64 = 0.1;
 /// Angle beyond which the pole counts as fallen, rad.
@@ -38,15 +42,6 @@ struct Arguments {
     /// Number of pushes
     #[arg(long, value_name = "N", default_value_t = 256)]
     rollouts: usize,
-    /// Standard deviation of the pushes, N
-    #[arg(long, value_name = "F", default_value_t = 6.0)]
-    newtons: f64,
-    /// Simulated time of each rollout, s
-    #[arg(long, value_name = "S", default_value_t = 3.0)]
-    seconds: f64,
-    /// Seed of the random pushes
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -59,14 +54,16 @@ fn main() -> std::process::ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(sample::cartpole());
     let pole = model.body("pole")?.id();
-    let steps = (arguments.seconds / model.timestep()).round() as usize;
+    let steps = (SECONDS / model.timestep()).round() as usize;
 
     let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
     let lqr = Lqr::at_present_state(&mut Data::new(model.clone())?, &weights)?;
-    let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(arguments.seed);
-    let normal =
-        Normal::new(0.0, arguments.newtons).map_err(|error| format!("--newtons {}: {error}", arguments.newtons))?;
-    let pushes: Vec<f64> = normal.sample_iter(&mut random).take(arguments.rollouts).collect();
+    let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(1);
+    let pushes: Vec<f64> = Normal::new(0.0, NEWTONS)
+        .expect("a positive deviation")
+        .sample_iter(&mut random)
+        .take(arguments.rollouts)
+        .collect();
 
     // Each rollout has its own controller, which applies the push and then the regulator.
     let bar = ProgressBar::new(arguments.rollouts as u64)
@@ -108,10 +105,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("simulated {simulated:.0} s in {elapsed:.3} s, {:.0} times real time", simulated / elapsed);
 
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("rollouts.svg");
-        plot(&path, &model, &result, &standing, &fallen)?;
-        println!("wrote {}", path.display());
+        plot(out, &model, &result, &standing, &fallen)?;
     }
     Ok(())
 }
@@ -124,7 +118,7 @@ fn is_upright(result: &RolloutResult, index: usize) -> bool {
 /// Plots the angle and the position of every rollout, and quantiles over the rollouts that remain
 /// upright.
 fn plot(
-    path: &Path,
+    out: &Path,
     model: &Model,
     result: &RolloutResult,
     standing: &[usize],
@@ -155,10 +149,11 @@ fn plot(
             lines.push(quantile("5 % and 95 %", 0.05, PALETTE[0]));
             lines.push(quantile("", 0.95, PALETTE[0]));
         }
-        Panel { title, x: "time (s)", y, lines, at_least: None }
+        Panel::new(title, ["time (s)", y], lines)
     };
-    chart::draw(
-        path,
+    chart::save(
+        out,
+        "rollouts.svg",
         300,
         &[
             panel("Pole angle after a random push of 0.1 s", "angle (rad)", 1),

@@ -36,13 +36,13 @@ const TOP: &str = r#"
   </worldbody>
 </mujoco>"#;
 
+/// Initial angular velocity, rad/s.
+const SPIN: f64 = 200.0;
+
 /// Prints the time at which a spinning tippe top turns over.
 #[derive(Parser)]
-#[command(allow_negative_numbers = true, args_override_self = true)]
+#[command(args_override_self = true)]
 struct Arguments {
-    /// Initial angular velocity, rad/s
-    #[arg(long, value_name = "R", default_value_t = 200.0)]
-    spin: f64,
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -56,7 +56,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut data = Data::new(Model::from_xml_str(TOP)?)?;
     // The velocity of a free joint is linear, then angular in the body's frame. A small tilt breaks
     // the symmetry.
-    data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 0.3, 0.0, arguments.spin]);
+    data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 0.3, 0.0, SPIN]);
 
     let (mut stem, mut rate, mut turned) = (Vec::new(), Vec::new(), None);
     while data.time() < 8.0 {
@@ -71,22 +71,19 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     }
     match turned {
         Some(time) => println!("the top stands on its stem after {time:.2} s"),
-        None => println!("the top has not turned over in {:.0} s: spin it faster", data.time()),
+        None => println!("the top has not turned over in {:.0} s", data.time()),
     }
 
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("tippe_top.svg");
         let panel = |title, y, color, points: Vec<_>| {
             let every_tenth = points.into_iter().step_by(10);
-            Panel { title, x: "time, s", y, lines: vec![Line::new("", color, every_tenth)], at_least: None }
+            Panel::new(title, ["time, s", y], vec![Line::new("", color, every_tenth)])
         };
         let panels = [
             panel("Direction of the stem: 1 is up, -1 is down", "cosine", PALETTE[0], stem),
             panel("Spin about the stem", "rad/s", PALETTE[1], rate),
         ];
-        chart::draw(&path, 260, &panels)?;
-        println!("wrote {}", path.display());
+        chart::save(out, "tippe_top.svg", 260, &panels)?;
     }
     Ok(())
 }

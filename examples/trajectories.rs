@@ -12,7 +12,7 @@
 mod common;
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use common::{balance, command_line, window};
@@ -21,6 +21,11 @@ use mujoco_safe::render::{Renderer, RgbImage};
 use mujoco_safe::scene::Camera;
 use mujoco_safe::{Controller, Data, Trajectory, ZeroController};
 
+/// Simulated time, s.
+const SECONDS: f64 = 2.0;
+/// Width and height of each half, pixels.
+const SIZE: [usize; 2] = [320, 360];
+
 /// Renders two trajectories of a humanoid side by side: without control and under LQR.
 #[derive(Parser)]
 #[command(args_override_self = true)]
@@ -28,12 +33,6 @@ struct Arguments {
     /// Output file; the example `record` lists the formats
     #[arg(long, value_name = "PATH", default_value = "trajectories.gif")]
     out: PathBuf,
-    /// Simulated time, s
-    #[arg(long, value_name = "S", default_value_t = 2.0)]
-    seconds: f64,
-    /// Image size of each half in pixels
-    #[arg(long, value_name = "WxH", default_value = "320x360", value_parser = command_line::size)]
-    size: [usize; 2],
     /// Play the trajectories in a window instead, forwards and backwards (requires
     /// `--features viewer`)
     #[arg(long)]
@@ -46,7 +45,7 @@ fn main() -> std::process::ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mut data, set_point, mut lqr) = balance::humanoid()?;
-    let steps = (arguments.seconds / data.model().timestep()).round() as usize;
+    let steps = (SECONDS / data.model().timestep()).round() as usize;
 
     // Both start from the same state, with a small lateral velocity.
     let controllers: [&mut dyn Controller; 2] = [&mut ZeroController, &mut lqr];
@@ -62,20 +61,20 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.view {
         return window::replay("Passive and LQR", data, trajectories);
     }
-    draw(&mut data, &trajectories, arguments)
+    draw(&mut data, &trajectories, &arguments.out)
 }
 
 /// Renders trajectories side by side.
-fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let [width, height] = arguments.size;
-    let mut recorder = Recorder::create(&arguments.out, RecorderOptions::default().with_frames_per_second(25.0))?;
+fn draw(data: &mut Data, trajectories: &[Trajectory], out: &Path) -> Result<(), Box<dyn Error>> {
+    let mut recorder = Recorder::create(out, RecorderOptions::default().with_frames_per_second(25.0))?;
+    let [width, height] = SIZE;
     let mut renderer = Renderer::new(data.model(), width, height)?;
     let mut camera = Camera { distance: 3.2, azimuth: 200.0, elevation: -12.0, ..Camera::free(data.model()) };
     camera.lookat = [0.0, 0.0, 0.75];
 
     let mut both = RgbImage::new(width * trajectories.len(), height);
     let mut half = RgbImage::default();
-    let bar = command_line::progress_bar(arguments.seconds)?;
+    let bar = command_line::progress_bar(SECONDS)?;
     for (record, &time) in trajectories[0].times().iter().enumerate() {
         if !recorder.is_due(time) {
             continue;

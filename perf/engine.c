@@ -5,8 +5,10 @@
 //   engine MODEL.xml [KEYFRAME] < commands
 //   step CALLS                    mj_step under random controls, after a warm-up of CALLS / 8 steps
 //   rollout COUNT STEPS THREADS   COUNT simulations of STEPS each, recording qpos and qvel
-//   batch COUNT CALLS THREADS     COUNT simulations of one step per call, each a row of states; after one warm-up call
-//   transition CALLS              mjd_transitionFD of A and B by central differences, after one warm-up call
+//   batch COUNT CALLS THREADS     COUNT simulations of one step per call, each a row of states; after
+//                                 one warm-up call
+//   transition CALLS              mjd_transitionFD of A and B by central differences, after one
+//                                 warm-up call
 //
 // Warm-up calls are not timed, because another process may have replaced the contents of the
 // caches.

@@ -1,16 +1,21 @@
-"""Reference implementation in Python: the official bindings, SciPy and NumPy. See engine.c for the protocol.
+"""Reference implementation in Python: the official bindings, SciPy and NumPy.
 
+See engine.c for the protocol.
 
     peer.py MODEL.xml KEYFRAME|- < commands
     step CALLS
     rollout COUNT STEPS THREADS
-    environments COUNT CALLS THREADS    one step per call for COUNT environments, each with its own MjData, by a pool of threads
-    batch COUNT CALLS THREADS           as in engine.c, by mujoco.batch, which the bindings have since 3.17
-    controller CALLS        LQR control law: differentiatePos and a matrix-vector product
-    riccati FILE            SciPy's solve_discrete_are; the file contains A, B, Q and R
+    environments COUNT CALLS THREADS    one step per call for COUNT environments, each with its own
+                                        MjData, by a pool of threads
+    batch COUNT CALLS THREADS           as in engine.c, by mujoco.batch, which the bindings have
+                                        since 3.17
+    controller CALLS                    LQR control law: differentiatePos and a matrix-vector
+                                        product
+    riccati FILE                        SciPy's solve_discrete_are; the file contains A, B, Q and R
 
-The bindings of 2.2.2 lack the `rollout` module of later versions. A pool of threads that call `mj_step` replaces it: the binding
-releases Python's global lock during the call, as that module does.
+The bindings of 2.2.2 lack the `rollout` module of later versions. A pool of threads that call
+`mj_step` replaces it: the binding releases Python's global lock during the call, as that module
+does.
 """
 
 import os

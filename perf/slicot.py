@@ -1,10 +1,13 @@
-"""Reference implementation of the Riccati equation: SLICOT, by its Python wrapper slycot. See engine.c for the protocol.
+"""Reference implementation of the Riccati equation: SLICOT, by its Python wrapper slycot.
+
+See engine.c for the protocol.
 
     slicot.py MODEL.xml KEYFRAME|- < commands
     riccati METHOD FILE     SLICOT's routine SB02OD or SB02MD; the file contains A, B, Q and R
 
-SB02OD uses deflating subspaces of a pencil, as SciPy does. SB02MD uses the Schur vectors of the symplectic matrix, which takes
-less time and needs the inverse of A. The time of SB02MD includes B R⁻¹ Bᵀ. The model and the keyframe are not used.
+SB02OD uses deflating subspaces of a pencil, as SciPy does. SB02MD uses the Schur vectors of the
+symplectic matrix, which takes less time and needs the inverse of A. The time of SB02MD includes
+B R⁻¹ Bᵀ. The model and the keyframe are not used.
 """
 
 import os

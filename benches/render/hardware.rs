@@ -14,7 +14,7 @@ use crate::engine::Engine;
 use crate::scenes::{self, Setting};
 use crate::{Result, Spread, processor_time};
 
-const SIZES: [[u32; 2]; 3] = [[84, 84], [256, 256], [640, 480]];
+const SIZES: [[usize; 2]; 3] = [[84, 84], [256, 256], [640, 480]];
 /// Wall time of a turn, s.
 const TURN: f64 = 0.1;
 /// Number of simulations of a batch.
@@ -82,7 +82,7 @@ struct Single {
 }
 
 impl Single {
-    fn new(gpu: &Gpu, setting: &Setting, [width, height]: [u32; 2], options: RendererOptions) -> Result<Self> {
+    fn new(gpu: &Gpu, setting: &Setting, [width, height]: [usize; 2], options: RendererOptions) -> Result<Self> {
         let mut data = setting.after_steps();
         let scene = setting.scene(&mut data);
         Ok(Self {
@@ -115,7 +115,7 @@ impl Single {
 fn single_calls(
     gpu: &Gpu,
     setting: &Setting,
-    size: [u32; 2],
+    size: [usize; 2],
     mut engine: Option<&mut Engine>,
     rounds: usize,
 ) -> Result<()> {
@@ -186,7 +186,7 @@ fn many(
     gpu: &Gpu,
     (name, label): (&str, &str),
     model: Model,
-    size: u32,
+    size: usize,
     options: RendererOptions,
     rounds: usize,
 ) -> Result<()> {
@@ -198,7 +198,7 @@ fn many(
     }
     let mut renderer = Renderer::on(gpu, data.model(), size, size, options)?;
     let (view, mut camera) = (SceneOptions::default(), Camera::free(data.model()));
-    let mut rgb = vec![0; SIMULATIONS * 3 * size as usize * size as usize];
+    let mut rgb = vec![0; SIMULATIONS * 3 * size * size];
     let (mut rates, mut costs) = (Vec::new(), Vec::new());
     // The first round creates the pipelines.
     for round in 0..=rounds {

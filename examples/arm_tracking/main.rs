@@ -45,7 +45,7 @@ fn main() -> std::process::ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(model()?);
     let start = Instant::now();
-    let run = track(&model, arguments.seconds, arguments.planning.threads)?;
+    let run = track(&model, arguments.seconds, command_line::cores())?;
     let factor = arguments.seconds / start.elapsed().as_secs_f64();
     let times: Vec<f64> = run.trajectory.times().iter().map(|time| time + model.timestep()).collect();
     let later =
@@ -60,26 +60,25 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
     }
     if let Some(out) = &arguments.planning.out {
-        std::fs::create_dir_all(out)?;
-        let [svg, csv] = ["arm_tracking.svg", "arm_tracking.csv"].map(|name| out.join(name));
-        chart::draw(&svg, 280, &panels(&times, &run))?;
+        chart::save(out, "arm_tracking.svg", 280, &panels(&times, &run))?;
+        let csv = out.join("arm_tracking.csv");
         run.trajectory.save_csv(&csv)?;
-        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+        println!("wrote {}", csv.display());
     }
     if arguments.planning.view {
-        view(&model, run, arguments.planning.threads)?;
+        view(&model, run)?;
     }
     Ok(())
 }
 
 /// Shows the arm under the controller: the path of the hand in the plan, the cost of each term, and
 /// sliders for the weights. The trajectory mode replays the run.
-fn view(model: &Arc<Model>, run: Run, threads: usize) -> Result<(), Box<dyn Error>> {
+fn view(model: &Arc<Model>, run: Run) -> Result<(), Box<dyn Error>> {
     let mut data = Data::new(model.clone())?;
     data.reset_to_key(model.keyframe("ready")?.id())?;
     let hand = model.site("hand")?.index();
     let points = vec![Point { position: Box::new(move |data| data.site_xpos()[hand]), rgba: [0.9, 0.55, 0.1, 1.0] }];
-    let controller = tracking::controller(&data, threads)?;
+    let controller = tracking::controller(&data, command_line::cores())?;
     let plan = LivePlan::new(&data, controller, points, tracking::show_target)?;
     common::window::show_plan("Arm that follows a target", data, plan, vec![run.trajectory])
 }
@@ -95,19 +94,15 @@ fn panels(times: &[f64], run: &Run) -> [Panel<'static>; 2] {
     });
     let distance = times.iter().zip(&run.distances).map(|(&time, &distance)| (time, distance.max(1e-6).log10()));
     [
-        Panel {
-            title: "Position of the hand and (dashed) of its target",
-            x: "time (s)",
-            y: "position (m)",
-            lines: hand.chain(targets).collect(),
-            at_least: None,
-        },
-        Panel {
-            title: "Distance of the hand from the target",
-            x: "time (s)",
-            y: "log10 of metres",
-            lines: vec![Line::new("", PALETTE[0], distance)],
-            at_least: None,
-        },
+        Panel::new(
+            "Position of the hand and (dashed) of its target",
+            ["time (s)", "position (m)"],
+            hand.chain(targets).collect(),
+        ),
+        Panel::new(
+            "Distance of the hand from the target",
+            ["time (s)", "log10 of metres"],
+            vec![Line::new("", PALETTE[0], distance)],
+        ),
     ]
 }

@@ -31,9 +31,6 @@ struct Arguments {
     /// Number of random initial states
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Number of threads
-    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
-    threads: usize,
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -47,7 +44,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(sample::cartpole());
     let mut attempts = Vec::new();
     for seed in 1..=arguments.seeds {
-        let attempt = attempt(&model, seed, arguments.threads)?;
+        let attempt = attempt(&model, seed, command_line::cores())?;
         let (plan, planned) = (&attempt.plan, attempt.planned(&model));
         println!(
             "seed {seed}: {} iterations, {}, cost {:.1} → {:.2}; planned {planned} s in {:.3} s ({:.1} times real time), \
@@ -67,10 +64,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         attempts.push(attempt);
     }
     if let Some(out) = &arguments.out {
-        std::fs::create_dir_all(out)?;
-        let path = out.join("cartpole_swing_up.svg");
-        plots::draw(&path, &model, &attempts)?;
-        println!("wrote {}", path.display());
+        plots::draw(out, &model, &attempts)?;
     }
     let up = attempts.iter().filter(|attempt| attempt.up_at.is_some()).count();
     println!("{up} of {} poles are upright", attempts.len());

@@ -9,7 +9,7 @@ use crate::common::chart::{self, Line, PALETTE, Panel};
 use crate::swing_up::Attempt;
 
 /// Plots angle, position and controls over time, and the cost over the iterations.
-pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
+pub fn draw(out: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     let color = |index: usize| PALETTE[index % PALETTE.len()];
     let over_time = |value: &dyn Fn(&Attempt, usize) -> f64| -> Vec<Line> {
         let line = |(index, attempt): (usize, &Attempt)| {
@@ -26,34 +26,18 @@ pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<
         let points = (0..states.nrows()).map(|row| (row as f64 * model.timestep(), states[(row, 1)])).collect();
         angles.push(Line { label: "plan of seed 1".to_owned(), points, color: chart::INK, dashed: true });
     }
+    let positions = over_time(&|attempt, record| attempt.trajectory.qpos(record)[0]);
+    // The engine clamps the control to its range.
+    let controls = over_time(&|attempt, record| attempt.trajectory.ctrl(record)[0].clamp(-1.0, 1.0));
     let costs = attempts.iter().enumerate().map(|(index, attempt)| {
         let points = attempt.plan.costs.iter().enumerate().map(|(iteration, cost)| (iteration as f64, cost.log10()));
         Line::new(&format!("seed {}", index + 1), color(index), points)
     });
     let panels = [
-        Panel { title: "Pole angle", x: "time (s)", y: "angle (rad)", lines: angles, at_least: None },
-        Panel {
-            title: "Cart position",
-            x: "time (s)",
-            y: "position (m)",
-            lines: over_time(&|attempt, record| attempt.trajectory.qpos(record)[0]),
-            at_least: None,
-        },
-        Panel {
-            title: "Control",
-            x: "time (s)",
-            y: "fraction of the motor's range",
-            // The engine clamps the control to its range.
-            lines: over_time(&|attempt, record| attempt.trajectory.ctrl(record)[0].clamp(-1.0, 1.0)),
-            at_least: Some((-1.0, 1.0)),
-        },
-        Panel {
-            title: "Cost of the plan",
-            x: "iteration",
-            y: "logarithm of the cost (base 10)",
-            lines: costs.collect(),
-            at_least: None,
-        },
+        Panel::new("Pole angle", ["time (s)", "angle (rad)"], angles),
+        Panel::new("Cart position", ["time (s)", "position (m)"], positions),
+        Panel::new("Control", ["time (s)", "fraction of the motor's range"], controls).at_least(-1.0, 1.0),
+        Panel::new("Cost of the plan", ["iteration", "logarithm of the cost (base 10)"], costs.collect()),
     ];
-    chart::draw(path, 260, &panels)
+    chart::save(out, "cartpole_swing_up.svg", 260, &panels)
 }

@@ -48,12 +48,23 @@ impl Line {
 
 /// Pair of axes with its lines.
 pub struct Panel<'a> {
-    pub title: &'a str,
-    pub x: &'a str,
-    pub y: &'a str,
-    pub lines: Vec<Line>,
+    title: &'a str,
+    /// Names of the horizontal and the vertical axis.
+    axes: [&'a str; 2],
+    lines: Vec<Line>,
     /// Minimum range of the vertical axis.
-    pub at_least: Option<(f64, f64)>,
+    at_least: Option<(f64, f64)>,
+}
+
+impl<'a> Panel<'a> {
+    pub fn new(title: &'a str, axes: [&'a str; 2], lines: Vec<Line>) -> Self {
+        Self { title, axes, lines, at_least: None }
+    }
+
+    /// Sets the minimum range of the vertical axis.
+    pub fn at_least(self, low: f64, high: f64) -> Self {
+        Self { at_least: Some((low, high)), ..self }
+    }
 }
 
 /// Draws panels below each other, each `height` units high.
@@ -64,6 +75,15 @@ pub fn draw(path: &Path, height: u32, panels: &[Panel<'_>]) -> Result<(), Box<dy
         }
         Ok(())
     })
+}
+
+/// Draws panels to a file in a folder, which is created, and prints the path.
+pub fn save(folder: &Path, name: &str, height: u32, panels: &[Panel<'_>]) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    let path = folder.join(name);
+    draw(&path, height, panels)?;
+    println!("wrote {}", path.display());
+    Ok(())
 }
 
 /// Creates a white image of this height and draws on it.
@@ -105,8 +125,8 @@ fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> 
         .build_cartesian_2d(x_low..x_high, low - margin..high + margin)?;
     chart
         .configure_mesh()
-        .x_desc(panel.x)
-        .y_desc(panel.y)
+        .x_desc(panel.axes[0])
+        .y_desc(panel.axes[1])
         .axis_desc_style(font(14))
         .label_style(font(13))
         .axis_style(INK.stroke_width(SCALE))

@@ -13,9 +13,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 // description of the program in `--help`.
 #[derive(clap::Args)]
 pub struct Planning {
-    /// Number of threads for planning
-    #[arg(long, value_name = "N", default_value_t = cores())]
-    pub threads: usize,
     /// Folder for the plot and the trajectory; without it, no files are written
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -40,7 +37,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Returns the number of processor cores, the default number of threads.
+/// Returns the number of processor cores.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, |cores| cores.get())
 }

@@ -14,7 +14,6 @@
 mod arguments;
 #[path = "../common/mod.rs"]
 mod common;
-mod film;
 mod plots;
 mod simulate;
 
@@ -128,14 +127,12 @@ fn balance(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     if let Some(out) = &arguments.out {
         std::fs::create_dir_all(out)?;
-        let names = ["humanoid_force.svg", "humanoid_balance.svg", "humanoid_film.svg", "humanoid.csv"];
-        let [force, balance, film, csv] = names.map(|name| out.join(name));
+        let names = ["humanoid_force.svg", "humanoid_balance.svg", "humanoid.csv"];
+        let [force, balance, csv] = names.map(|name| out.join(name));
         plots::force_against_height(&force, &sweep, &set_point, weight)?;
         plots::balance(&balance, &model, &run, &open_loop)?;
-        let moments = [0.0, 1.0, 1.3, 1.8, arguments.seconds].map(|time| (time / model.timestep()) as usize);
-        film::draw(&film, &mut data, &run, &moments.map(|record| record.min(run.trajectory.len() - 1)))?;
         run.trajectory.save_csv(&csv)?;
-        for path in [&force, &balance, &film, &csv] {
+        for path in [&force, &balance, &csv] {
             report(format!("wrote {}", path.display()));
         }
     }

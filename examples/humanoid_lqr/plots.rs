@@ -25,13 +25,7 @@ pub fn force_against_height(
         dashed("weight", 6, vec![(first, weight), (last, weight)]),
         dashed(&format!("best: {best:.3} mm"), 1, vec![(best, lowest), (best, weight)]),
     ];
-    let panel = Panel {
-        title: "External vertical force at the keyframe",
-        x: "vertical offset (mm)",
-        y: "force (N)",
-        lines,
-        at_least: None,
-    };
+    let panel = Panel::new("External vertical force at the keyframe", ["vertical offset (mm)", "force (N)"], lines);
     chart::draw(path, 340, &[panel])
 }
 
@@ -73,28 +67,21 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
         })
         .collect();
 
+    let title = format!("Largest {SHOWN} controls");
     let panels = [
-        Panel {
-            title: "Centre of mass, relative to the start",
-            x: "time (s)",
-            y: "drift (mm)",
-            lines: vec![drift(0, "forward (x)", 0), drift(1, "left (y)", 1)],
-            at_least: Some((-5.0, 5.0)),
-        },
-        Panel {
-            title: "Height of the centre of mass",
-            x: "time (s)",
-            y: "height (m)",
-            lines: vec![Line::new("LQR", PALETTE[0], height(run)), dashed("constant controls", 1, height(open_loop))],
-            at_least: Some((0.6, 1.0)),
-        },
-        Panel {
-            title: &format!("Largest {SHOWN} controls"),
-            x: "time (s)",
-            y: "control",
-            lines: controls,
-            at_least: Some((-1.0, 1.0)),
-        },
+        Panel::new(
+            "Centre of mass, relative to the start",
+            ["time (s)", "drift (mm)"],
+            vec![drift(0, "forward (x)", 0), drift(1, "left (y)", 1)],
+        )
+        .at_least(-5.0, 5.0),
+        Panel::new(
+            "Height of the centre of mass",
+            ["time (s)", "height (m)"],
+            vec![Line::new("LQR", PALETTE[0], height(run)), dashed("constant controls", 1, height(open_loop))],
+        )
+        .at_least(0.6, 1.0),
+        Panel::new(&title, ["time (s)", "control"], controls).at_least(-1.0, 1.0),
     ];
     chart::draw(path, 280, &panels)
 }

@@ -31,8 +31,6 @@ mod attempt;
 #[path = "../common/mod.rs"]
 mod common;
 mod cost;
-#[path = "../humanoid_lqr/film.rs"]
-mod film;
 mod live;
 mod planner;
 mod plots;
@@ -49,7 +47,6 @@ use attempt::{Attempt, attempt};
 use clap::Parser;
 use common::balance::{set_point, weights};
 use common::command_line;
-use mujoco_safe::Data;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use planner::{HORIZON, SAMPLES, STEPS};
 use pushes::Series;
@@ -87,7 +84,7 @@ struct Arguments {
     /// Show the humanoid on one leg under iLQR in a window instead (requires the feature viewer)
     #[arg(long, conflicts_with_all = ["seeds", "pushes"])]
     view: bool,
-    /// Folder for the plots and the first trajectory; without it, no files are written
+    /// Folder for the plot and the first trajectory; without it, no files are written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -139,26 +136,10 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     if let (Some(out), Some(first)) = (&arguments.out, attempts.first()) {
         std::fs::create_dir_all(out)?;
-        let names = [
-            "humanoid_predictive.svg",
-            "humanoid_predictive_film.svg",
-            "humanoid_pushed_film.svg",
-            "humanoid_predictive.csv",
-        ];
-        let [chart, planned, regulated, csv] = names.map(|name| out.join(name));
-        plots::draw(&chart, &attempts)?;
-        let mut data = Data::new(robot.model.clone())?;
-        for (path, run) in [(&planned, &first.planned), (&regulated, &first.regulated)] {
-            // After a fall the robot is outside of the image, so end shortly before it.
-            let last = run.trajectory.len() - if run.upright() { 1 } else { 30 };
-            let moments = [1.0, 1.2, 1.4, 1.7, 2.0, seconds];
-            let records = moments.map(|time| ((time / robot.model.timestep()) as usize).min(last));
-            film::draw(path, &mut data, run, &records)?;
-        }
+        plots::draw(out, &attempts)?;
+        let csv = out.join("humanoid_predictive.csv");
         first.planned.trajectory.save_csv(&csv)?;
-        for path in [&chart, &planned, &regulated, &csv] {
-            println!("wrote {}", path.display());
-        }
+        println!("wrote {}", csv.display());
     }
     let successes = attempts.iter().filter(|attempt| attempt.succeeded()).count();
     println!("{successes} of {} pushes toppled the regulator but not the planner", attempts.len());

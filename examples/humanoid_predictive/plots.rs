@@ -7,7 +7,7 @@ use crate::attempt::Attempt;
 use crate::common::chart::{self, Line, PALETTE, Panel};
 use crate::simulate::Run;
 
-pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
+pub fn draw(out: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     let color = |attempt: &Attempt| PALETTE[(attempt.seed as usize + PALETTE.len() - 1) % PALETTE.len()];
     let line = |attempt: &Attempt, run: &Run, dashed: bool, value: &dyn Fn([f64; 3]) -> f64| Line {
         label: if dashed { String::new() } else { format!("push {}", attempt.seed) },
@@ -25,27 +25,17 @@ pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
         Line::new(&format!("push {}", attempt.seed), color(attempt), points)
     });
     let panels = [
-        Panel {
-            title: "Height of the centre of mass with the planner and (dashed) under LQR alone",
-            x: "time (s)",
-            y: "height (m)",
-            lines: both(&|com| com[2]),
-            at_least: None,
-        },
-        Panel {
-            title: "Horizontal distance of the centre of mass from the start",
-            x: "time (s)",
-            y: "distance (m)",
-            lines: both(&|com| com[0].hypot(com[1])),
-            at_least: None,
-        },
-        Panel {
-            title: "Predicted cost of the next half second",
-            x: "time (s)",
-            y: "logarithm (base 10)",
-            lines: expected.collect(),
-            at_least: None,
-        },
+        Panel::new(
+            "Height of the centre of mass with the planner and (dashed) under LQR alone",
+            ["time (s)", "height (m)"],
+            both(&|com| com[2]),
+        ),
+        Panel::new(
+            "Horizontal distance of the centre of mass from the start",
+            ["time (s)", "distance (m)"],
+            both(&|com| com[0].hypot(com[1])),
+        ),
+        Panel::new("Predicted cost of the next half second", ["time (s)", "logarithm (base 10)"], expected.collect()),
     ];
-    chart::draw(path, 280, &panels)
+    chart::save(out, "humanoid_predictive.svg", 280, &panels)
 }

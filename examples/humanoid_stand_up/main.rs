@@ -36,7 +36,7 @@ fn main() -> std::process::ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
-    let run = stand_up(arguments.seconds, arguments.planning.threads)?;
+    let run = stand_up(arguments.seconds, command_line::cores())?;
     let factor = arguments.seconds / start.elapsed().as_secs_f64();
     if let (Some(first), Some(last)) = (run.heights.first(), run.heights.last()) {
         println!(
@@ -45,11 +45,10 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
     }
     if let Some(out) = &arguments.planning.out {
-        std::fs::create_dir_all(out)?;
-        let [svg, csv] = ["humanoid_stand_up.svg", "humanoid_stand_up.csv"].map(|name| out.join(name));
-        chart::draw(&svg, 280, &panels(&run))?;
+        chart::save(out, "humanoid_stand_up.svg", 280, &panels(&run))?;
+        let csv = out.join("humanoid_stand_up.csv");
         run.trajectory.save_csv(&csv)?;
-        println!("wrote {}\nwrote {}", svg.display(), csv.display());
+        println!("wrote {}", csv.display());
     }
     if arguments.planning.view {
         common::window::replay("Humanoid that gets up", mujoco_safe::Data::new(run.model)?, vec![run.trajectory])?;
@@ -66,19 +65,15 @@ fn panels(run: &Run) -> [Panel<'static>; 2] {
     let target =
         Line { dashed: true, ..Line::new("standing", PALETTE[1], over_time(&vec![run.target; run.heights.len()])) };
     [
-        Panel {
-            title: "Height of the centre of mass",
-            x: "time (s)",
-            y: "height (m)",
-            lines: vec![Line::new("humanoid", PALETTE[0], over_time(&run.heights)), target],
-            at_least: None,
-        },
-        Panel {
-            title: "Speed of the centre of mass",
-            x: "time (s)",
-            y: "speed (m/s)",
-            lines: vec![Line::new("", PALETTE[0], over_time(&run.speeds))],
-            at_least: None,
-        },
+        Panel::new(
+            "Height of the centre of mass",
+            ["time (s)", "height (m)"],
+            vec![Line::new("humanoid", PALETTE[0], over_time(&run.heights)), target],
+        ),
+        Panel::new(
+            "Speed of the centre of mass",
+            ["time (s)", "speed (m/s)"],
+            vec![Line::new("", PALETTE[0], over_time(&run.speeds))],
+        ),
     ]
 }

@@ -33,7 +33,6 @@ use clap::Parser;
 use common::command_line;
 use mujoco_safe::Model;
 use mujoco_safe::environment::{HalfCheetah, Task, VectorEnvironment};
-use mujoco_safe::rayon::ThreadPoolBuilder;
 use policy::Policy;
 use search::{EPISODES, Search, returns};
 
@@ -63,9 +62,6 @@ struct Arguments {
     /// Number of iterations of each search
     #[arg(long, value_name = "N", default_value_t = ITERATIONS)]
     iterations: usize,
-    /// Number of threads
-    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
-    threads: usize,
     /// Measures this policy instead of learning one
     #[arg(long, value_name = "FILE")]
     policy: Option<PathBuf>,
@@ -80,17 +76,16 @@ fn main() -> std::process::ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(HalfCheetah::model());
-    let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).build()?;
     if let Some(path) = &arguments.policy {
         let policy = Policy::load(path, model.nu(), HalfCheetah.observation_size(&model))?;
-        println!("return {:.1}", pool.install(|| measure(&model, &policy, TEST_SEED))?);
+        println!("return {:.1}", measure(&model, &policy, TEST_SEED)?);
         return arguments.out.as_deref().map_or(Ok(()), |out| write_film(out, &model, &policy));
     }
     let (mut curves, mut best, mut successes) = (Vec::new(), None::<(f64, Policy)>, 0);
     for seed in 1..=arguments.seeds {
         let start = Instant::now();
-        let (curve, policy) = pool.install(|| learn(&model, seed, arguments.iterations))?;
-        let value = pool.install(|| measure(&model, &policy, TEST_SEED))?;
+        let (curve, policy) = learn(&model, seed, arguments.iterations)?;
+        let value = measure(&model, &policy, TEST_SEED)?;
         println!("seed {seed}: return {value:.1} after {:.0} s", start.elapsed().as_secs_f64());
         successes += usize::from(value >= GOAL);
         curves.push(curve);

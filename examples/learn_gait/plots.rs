@@ -26,5 +26,5 @@ pub fn draw(path: &Path, curves: &[Vec<f64>]) -> Result<(), Box<dyn Error>> {
     let last = episodes(curves.iter().map(Vec::len).max().unwrap_or(1).max(2) - 1);
     lines.push(Line { dashed: true, ..Line::new("goal", INK, [(0.0, GOAL), (last, GOAL)]) });
     let title = format!("Return of the policy during augmented random search, mean of {WINDOW} iterations");
-    chart::draw(path, 320, &[Panel { title: &title, x: "episodes", y: "return", lines, at_least: None }])
+    chart::draw(path, 320, &[Panel::new(&title, ["episodes", "return"], lines)])
 }

@@ -1,4 +1,4 @@
-"""Contracts of the module: arrays without a copy, protected against writes and against steps while they exist."""
+"""Contracts of the module: arrays without a copy, protected against writes and steps."""
 
 import gc
 import os

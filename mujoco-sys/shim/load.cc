@@ -1,7 +1,8 @@
-// Guards of the XML loader and saver, which are C++ inside: they throw (std::bad_alloc at least), hold a lock while parsing,
-// switch the thread's locale, and install an error handler that they do not remove when they throw. These guards catch the exceptions and
-// restore the locale and the handlers. An engine error that reaches the guard's handler skips the release of the parser's lock, so
-// after MUJOCO_SYS_ERROR the next load would deadlock: the caller must not make it.
+// Guards of the XML loader and saver, which are C++ inside: they throw (std::bad_alloc at least),
+// hold a lock while parsing, switch the thread's locale, and install an error handler that they do
+// not remove when they throw. These guards catch the exceptions and restore the locale and the
+// handlers. An engine error that reaches the guard's handler skips the release of the parser's
+// lock, so after MUJOCO_SYS_ERROR the next load would deadlock: the caller must not make it.
 #include <dlfcn.h>
 
 #include <clocale>
@@ -61,7 +62,8 @@ inline int caught(const char* type) {
   return MUJOCO_SYS_EXCEPTION;
 }
 
-// Runs `call` behind a guard. The frames of this file that the jump skips hold no object with a destructor.
+// Runs `call` behind a guard. The frames of this file that the jump skips hold no object with a
+// destructor.
 template <typename Call>
 int run(Call call) {
   const ThreadState before;
@@ -98,8 +100,8 @@ int run(Call call) {
 extern "C" {
 
 #if mjVERSION_HEADER >= 300
-// Model that was loaded last, which has the sizes of the engine's tree. Its pointers are not used, as they may dangle. The caller of this file's
-// functions holds a lock.
+// Model that was loaded last, which has the sizes of the engine's tree. Its pointers are not used,
+// as they may dangle. The caller of this file's functions holds a lock.
 static mjModel mujoco_sys_last_loaded;
 #endif
 
@@ -114,7 +116,8 @@ int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, i
   });
 }
 
-// Since 2.3. Raises an error if the library cannot be opened, and if it registers a plugin whose name is in use.
+// Since 2.3. Raises an error if the library cannot be opened, and if it registers a plugin whose
+// name is in use.
 int mujoco_sys_mj_loadPluginLibrary(const char* path) {
 #if mjVERSION_HEADER >= 325
   return run([=] { mj_loadPluginLibrary(path); });
@@ -141,8 +144,9 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   const int before = adjustable ? _mjPRIVATE__get_xml_precision() : 0;
   if (adjustable) _mjPRIVATE__set_xml_precision(mujoco_sys_xml_digits());
 #if mjVERSION_HEADER >= 300
-  // The engine compares these sizes with those of its tree, and does not read the arrays of these lengths. They may differ if the tree is that of
-  // the same model, loaded from another directory or after an edit of an inertia.
+  // The engine compares these sizes with those of its tree, and does not read the arrays of these
+  // lengths. They may differ if the tree is that of the same model, loaded from another directory
+  // or after an edit of an inertia.
   mjModel model = *m;
   model.npaths = mujoco_sys_last_loaded.npaths;
 #if mjVERSION_HEADER >= 325
@@ -155,7 +159,8 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   return status;
 }
 
-// Decodes a texture that the model has by reference, since 3.17. The caller frees the pixels with mju_free.
+// Decodes a texture that the model has by reference, since 3.17. The caller frees the pixels with
+// mju_free.
 int mujoco_sys_mj_loadTexture(const mjModel* m, int texture, mjtByte** data, int size[2], int* colorspace, char* error, int error_size,
                               int* result) {
 #if mjVERSION_HEADER >= 3017000

@@ -74,10 +74,11 @@ impl Data {
         self.clear_lazy_results();
         let counters = SavedCounters::replace(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
-        if self.has_callbacks() || self.model().needs_constraints() {
-            return self.run_with_callbacks(function, computes, time, &counters, call);
-        }
-        let status = call(model, data);
+        let (status, failure) = if self.has_callbacks() || self.model().needs_constraints() {
+            self.call_with_handlers(computes, call)
+        } else {
+            (call(model, data), None)
+        };
         self.clear_absent_constraints();
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
@@ -85,7 +86,7 @@ impl Data {
             messages::log_after_call();
             return Ok(());
         }
-        self.finish(function, computes, time, &counters, status, change, None)
+        self.finish(function, computes, time, &counters, status, change, failure)
     }
 
     /// Clears the flags by which newer engines skip energies, velocities of subtrees and forces on
@@ -97,16 +98,13 @@ impl Data {
         (raw.flg_energypos, raw.flg_energyvel, raw.flg_subtreevel, raw.flg_rnepost) = (0, 0, 0, 0);
     }
 
-    /// Continues [`run`](Self::run) for a simulation with callbacks or with constraints that the
-    /// engine needs.
-    fn run_with_callbacks(
+    /// Makes the call of [`run`](Self::run) for a simulation with callbacks or with constraints
+    /// that the engine needs. Returns its status, and the error if a closure failed.
+    fn call_with_handlers(
         &mut self,
-        function: &'static str,
         computes: PipelineFlags,
-        time: f64,
-        counters: &SavedCounters,
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-    ) -> Result<()> {
+    ) -> (c_int, Option<Error>) {
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let (is_handled, is_fatal) = (self.model().needs_constraints(), self.model().has_adhesion());
         let mut call = Some(call);
@@ -117,15 +115,7 @@ impl Data {
         // Calls that leave no valid results, such as finite differences, still run the whole
         // pipeline.
         let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
-        let (status, failure) = self.call_with_callbacks(results, &mut call);
-        self.clear_absent_constraints();
-        let change = counters.restore(self.raw_mut());
-        if status == guard::OK && change == CounterChange::None {
-            self.computed = computes;
-            messages::log_after_call();
-            return Ok(());
-        }
-        self.finish(function, computes, time, counters, status, change, failure)
+        self.call_with_callbacks(results, &mut call)
     }
 
     /// Clears the numbers of the kinds of constraints if there are none. Engines since 2.3 keep

@@ -9,7 +9,7 @@ use mujoco_sys::{guard, mjData};
 use super::{ActiveCallbacks, Data, PipelineFlags, warning};
 use crate::error::{Error, Outcome, Result};
 use crate::ffi;
-use crate::model::{CheckedEdit, IntoModel, Model, ModelMut};
+use crate::model::{CheckedEdit, IntoModel, Model, ModelMut, Relation};
 
 /// # Creation, copies and the model
 impl Data {
@@ -205,7 +205,7 @@ impl Data {
     #[doc(alias = "mj_copyData")]
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.copy_fields(other)?;
-        if Arc::ptr_eq(&self.model, &other.model) {
+        if self.model.relation(&other.model) == Relation::Same {
             self.computed = other.computed;
         } else {
             // With other options, results may have another layout.
@@ -217,9 +217,7 @@ impl Data {
 
     /// Copies all fields. All results count as not computed afterwards.
     fn copy_fields(&mut self, other: &Self) -> Result<()> {
-        if !self.model.is_same_structure(&other.model) {
-            return Err(Error::OtherModel { what: "the data to copy from" });
-        }
+        self.model.relation(&other.model).check("the data to copy from")?;
         let mut copied = ptr::null_mut();
         self.call_mut("mj_copyData", |m, d| {
             // SAFETY: the models of both data have the same structure, so the data have the same

@@ -6,9 +6,9 @@ use std::path::Path;
 use mujoco_sys::{self as sys, guard, mjSolverStat};
 
 use super::{Data, Stage};
-use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
+use crate::macros::engine_enum;
 
 engine_enum! {
     /// Timed part of the computation.

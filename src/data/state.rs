@@ -230,11 +230,18 @@ impl Data {
         Ok(())
     }
 
-    /// Sets the parts of the state to the values that they had before a call of
-    /// [`forward`](Self::forward). Bodies that sleep continue to do so.
-    pub(crate) fn restore_after_forward(&mut self, spec: StateSpec, state: &[f64]) {
-        assert!(state.len() == self.model().state_size(spec), "Bug: a restored state has another length");
-        self.write_state(spec, state);
+    /// Computes all quantities for the present state, without an effect on later steps. `saved` is
+    /// memory for the state.
+    ///
+    /// [`forward`](Self::forward) overwrites the initial guess of the constraint solver and
+    /// normalises the quaternions in `qpos`. The state is restored because a step that starts from
+    /// other values differs in the last bits. Bodies that sleep continue to do so.
+    pub(crate) fn forward_between_steps(&mut self, saved: &mut Vec<f64>) -> Result<()> {
+        saved.resize(self.model().state_size(StateSpec::INTEGRATION), 0.0);
+        self.read_state(StateSpec::INTEGRATION, saved);
+        let result = self.forward();
+        self.write_state(StateSpec::INTEGRATION, saved);
+        result
     }
 
     fn write_state(&mut self, spec: StateSpec, state: &[f64]) {

@@ -6,7 +6,7 @@ use super::TransitionOutputs;
 use super::method::Step;
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Model, Relation};
 
 /// State components that a step or a perturbation changes and [`PerturbedData::restore`] restores.
 const SAVED: StateSpec = StateSpec::FULL_PHYSICS.union(StateSpec::WARMSTART).union(StateSpec::CTRL);
@@ -111,7 +111,7 @@ impl PerturbedData {
 
     /// Adopts the model of a simulation of the same structure, unless it is the same model.
     pub(super) fn adopt_model(&mut self, data: &Data) {
-        if !Arc::ptr_eq(self.data.model(), data.model()) {
+        if self.data.model().relation(data.model()) != Relation::Same {
             self.data.clone_from(data);
         }
     }

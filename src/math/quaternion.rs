@@ -20,6 +20,7 @@ use mujoco_sys as sys;
 
 use super::{array, rot_vec_mat_t};
 use crate::error::{Error, InvalidKind, Result};
+use crate::numerics::spatial::norm;
 
 /// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes
 /// `[1, 0, 0, 0]`.
@@ -230,7 +231,7 @@ pub struct SubQuatDerivative {
 /// ```
 pub fn sub_quat_derivative(qa: &[f64; 4], qb: &[f64; 4]) -> SubQuatDerivative {
     let phi = sub_quat(qa, qb);
-    let angle = length(&phi);
+    let angle = norm(&phi);
     let second = if angle < SMALL_ANGLE {
         1.0 / 12.0 + angle * angle / 720.0
     } else {
@@ -262,7 +263,7 @@ pub struct QuatIntegrateDerivative {
 /// `quat`.
 pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDerivative {
     let phi = vel.map(|value| scale * value);
-    let angle = length(&phi);
+    let angle = norm(&phi);
     let (first, second, sinc) = if angle < SMALL_ANGLE {
         let square = angle * angle;
         (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0, 1.0 - square / 6.0)
@@ -277,10 +278,6 @@ pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDer
         // Rotations about the same axis commute.
         dscale: rot_vec_mat_t(vel, &combination(&phi, sinc, first)),
     }
-}
-
-fn length(vec: &[f64; 3]) -> f64 {
-    vec.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Returns `I + first [φ]× + second [φ]×²`.

@@ -10,6 +10,7 @@ use mujoco_sys::{self as sys, mjMINVAL};
 use super::count;
 use crate::enums::GeomType;
 use crate::error::{Error, InvalidKind, Result};
+use crate::numerics::spatial::norm;
 
 /// Returns the distance along a ray to a geom at the position `pos` with the rotation matrix `mat`
 /// and the engine's three sizes; `None` without an intersection. Planes are one-sided: rays
@@ -112,7 +113,7 @@ pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
     if !pnt.iter().all(|value| value.is_finite()) {
         return Err(Error::not_finite("the point of a ray", format!("{pnt:?}")));
     }
-    let length = vec.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let length = norm(vec);
     if length.is_finite() && length >= mjMINVAL {
         Ok(())
     } else {

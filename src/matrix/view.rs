@@ -281,6 +281,17 @@ impl<'a> MatrixViewMut<'a> {
         &mut self.values[row * self.ncols..][..self.ncols]
     }
 
+    /// Splits off the first rows from the others.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer rows.
+    pub(crate) fn split_rows(self, first: usize) -> (Self, Self) {
+        let Self { nrows, ncols, values } = self;
+        let (values, others) = values.split_at_mut(first * ncols);
+        (Self { nrows: first, ncols, values }, Self { nrows: nrows - first, ncols, values: others })
+    }
+
     /// Returns all values in row-major order, mutably.
     #[inline]
     pub fn as_mut_slice(&mut self) -> &mut [f64] {

@@ -24,6 +24,7 @@ mod engine_limits;
 mod mjb;
 mod pipeline_features;
 mod position;
+mod relation;
 mod save;
 mod schema;
 mod shared;
@@ -45,6 +46,7 @@ pub(crate) use self::options::FIRST_ABSENT_FLAG;
 #[cfg(feature = "viewer")]
 pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
+pub(crate) use self::relation::Relation;
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::shared::IntoModel;
 #[cfg(feature = "renderer")]

@@ -44,6 +44,11 @@ pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 }
 
 #[inline]
+pub(crate) fn norm<const N: usize>(a: &[f64; N]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+#[inline]
 pub(crate) fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

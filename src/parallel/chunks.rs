@@ -34,11 +34,6 @@ pub(crate) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(im
     rayon::join(|| in_chunks(low, first, chunk, work), || in_chunks(high, first + half, chunk, work));
 }
 
-/// Splits a buffer with `width` values per simulation.
-pub(crate) fn split_rows(values: &mut [f64], first: usize, width: usize) -> (&mut [f64], &mut [f64]) {
-    values.split_at_mut(first * width)
-}
-
 /// Guard that sets a stop flag when a panic drops it. Without a panic, the owner must
 /// [`disarm`](Self::disarm) it.
 pub(crate) struct StopOnPanic<'s>(&'s AtomicBool);

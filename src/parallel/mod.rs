@@ -2,10 +2,10 @@
 
 mod chunks;
 mod edited;
-mod idle;
+mod pool;
 mod work_queue;
 
-pub(crate) use self::chunks::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
+pub(crate) use self::chunks::{Split, StopOnPanic, default_chunk, in_chunks};
 pub(crate) use self::edited::is_edited;
-pub(crate) use self::idle::Idle;
-pub(crate) use self::work_queue::{WorkQueue, for_each_item, for_each_worker};
+pub(crate) use self::pool::{Lease, Pool};
+pub(crate) use self::work_queue::{FirstError, WorkQueue, for_each_item, for_each_worker};

@@ -9,7 +9,7 @@ use std::hint;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Minimum number of remaining items for which another worker joins.
 const MIN_ITEMS_TO_JOIN: usize = 4;
@@ -75,22 +75,34 @@ pub(crate) fn for_each_item<W: Send, T: Send>(
     work: impl Fn(&mut W, usize, &mut T) -> Result<()> + Sync,
 ) -> Result<()> {
     let queue = WorkQueue::new(items.iter_mut().enumerate());
-    let first_error = Mutex::new(None);
+    let first_error = FirstError::default();
     for_each_worker(workers, |worker, _| {
         while let Some((index, item)) = queue.take() {
             if let Err(error) = work(worker, index, item) {
                 // Threads take the items in order, so the first one that fails is among those that
                 // threads have taken.
-                let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
-                if first.as_ref().is_none_or(|&(earlier, _)| index < earlier) {
-                    *first = Some((index, error));
-                }
+                first_error.record(index, error);
                 return;
             }
         }
     });
-    match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        None => Ok(()),
-        Some((_, error)) => Err(error),
+    first_error.into_result()
+}
+
+/// Error with the smallest index among those of several threads.
+#[derive(Default)]
+pub(crate) struct FirstError(Mutex<Option<(usize, Error)>>);
+
+impl FirstError {
+    pub(crate) fn record(&self, index: usize, error: Error) {
+        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if first.as_ref().is_none_or(|&(earlier, _)| index < earlier) {
+            *first = Some((index, error));
+        }
+    }
+
+    pub(crate) fn into_result(self) -> Result<()> {
+        let first = self.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        first.map_or(Ok(()), |(_, error)| Err(error))
     }
 }

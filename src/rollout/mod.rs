@@ -33,7 +33,6 @@
 //! threads have stopped. All arguments of the call remain usable.
 
 mod batch;
-mod forward;
 #[cfg(feature = "npz")]
 mod npz;
 mod parameter;

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::forward::forward_between_steps;
 use super::result::Sizes;
+use super::workers::{Worker, prepare};
 use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
-use crate::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
+use crate::parallel::{Lease, Split, StopOnPanic, default_chunk, in_chunks};
 
 /// Runs all rollouts. The lengths of the buffers must be correct.
 pub(super) fn all(rollout: &Rollout<'_>, buffers: RolloutBuffers<'_>, outcomes: &mut [Result<(), RolloutError>]) {
@@ -47,24 +47,12 @@ type Buffer<'b> = Option<&'b mut [f64]>;
 
 /// Splits an optional buffer with `width` values per rollout.
 fn split(buffer: Buffer<'_>, first: usize, width: usize) -> (Buffer<'_>, Buffer<'_>) {
-    buffer.map(|buffer| split_rows(buffer, first, width)).unzip()
+    buffer.map(|buffer| buffer.split_at_mut(first * width)).unzip()
 }
 
-/// Returns the values of one rollout in a buffer of several.
+/// Returns one of the parts of this length of a buffer.
 fn part<'p>(buffer: &'p mut Buffer<'_>, index: usize, length: usize) -> Buffer<'p> {
     buffer.as_deref_mut().map(|buffer| &mut buffer[index * length..][..length])
-}
-
-/// Returns a row of a buffer.
-fn row<'p>(buffer: &'p mut Buffer<'_>, index: usize, width: usize) -> Buffer<'p> {
-    part(buffer, index, width)
-}
-
-/// Simulation that a thread runs its rollouts in.
-struct Worker {
-    data: Data,
-    /// Memory of [`forward_between_steps`].
-    saved: Vec<f64>,
 }
 
 /// State of a run, shared by its threads.
@@ -81,20 +69,17 @@ impl Run<'_, '_> {
     /// Runs rollouts one after another in one simulation.
     fn chunk(&self, first: usize, mut records: Records<'_>) {
         let guard = StopOnPanic::new(&self.stop);
-        let mut worker = None;
+        let mut lease = self.rollout.workers.0.lease();
         for (index, outcome) in records.outcomes.iter_mut().enumerate() {
             let record = RolloutBuffers {
                 states: part(&mut records.buffers.states, index, self.sizes.states_of_one()),
                 sensordata: part(&mut records.buffers.sensordata, index, self.sizes.sensordata_of_one()),
                 outputs: part(&mut records.buffers.outputs, index, self.sizes.outputs_of_one()),
             };
-            *outcome = self.one(first + index, &mut worker, record);
+            *outcome = self.one(first + index, &mut lease, record);
             if !matches!(outcome, Err(RolloutError::Cancelled { .. })) {
                 self.report();
             }
-        }
-        if let Some(worker) = worker {
-            self.rollout.workers.give_back(worker.data);
         }
         guard.disarm();
     }
@@ -109,9 +94,9 @@ impl Run<'_, '_> {
     }
 
     /// Runs one rollout, and fills its remaining rows with NaN if it ends early.
-    fn one(&self, index: usize, worker: &mut Option<Worker>, record: RolloutBuffers<'_>) -> Result<(), RolloutError> {
+    fn one(&self, index: usize, lease: &mut Lease<'_, Worker>, record: RolloutBuffers<'_>) -> Result<(), RolloutError> {
         let mut recorder = Recorder { record, sizes: self.sizes, states: 0, steps: 0, outputs: 0 };
-        let result = self.simulate(index, worker, &mut recorder);
+        let result = self.simulate(index, lease, &mut recorder);
         let step = recorder.steps;
         let outcome = match result {
             Ok(()) if step == self.sizes.steps && recorder.states == step + 1 => Ok(()),
@@ -123,27 +108,24 @@ impl Run<'_, '_> {
     }
 
     /// Simulates until the end, an error, or a stop.
-    fn simulate(&self, index: usize, worker: &mut Option<Worker>, recorder: &mut Recorder<'_>) -> Result<()> {
+    fn simulate(&self, index: usize, lease: &mut Lease<'_, Worker>, recorder: &mut Recorder<'_>) -> Result<()> {
         let Rollout { workers, initial, controls, edit, record, outputs, forward, steps, .. } = self.rollout;
         if self.stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let Worker { data, saved } = match worker {
-            Some(worker) => worker,
-            None => worker.insert(Worker { data: workers.take()?, saved: Vec::new() }),
-        };
-        workers.prepare(data, index, edit.as_deref())?;
+        let (Worker { data, saved }, model) = (lease.get()?, workers.model());
+        prepare(data, model, index, edit.as_deref())?;
         match *initial {
             Initial::Reference => {}
             Initial::Shared(spec, state) => data.set_state(spec, state)?,
             Initial::Each(spec, states) => {
-                let size = workers.model().state_size(spec);
+                let size = model.state_size(spec);
                 data.set_state(spec, &states[index * size..][..size])?;
             }
         }
         recorder.state(data, *record)?;
 
-        let nu = workers.model().nu();
+        let nu = model.nu();
         let mut controller = match controls {
             Controls::From(make) => Some(make(index)),
             _ => None,
@@ -166,7 +148,7 @@ impl Run<'_, '_> {
             }
             data.step()?;
             recorder.sensordata(data)?;
-            let computed = if *forward { forward_between_steps(data, saved) } else { Ok(()) };
+            let computed = if *forward { data.forward_between_steps(saved) } else { Ok(()) };
             if let Some((_, read)) = outputs
                 && computed.is_ok()
             {
@@ -195,7 +177,7 @@ struct Recorder<'b> {
 
 impl Recorder<'_> {
     fn state(&mut self, data: &Data, spec: StateSpec) -> Result<()> {
-        if let Some(row) = row(&mut self.record.states, self.states, self.sizes.state) {
+        if let Some(row) = part(&mut self.record.states, self.states, self.sizes.state) {
             data.state_into(spec, row)?;
         }
         self.states += 1;
@@ -203,7 +185,7 @@ impl Recorder<'_> {
     }
 
     fn sensordata(&mut self, data: &Data) -> Result<()> {
-        if let Some(row) = row(&mut self.record.sensordata, self.steps, self.sizes.sensordata) {
+        if let Some(row) = part(&mut self.record.sensordata, self.steps, self.sizes.sensordata) {
             let values = data.sensordata();
             // A controller may have replaced the simulation by one of another model.
             Error::check_length("the sensor readings of a rollout", values.len(), row.len())?;
@@ -213,7 +195,7 @@ impl Recorder<'_> {
     }
 
     fn outputs(&mut self, data: &Data, read: &super::Read<'_>) {
-        if let Some(row) = row(&mut self.record.outputs, self.outputs, self.sizes.output) {
+        if let Some(row) = part(&mut self.record.outputs, self.outputs, self.sizes.output) {
             row.fill(0.0);
             read(data, row);
         }

@@ -7,8 +7,8 @@ use super::Edit;
 use crate::callback::Callbacks;
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
-use crate::model::{IntoModel, Model, ModelMut};
-use crate::parallel::Idle;
+use crate::model::{IntoModel, Model, ModelMut, Relation};
+use crate::parallel::Pool;
 
 /// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept
 /// for the next run.
@@ -37,58 +37,52 @@ use crate::parallel::Idle;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone)]
-pub struct Workers {
-    model: Arc<Model>,
-    idle: Arc<Idle<Data>>,
+pub struct Workers(pub(super) Arc<Pool<Worker>>);
+
+/// Simulation that a thread runs its rollouts in.
+pub(super) struct Worker {
+    pub(super) data: Data,
+    /// Memory for a state.
+    pub(super) saved: Vec<f64>,
 }
 
 impl Workers {
     /// Creates an empty pool for rollouts of this model. Takes a [`Model`], an `Arc<Model>` or an
     /// `&Arc<Model>`.
     pub fn new(model: impl IntoModel) -> Self {
-        Self { model: model.into_model(), idle: Arc::default() }
+        let create = |model: &Arc<Model>| Ok(Worker { data: Data::new(model)?, saved: Vec::new() });
+        Self(Arc::new(Pool::new(model.into_model(), create)))
     }
 
     /// Returns the model.
     pub fn model(&self) -> &Arc<Model> {
-        &self.model
+        self.0.model()
     }
+}
 
-    /// Takes an idle simulation, or creates one.
-    pub(super) fn take(&self) -> Result<Data> {
-        self.idle.take(|| Data::new(self.model.clone()))
+/// Resets a simulation to the state of a new one of the edited model, independently of its earlier
+/// use.
+pub(super) fn prepare(data: &mut Data, model: &Arc<Model>, index: usize, edit: Option<&Edit<'_>>) -> Result<()> {
+    match model.relation(data.model()) {
+        Relation::Same => {}
+        Relation::Copies if edit.is_some() => {}
+        // A controller may have replaced the simulation, or an edit of an earlier rollout remains.
+        _ => *data = Data::new(model)?,
     }
-
-    /// Returns a simulation to the pool.
-    pub(super) fn give_back(&self, data: Data) {
-        self.idle.give_back(data);
+    // A controller of an earlier rollout may have set callbacks.
+    data.set_callbacks(Callbacks::new());
+    if let Some(edit) = edit {
+        data.edit_model(|copy| {
+            restore(copy, model);
+            edit(index, copy)
+        })?;
     }
-
-    /// Resets a simulation to the state of a new one of the edited model, independently of its
-    /// earlier use.
-    pub(super) fn prepare(&self, data: &mut Data, index: usize, edit: Option<&Edit<'_>>) -> Result<()> {
-        let fits = match edit {
-            None => Arc::ptr_eq(data.model(), &self.model),
-            Some(_) => data.model().is_same_structure(&self.model),
-        };
-        if !fits {
-            *data = Data::new(self.model.clone())?;
-        }
-        // A controller of an earlier rollout may have set callbacks.
-        data.set_callbacks(Callbacks::new());
-        if let Some(edit) = edit {
-            data.edit_model(|model| {
-                restore(model, &self.model);
-                edit(index, model)
-            })?;
-        }
-        restart(data)
-    }
+    restart(data)
 }
 
 impl fmt::Debug for Workers {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Workers: {} idle, of {:?}", self.idle.len(), self.model)
+        write!(f, "Workers: {} idle, of {:?}", self.0.idle(), self.model())
     }
 }
 

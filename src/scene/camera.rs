@@ -6,11 +6,11 @@ use mujoco_sys::{self as sys, adapted, guard, mjvCamera};
 
 use super::Scene;
 use crate::data::{Data, Stage};
-use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, CameraId, Id, IntoId};
 use crate::kind;
+use crate::macros::engine_enum;
 use crate::model::Model;
 
 /// Mode of a camera.

@@ -6,10 +6,10 @@ use mujoco_sys::{self as sys, adapted, mjvGeom};
 
 use super::{Categories, Scene};
 use crate::element::Object;
-use crate::enums::engine_enum;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::{HeightFieldId, Id, Lineage, MeshId, SkinId, TextureId};
+use crate::macros::engine_enum;
 use crate::model::Model;
 
 engine_enum! {

@@ -7,10 +7,10 @@ use mujoco_sys::adapted::{self, SceneTexture};
 use mujoco_sys::{self as sys, guard, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene, SceneGeomType};
-use crate::enums::engine_enum;
 use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
 use crate::id::{HeightFieldId, MeshId, TextureId};
+use crate::macros::engine_enum;
 
 engine_enum! {
     /// Shape of a geom that connects two points.

@@ -5,8 +5,8 @@ use std::ffi::c_int;
 use bitflags::bitflags;
 use mujoco_sys::{self as sys, mjvOption};
 
-use crate::enums::engine_enum;
 use crate::ffi;
+use crate::macros::engine_enum;
 use crate::macros::with_methods;
 
 engine_enum! {

@@ -168,7 +168,7 @@ fn the_example_writes_its_plots_and_trajectory_to_the_given_directory() {
     let out = scratch.path().join("made/on/demand");
     let output = program("humanoid_lqr", &["--seconds", "1", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    for plot in ["humanoid_force.svg", "humanoid_balance.svg", "humanoid_film.svg"] {
+    for plot in ["humanoid_force.svg", "humanoid_balance.svg"] {
         let svg = std::fs::read_to_string(out.join(plot)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{plot} is no SVG");
     }

@@ -1,10 +1,13 @@
-"""Records steps of Gymnasium's environments for tests/rollout/environments.rs: motions, actions, observations, rewards and ends.
+"""Records steps of Gymnasium's environments for tests/rollout/environments.rs.
+
+These are motions, actions, observations, rewards and ends.
 
     python3.10 -m venv venv
     venv/bin/pip install mujoco==2.2.2 gymnasium==1.0.0 imageio 'numpy<2'
     venv/bin/python tests/oracle/environments.py
 
-writes tests/oracle/environments.json. The models are those of Gymnasium, of which the file has no part. Running it again gives the same file.
+writes tests/oracle/environments.json. The models are those of Gymnasium, of which the file has no
+part. Running it again gives the same file.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Records numbers of the official Python bindings for the bundled models, for tests/engine/against_python.rs.
+"""Records numbers of the official Python bindings for tests/engine/against_python.rs.
 
 The bindings include their own build of the engine, so the numbers are independent of this library
 and of the engine that it is linked with. The wheels of 2.2.2 need Python 3.7 to 3.10, and a numpy
@@ -8,8 +8,8 @@ before 2:
     venv/bin/pip install mujoco==2.2.2 'numpy<2'
     venv/bin/python tests/oracle/record.py
 
-This writes tests/oracle/recorded/2.2.2.json. With the bindings of another version it writes the file
-of that version. Running it again gives the same file.
+This writes tests/oracle/recorded/2.2.2.json. With the bindings of another version it writes the
+file of that version. Running it again gives the same file.
 """
 
 import json
@@ -28,7 +28,10 @@ SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "nsensordata")
 
 
 def values(array):
-    """Returns a flat list, row by row. Python prints the shortest digits that read back as the same number."""
+    """Returns a flat list, row by row.
+
+    Python prints the shortest digits that read back as the same number.
+    """
     return [float(value) for value in np.asarray(array, dtype=float).ravel()]
 
 

@@ -1,8 +1,9 @@
-"""Writes riccati.json: the small examples with real dense matrices of the collection DAREX, and SciPy's solutions.
+"""Writes riccati.json: the small real dense examples of DAREX, and SciPy's solutions.
 
-P. Benner, A. J. Laub, V. Mehrmann, A Collection of Benchmark Examples for the Numerical Solution of Algebraic Riccati Equations II:
-Discrete-Time Case, TU Chemnitz-Zwickau, SPC 95_23 (1995); J. Abels, P. Benner, DAREX - A Collection of Benchmark Examples for
-Discrete-Time Algebraic Riccati Equations, SLICOT Working Note 1999-16.
+P. Benner, A. J. Laub, V. Mehrmann, A Collection of Benchmark Examples for the Numerical Solution of
+Algebraic Riccati Equations II: Discrete-Time Case, TU Chemnitz-Zwickau, SPC 95_23 (1995); J. Abels,
+P. Benner, DAREX - A Collection of Benchmark Examples for Discrete-Time Algebraic Riccati Equations,
+SLICOT Working Note 1999-16.
 
     python3 tests/oracle/riccati.py
 """

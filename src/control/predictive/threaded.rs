@@ -11,7 +11,7 @@ use crate::control::ilqr::TrajectoryCost;
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result, catch_panic};
-use crate::model::Model;
+use crate::model::{Model, Relation};
 use crate::parallel::is_edited;
 
 /// Controller that plans in a second thread, and follows the newest plan with its gains.
@@ -122,7 +122,7 @@ impl Job {
     }
 
     fn plan(&mut self, planner: &mut impl Planner, cost: &impl TrajectoryCost, data: &mut Data) -> Result<PlanReport> {
-        if !Arc::ptr_eq(data.model(), &self.model) || data.check_usable().is_err() {
+        if self.model.relation(data.model()) != Relation::Same || data.check_usable().is_err() {
             // The model may have been edited since, or a plan may have failed.
             *data = Data::new(self.model.clone())?;
         }

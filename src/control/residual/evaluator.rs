@@ -8,10 +8,10 @@ use super::{Needs, ResidualJacobian, Term};
 use crate::control::ilqr::CostExpansion;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Model, Relation};
 use crate::numerics::linear_algebra::add;
 use crate::numerics::vectorised;
-use crate::parallel::{Idle, is_edited};
+use crate::parallel::is_edited;
 
 /// Simulation in which terms are evaluated, with buffers.
 struct Evaluator {
@@ -137,39 +137,35 @@ fn needs(terms: &[Term], is_terminal: bool) -> Needs {
 }
 
 /// Evaluators, one for each active thread, and the start of the trajectory.
-pub(super) struct Evaluators {
-    start: Mutex<Start>,
-    idle: Idle<Evaluator>,
-}
+pub(super) struct Evaluators(Mutex<Shared>);
 
-struct Start {
+struct Shared {
     model: Arc<Model>,
     /// Values of [`StateSpec::INTEGRATION`].
     inputs: Vec<f64>,
     time: f64,
     /// Number of changes of the inputs.
     version: u64,
+    /// Evaluators of this model, not of an earlier one.
+    idle: Vec<Evaluator>,
 }
 
 impl Evaluators {
     pub(super) fn new(data: Data, size: usize) -> Self {
         let (model, inputs) = (data.model().clone(), data.state(StateSpec::INTEGRATION));
-        let start = Mutex::new(Start { model, inputs, time: 0.0, version: 0 });
-        let idle = Idle::default();
-        idle.give_back(Evaluator::new(data, size));
-        Self { start, idle }
+        Self(Mutex::new(Shared { model, inputs, time: 0.0, version: 0, idle: vec![Evaluator::new(data, size)] }))
     }
 
     /// Takes the model, the time and all inputs of a simulation.
     pub(super) fn begin(&self, data: &Data) -> Result<()> {
-        let mut start = self.start();
-        if is_edited(&start.model, data, "the simulation of a ResidualCost")? {
-            start.model = data.model().clone();
-            self.idle.clear();
+        let mut shared = self.lock();
+        if is_edited(&shared.model, data, "the simulation of a ResidualCost")? {
+            shared.model = data.model().clone();
+            shared.idle.clear();
         }
-        data.state_into(StateSpec::INTEGRATION, &mut start.inputs)?;
-        start.time = data.time();
-        start.version += 1;
+        data.state_into(StateSpec::INTEGRATION, &mut shared.inputs)?;
+        shared.time = data.time();
+        shared.version += 1;
         Ok(())
     }
 
@@ -198,37 +194,47 @@ impl Evaluators {
 
     /// Calls `work` with an evaluator at a point.
     fn at<T>(&self, terms: &[Term], point: Point<'_>, work: impl FnOnce(&mut Evaluator) -> Result<T>) -> Result<T> {
-        let mut evaluator = self.idle.take(|| {
-            let model = self.start().model.clone();
-            Ok(Evaluator::new(Data::new(model)?, terms.iter().map(Term::size).max().unwrap_or(0)))
-        })?;
-        let time = {
-            let start = self.start();
-            if evaluator.version != start.version {
-                evaluator.data.set_state(StateSpec::INTEGRATION, &start.inputs)?;
-                evaluator.data.state_into(StateSpec::WARMSTART, &mut evaluator.warmstart)?;
-                evaluator.version = start.version;
-            }
-            start.time
-        };
+        let (mut evaluator, time) = self.take(terms)?;
         evaluator.move_to(point, time, needs(terms, point.controls.is_none()))?;
+        // After an error, the simulation may be unusable and is dropped.
         let result = work(&mut evaluator)?;
-        // After an error, the simulation may be unusable and is dropped. The lock is held until the
-        // evaluator is back, so that `begin` clears it with the others.
-        let start = self.start();
-        if Arc::ptr_eq(evaluator.data.model(), &start.model) {
-            self.idle.give_back(evaluator);
+        let mut shared = self.lock();
+        if shared.model.relation(evaluator.data.model()) == Relation::Same {
+            shared.idle.push(evaluator);
         }
         Ok(result)
     }
 
-    fn start(&self) -> MutexGuard<'_, Start> {
-        self.start.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Takes an idle evaluator, or creates one. Returns it with the present inputs, and the time of
+    /// the start.
+    fn take(&self, terms: &[Term]) -> Result<(Evaluator, f64)> {
+        let mut shared = self.lock();
+        let mut evaluator = if let Some(evaluator) = shared.idle.pop() {
+            evaluator
+        } else {
+            let model = shared.model.clone();
+            // Other threads continue meanwhile.
+            drop(shared);
+            let size = terms.iter().map(Term::size).max().unwrap_or(0);
+            let created = Evaluator::new(Data::new(model)?, size);
+            shared = self.lock();
+            created
+        };
+        if evaluator.version != shared.version {
+            evaluator.data.set_state(StateSpec::INTEGRATION, &shared.inputs)?;
+            evaluator.data.state_into(StateSpec::WARMSTART, &mut evaluator.warmstart)?;
+            evaluator.version = shared.version;
+        }
+        Ok((evaluator, shared.time))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shared> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl fmt::Debug for Evaluators {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} idle simulations", self.idle.len())
+        write!(f, "{} idle simulations", self.lock().idle.len())
     }
 }

@@ -11,6 +11,7 @@ use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};
 use crate::math::{cross, rot_vec_mat_t};
 use crate::model::DisableFlags;
+use crate::numerics::spatial::norm;
 
 /// Contact of the last collision detection.
 #[derive(Clone, Copy)]
@@ -247,7 +248,7 @@ impl NewContact {
         let numbers = [self.dist, self.includemargin];
         let numbers = numbers.iter().chain(&self.pos).chain(&self.normal).chain(&self.friction);
         let finite = numbers.chain(&self.solref).chain(&self.solimp).all(|value| value.is_finite());
-        let length = norm(self.normal);
+        let length = norm(&self.normal);
         if !finite {
             return Err(Error::not_finite("a value of a new contact", format!("{self:?}")));
         }
@@ -266,7 +267,7 @@ impl NewContact {
     /// Computes the contact frame: the normal and two tangents.
     fn frame(&self) -> [f64; 9] {
         let unit = |vector: [f64; 3]| {
-            let length = norm(vector);
+            let length = norm(&vector);
             vector.map(|value| value / length)
         };
         let normal = unit(self.normal);
@@ -371,8 +372,4 @@ impl Data {
         // Newer engines have a limit of memory instead of a number.
         if full == 0 { Ok(()) } else { Err(Error::Unsupported("more contacts than fit in the arena".to_owned())) }
     }
-}
-
-fn norm(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

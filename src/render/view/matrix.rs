@@ -1,7 +1,7 @@
 //! 4 × 4 matrices, column-major, in double precision; uniforms are converted to single precision
 //! last.
 
-use crate::numerics::spatial::{cross, dot};
+use crate::numerics::spatial::{cross, dot, norm};
 
 /// Column-major matrix: an array of columns.
 pub(crate) type Matrix4 = [[f64; 4]; 4];
@@ -31,7 +31,7 @@ pub(crate) fn to_f32(a: &Matrix4) -> [[f32; 4]; 4] {
 
 /// Normalises a vector; returns the z-axis for a vector of zero or non-finite length.
 pub(crate) fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = dot(&vector, &vector).sqrt();
+    let length = norm(&vector);
     if length > 1e-10 && length.is_finite() { vector.map(|component| component / length) } else { [0.0, 0.0, 1.0] }
 }
 
@@ -88,7 +88,7 @@ pub(crate) fn reflection(point: [f64; 3], normal: [f64; 3]) -> Matrix4 {
 /// then a translation.
 #[allow(clippy::many_single_char_names, reason = "conventional names of quaternion components")]
 pub(crate) fn similarity(quat: [f64; 4], scale: f64, translation: [f64; 3]) -> Matrix4 {
-    let length = quat.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let length = norm(&quat);
     let [w, x, y, z] = if length > 1e-10 { quat.map(|part| part / length) } else { [1.0, 0.0, 0.0, 0.0] };
     let [a, b, c] = translation;
     [

@@ -1,15 +1,13 @@
 //! Steps, resets and edits of all simulations of a batch.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use super::Batch;
-use super::member::{Common, Member, Members, Widths};
-use super::worker::Worker;
-use crate::data::{Data, StateSpec};
-use crate::error::{Error, Outcome, Result};
+use super::member::{Member, Members};
+use crate::data::Data;
+use crate::error::{Outcome, Result};
 use crate::matrix::{MatrixView, MatrixViewMut};
-use crate::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
+use crate::parallel::{FirstError, Split, StopOnPanic, default_chunk, in_chunks};
 
 /// # Steps, resets and edits
 impl Batch<'_> {
@@ -32,11 +30,9 @@ impl Batch<'_> {
         &mut self,
         policy: impl FnOnce(MatrixView<'_>, &mut MatrixViewMut<'_>) -> O,
     ) -> Result<()> {
-        let (count, nu) = self.controls.shape();
-        let mut controls = MatrixViewMut::from_row_major(count, nu, self.controls.as_mut_slice());
-        policy(self.observations.view(), &mut controls).into_result()?;
+        policy(self.observations.view(), &mut MatrixViewMut::from(&mut self.controls)).into_result()?;
         let substeps = self.substeps;
-        self.each(|_, member, slot| member.step(slot, substeps));
+        self.each(|_, member| member.step(substeps));
         Ok(())
     }
 
@@ -71,7 +67,7 @@ impl Batch<'_> {
     ///
     /// The error of the reset, of `start` or of
     /// [`with_forward_after_step`](Self::with_forward_after_step) with the smallest index, and
-    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
+    /// [`Error::OtherModel`](crate::Error::OtherModel) if `start` replaces the simulation by one of a model that was loaded
     /// separately. All simulations with an error count as failed.
     ///
     /// # Panics
@@ -82,11 +78,11 @@ impl Batch<'_> {
         which: impl Fn(usize) -> bool + Sync,
         start: impl Fn(usize, u64, &mut Data) -> O + Sync,
     ) -> Result<()> {
-        self.try_each(|index, member, slot| {
+        self.try_each(|index, member| {
             if !which(index) {
                 return Ok(());
             }
-            member.reset(slot, |episode, data| start(index, episode, data).into_result())
+            member.reset(|episode, data| start(index, episode, data).into_result())
         })
     }
 
@@ -123,11 +119,11 @@ impl Batch<'_> {
         which: impl Fn(usize) -> bool + Sync,
         edit: impl Fn(usize, &mut Data) -> O + Sync,
     ) -> Result<()> {
-        self.try_each(|index, member, slot| {
+        self.try_each(|index, member| {
             if !which(index) {
                 return Ok(());
             }
-            member.edit(slot, |data| edit(index, data).into_result())
+            member.edit(|data| edit(index, data).into_result())
         })
     }
 
@@ -135,8 +131,8 @@ impl Batch<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine fails, which occurs for a loaded
-    /// model only if memory is exhausted.
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory)
+    /// if the engine fails, which occurs for a loaded model only if memory is exhausted.
     ///
     /// # Panics
     ///
@@ -145,88 +141,58 @@ impl Batch<'_> {
         assert!(index < self.len(), "there is no simulation {index}, only {}", self.len());
         let (_, rest) = self.members().split(index);
         let (one, _) = rest.split(1);
-        let (pool, mut slot, mut result) = (one.common.pool, None, Ok(()));
+        let mut result = Ok(());
         one.each(|_, member| {
-            result = member.reset(&mut slot, |_, _| Ok(()));
+            result = member.reset(|_, _| Ok(()));
             true
         });
-        pool.give_back(slot);
         result
     }
 
     /// Observes all simulations, in the calling thread.
     pub(super) fn observe_all(&mut self) {
-        let members = self.members();
-        let (pool, mut slot) = (members.common.pool, None);
-        members.each(|_, member| {
-            member.observe(&mut slot);
+        self.members().each(|_, member| {
+            member.observe();
             true
         });
-        pool.give_back(slot);
     }
 
     /// Calls `work` for all simulations in parallel, and returns the error with the smallest index.
-    pub(super) fn try_each(
-        &mut self,
-        work: impl Fn(usize, &mut Member<'_>, &mut Option<Worker>) -> Result<()> + Sync,
-    ) -> Result<()> {
-        let failed = Mutex::new(None::<(usize, Error)>);
-        self.each(|index, member, slot| {
-            if let Err(error) = work(index, member, slot) {
-                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
-                if failed.as_ref().is_none_or(|(first, _)| index < *first) {
-                    *failed = Some((index, error));
-                }
+    pub(super) fn try_each(&mut self, work: impl Fn(usize, &mut Member<'_, '_>) -> Result<()> + Sync) -> Result<()> {
+        let first_error = FirstError::default();
+        self.each(|index, member| {
+            if let Err(error) = work(index, member) {
+                first_error.record(index, error);
             }
         });
-        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            None => Ok(()),
-            Some((_, error)) => Err(error),
-        }
+        first_error.into_result()
     }
 
-    /// Calls `work` for all simulations in parallel, with memory for a worker.
-    fn each(&mut self, work: impl Fn(usize, &mut Member<'_>, &mut Option<Worker>) + Sync) {
+    /// Calls `work` for all simulations in parallel.
+    fn each(&mut self, work: impl Fn(usize, &mut Member<'_, '_>) + Sync) {
         let chunk = self.chunk.unwrap_or_else(|| default_chunk(self.len()));
         let stop = AtomicBool::new(false);
         in_chunks(self.members(), 0, chunk, &|first, members| {
             let guard = StopOnPanic::new(&stop);
-            let (pool, mut slot) = (members.common.pool, None);
             members.each(|offset, member| {
                 let go_on = !stop.load(Ordering::Relaxed);
                 if go_on {
-                    work(first + offset, member, &mut slot);
+                    work(first + offset, member);
                 }
                 go_on
             });
-            pool.give_back(slot);
             guard.disarm();
         });
     }
 
     fn members(&mut self) -> Members<'_> {
-        let model = self.pool.model();
-        let widths = Widths {
-            state: self.states.ncols(),
-            controls: model.nu(),
-            observations: self.observations.ncols(),
-            values: self.values.ncols(),
-        };
-        let first_control = model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start;
         Members {
-            common: Common {
-                pool: &self.pool,
-                read: &*self.observe,
-                forward: self.forward,
-                first_control,
-                parameters: &self.parameters,
-            },
+            common: &self.common,
             rows: &mut self.rows,
-            states: self.states.as_mut_slice(),
-            controls: self.controls.as_mut_slice(),
-            observations: self.observations.as_mut_slice(),
-            values: self.values.as_mut_slice(),
-            widths,
+            states: MatrixViewMut::from(&mut self.states),
+            controls: MatrixViewMut::from(&mut self.controls),
+            observations: MatrixViewMut::from(&mut self.observations),
+            values: MatrixViewMut::from(&mut self.values),
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Rows of a batch: their division among threads, and the work on one of them.
 
-use super::worker::{Loaded, Own, Pool, Results, Worker, check_model, continue_from};
+use super::worker::{Loaded, Overrides, Results, Worker, continue_from};
 use crate::data::{Data, StateSpec, WarningCounters};
 use crate::error::{Error, Result};
-use crate::parallel::{Split, split_rows};
+use crate::matrix::MatrixViewMut;
+use crate::model::ModelMut;
+use crate::parallel::{Lease, Pool, Split};
 use crate::rollout::workers::restart;
 use crate::rollout::{Parameters, Read};
 
@@ -16,25 +18,25 @@ pub(super) struct Row {
     /// Warnings of the engine since the reset.
     pub(super) warnings: WarningCounters,
     /// Model and callbacks, if they differ from a new simulation's.
-    pub(super) own: Option<Box<Own>>,
+    pub(super) overrides: Option<Box<Overrides>>,
 }
 
 impl Row {
     pub(super) fn new(warnings: WarningCounters) -> Self {
-        Self { failure: None, episode: 0, warnings, own: None }
+        Self { failure: None, episode: 0, warnings, overrides: None }
     }
 }
 
 /// Properties that all simulations of a batch have in common.
-#[derive(Clone, Copy)]
-pub(super) struct Common<'b> {
-    pub(super) pool: &'b Pool,
-    pub(super) read: &'b Read<'b>,
+pub(super) struct Common<'a> {
+    pub(super) pool: Pool<Worker>,
+    /// Closure that observes a simulation.
+    pub(super) read: Box<Read<'a>>,
     /// `true` if forward dynamics is computed before an observation.
     pub(super) forward: bool,
     /// Index of the first control in a state.
     pub(super) first_control: usize,
-    pub(super) parameters: &'b Parameters,
+    pub(super) parameters: Parameters,
 }
 
 /// Start of the work on a simulation.
@@ -46,9 +48,10 @@ enum Source {
 }
 
 /// Simulation of a batch.
-pub(super) struct Member<'m> {
-    pub(super) common: Common<'m>,
-    pub(super) row: &'m mut Row,
+pub(super) struct Member<'m, 'b> {
+    common: &'b Common<'b>,
+    lease: &'m mut Lease<'b, Worker>,
+    row: &'m mut Row,
     state: &'m mut [f64],
     controls: &'m mut [f64],
     observations: &'m mut [f64],
@@ -56,65 +59,60 @@ pub(super) struct Member<'m> {
     values: &'m mut [f64],
 }
 
-impl Member<'_> {
+impl Member<'_, '_> {
     /// Steps the simulation, unless it has failed.
-    pub(super) fn step(&mut self, slot: &mut Option<Worker>, substeps: usize) {
+    pub(super) fn step(&mut self, substeps: usize) {
         if self.row.failure.is_some() {
             return;
         }
         self.state[self.common.first_control..][..self.controls.len()].copy_from_slice(self.controls);
         // Without a step, the results of another simulation would remain.
         let allowed = if substeps == 0 { Results::None } else { Results::Steps };
-        let result = self.work(slot, Source::State(allowed), Results::Steps, |data| data.step_n(substeps));
+        let result = self.work(Source::State(allowed), Results::Steps, |data| data.step_n(substeps));
         if let Err(error) = result {
             self.fail(error);
         }
     }
 
     /// Starts the next episode.
-    pub(super) fn reset(
-        &mut self,
-        slot: &mut Option<Worker>,
-        start: impl FnOnce(u64, &mut Data) -> Result<()>,
-    ) -> Result<()> {
+    pub(super) fn reset(&mut self, start: impl FnOnce(u64, &mut Data) -> Result<()>) -> Result<()> {
         self.row.episode += 1;
         self.row.failure = None;
         let episode = self.row.episode;
-        let result = self.work(slot, Source::Reset, Results::Any, |data| start(episode, data));
+        let result = self.work(Source::Reset, Results::Any, |data| start(episode, data));
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
     /// Calls `edit`, unless the simulation has failed.
-    pub(super) fn edit(&mut self, slot: &mut Option<Worker>, edit: impl FnOnce(&mut Data) -> Result<()>) -> Result<()> {
+    pub(super) fn edit(&mut self, edit: impl FnOnce(&mut Data) -> Result<()>) -> Result<()> {
         if self.row.failure.is_some() {
             return Ok(());
         }
-        let result = self.work(slot, Source::State(Results::None), Results::Any, edit);
+        let result = self.work(Source::State(Results::None), Results::Any, edit);
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
     /// Sets the values of the parameters, which must be valid, and observes the simulation if they
     /// change.
-    pub(super) fn set_parameters(&mut self, slot: &mut Option<Worker>, values: &[f64]) -> Result<()> {
+    pub(super) fn set_parameters(&mut self, values: &[f64]) -> Result<()> {
         if bits_equal(self.values, values) {
             return Ok(());
         }
-        let Common { pool, parameters, .. } = self.common;
-        let (model, present) = (pool.model(), &*self.values);
-        let worker = pool.fill(slot)?;
-        worker.edit_model(&mut self.row.own, model, |copy| parameters.write(present, values, model, copy))?;
+        let (model, present) = (self.common.pool.model(), &*self.values);
+        let write = |copy: &mut ModelMut<'_>| self.common.parameters.write(present, values, model, copy);
+        self.lease.get()?.edit_model(&mut self.row.overrides, model, write)?;
         self.values.copy_from_slice(values);
-        self.observe(slot);
+        self.observe();
         Ok(())
     }
 
     /// Observes the simulation, or writes NaN if it has failed.
-    pub(super) fn observe(&mut self, slot: &mut Option<Worker>) {
+    pub(super) fn observe(&mut self) {
         if self.row.failure.is_some() {
             return self.observations.fill(f64::NAN);
         }
         let leaves = if self.common.forward { Results::Steps } else { Results::None };
-        let result = self.work(slot, Source::State(Results::None), leaves, |_| Ok(()));
+        let result = self.work(Source::State(Results::None), leaves, |_| Ok(()));
         if let Err(error) = result {
             self.fail(error);
         }
@@ -128,17 +126,11 @@ impl Member<'_> {
     /// Loads the simulation into a worker, calls `work`, stores the new state, and observes it. If
     /// `work` fails, the state is unchanged. `leaves` are the results that the worker has
     /// afterwards.
-    fn work(
-        &mut self,
-        slot: &mut Option<Worker>,
-        source: Source,
-        leaves: Results,
-        work: impl FnOnce(&mut Data) -> Result<()>,
-    ) -> Result<()> {
-        let Self { common, row, state, controls, observations, .. } = self;
-        let worker = common.pool.fill(slot)?;
+    fn work(&mut self, source: Source, leaves: Results, work: impl FnOnce(&mut Data) -> Result<()>) -> Result<()> {
+        let Self { common, lease, row, state, controls, observations, .. } = self;
+        let model = common.pool.model();
         let allowed = if let Source::State(results) = source { results } else { Results::Any };
-        let mut loaded = Loaded::new(worker, &mut row.own, common.pool.model(), allowed)?;
+        let mut loaded = Loaded::new(lease.get()?, &mut row.overrides, model, allowed)?;
         let data = loaded.data();
         match source {
             Source::State(_) => continue_from(data, state, &row.warnings)?,
@@ -146,7 +138,7 @@ impl Member<'_> {
         }
         work(data)?;
         if leaves == Results::Any {
-            check_model(data, common.pool.model())?;
+            model.relation(data.model()).check("the simulation that a closure has put into a batch")?;
             data.check_usable()?;
         }
         data.state_into(StateSpec::INTEGRATION, state)?;
@@ -172,36 +164,27 @@ fn bits_equal(left: &[f64], right: &[f64]) -> bool {
 
 /// Part of the simulations.
 pub(super) struct Members<'b> {
-    pub(super) common: Common<'b>,
+    pub(super) common: &'b Common<'b>,
     pub(super) rows: &'b mut [Row],
-    pub(super) states: &'b mut [f64],
-    pub(super) controls: &'b mut [f64],
-    pub(super) observations: &'b mut [f64],
-    pub(super) values: &'b mut [f64],
-    pub(super) widths: Widths,
-}
-
-/// Numbers of values per simulation.
-#[derive(Clone, Copy)]
-pub(super) struct Widths {
-    pub(super) state: usize,
-    pub(super) controls: usize,
-    pub(super) observations: usize,
-    pub(super) values: usize,
+    pub(super) states: MatrixViewMut<'b>,
+    pub(super) controls: MatrixViewMut<'b>,
+    pub(super) observations: MatrixViewMut<'b>,
+    pub(super) values: MatrixViewMut<'b>,
 }
 
 impl Members<'_> {
     /// Calls `work` for the simulations in turn while it returns `true`.
-    pub(super) fn each(self, mut work: impl FnMut(usize, &mut Member<'_>) -> bool) {
-        let Self { common, rows, states, controls, observations, values, widths } = self;
-        for (index, row) in rows.iter_mut().enumerate() {
+    pub(super) fn each(mut self, mut work: impl FnMut(usize, &mut Member<'_, '_>) -> bool) {
+        let mut lease = self.common.pool.lease();
+        for (index, row) in self.rows.iter_mut().enumerate() {
             let mut member = Member {
-                common,
+                common: self.common,
+                lease: &mut lease,
                 row,
-                state: &mut states[index * widths.state..][..widths.state],
-                controls: &mut controls[index * widths.controls..][..widths.controls],
-                observations: &mut observations[index * widths.observations..][..widths.observations],
-                values: &mut values[index * widths.values..][..widths.values],
+                state: self.states.row_mut(index),
+                controls: self.controls.row_mut(index),
+                observations: self.observations.row_mut(index),
+                values: self.values.row_mut(index),
             };
             if !work(index, &mut member) {
                 break;
@@ -216,22 +199,20 @@ impl Split for Members<'_> {
     }
 
     fn split(self, first: usize) -> (Self, Self) {
-        let Self { common, widths, .. } = self;
         let (rows, other_rows) = self.rows.split_at_mut(first);
-        let (states, other_states) = split_rows(self.states, first, widths.state);
-        let (controls, other_controls) = split_rows(self.controls, first, widths.controls);
-        let (observations, other_observations) = split_rows(self.observations, first, widths.observations);
-        let (values, other_values) = split_rows(self.values, first, widths.values);
+        let (states, other_states) = self.states.split_rows(first);
+        let (controls, other_controls) = self.controls.split_rows(first);
+        let (observations, other_observations) = self.observations.split_rows(first);
+        let (values, other_values) = self.values.split_rows(first);
         (
-            Self { common, rows, states, controls, observations, values, widths },
+            Self { common: self.common, rows, states, controls, observations, values },
             Self {
-                common,
+                common: self.common,
                 rows: other_rows,
                 states: other_states,
                 controls: other_controls,
                 observations: other_observations,
                 values: other_values,
-                widths,
             },
         )
     }

@@ -8,15 +8,16 @@ mod worker;
 use std::fmt;
 use std::sync::Arc;
 
-use self::member::Row;
-use self::worker::{Pool, continue_from};
+use self::member::{Common, Row};
+use self::worker::{Worker, continue_from};
+use super::Parameters;
 use super::workers::{restart, restore};
-use super::{Parameters, Read};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView};
 use crate::memory;
 use crate::model::{IntoModel, Model};
+use crate::parallel::Pool;
 
 /// Batch of simulations of one model that are stepped together under a policy: a vectorised
 /// environment of reinforcement learning.
@@ -58,14 +59,11 @@ pub struct Batch<'a> {
     states: Matrix,
     controls: Matrix,
     observations: Matrix,
-    parameters: Parameters,
     /// Values of the parameters.
     values: Matrix,
+    common: Common<'a>,
     /// Index of the first simulation for random numbers.
     first_index: usize,
-    pool: Pool,
-    observe: Box<Read<'a>>,
-    forward: bool,
     substeps: usize,
     chunk: Option<usize>,
 }
@@ -85,25 +83,28 @@ impl<'a> Batch<'a> {
         model.check_without_sleep("a batch")?;
         let numbers = model.state_size(StateSpec::INTEGRATION) + model.nu() + model.state_size(StateSpec::PHYSICS);
         memory::check("simulations", count, numbers * size_of::<f64>() + size_of::<Row>())?;
-        let (pool, mut slot) = (Pool::new(model.clone()), None);
+        let pool = Pool::new(model.clone(), Worker::new);
         let (mut rows, mut states) = (Vec::new(), Matrix::zeros(count, model.state_size(StateSpec::INTEGRATION)));
         if count > 0 {
-            let data = pool.fill(&mut slot)?.data();
+            let mut lease = pool.lease();
+            let data = lease.get()?.data();
             rows.extend((0..count).map(|_| Row::new(data.warnings())));
             (0..count).try_for_each(|index| data.state_into(StateSpec::INTEGRATION, states.row_mut(index)))?;
         }
-        pool.give_back(slot);
         let batch = Self {
             rows,
             states,
             controls: Matrix::zeros(count, model.nu()),
             observations: Matrix::default(),
-            parameters: Parameters::new(),
             values: Matrix::zeros(count, 0),
+            common: Common {
+                pool,
+                read: Box::new(|_, _| ()),
+                forward: false,
+                first_control: model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start,
+                parameters: Parameters::new(),
+            },
             first_index: 0,
-            pool,
-            observe: Box::new(|_, _| ()),
-            forward: false,
             substeps: 1,
             chunk: None,
         };
@@ -127,7 +128,7 @@ impl<'a> Batch<'a> {
     #[must_use]
     pub fn with_observations(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.observations = Matrix::zeros(self.len(), nobs);
-        self.observe = Box::new(read);
+        self.common.read = Box::new(read);
         self.observe_all();
         self
     }
@@ -163,7 +164,7 @@ impl<'a> Batch<'a> {
     /// ```
     #[must_use]
     pub fn with_forward_after_step(mut self) -> Self {
-        self.forward = true;
+        self.common.forward = true;
         self.observe_all();
         self
     }
@@ -196,7 +197,7 @@ impl<'a> Batch<'a> {
 
     /// Returns the model that the batch was created with.
     pub fn model(&self) -> &Arc<Model> {
-        self.pool.model()
+        self.common.pool.model()
     }
 
     /// Returns the observations `(n, nobs)`. The row of a failed simulation is NaN.
@@ -280,10 +281,13 @@ impl<'a> Batch<'a> {
     /// ```
     pub fn load(&self, index: usize, data: &mut Data) -> Result<()> {
         let row = &self.rows[index];
-        if !data.model().is_same_structure(self.model()) {
-            return Err(Error::OtherModel { what: "the data to load a simulation into" });
-        }
-        match row.own.as_deref().map(|own| &own.difference).filter(|difference| !difference.is_empty()) {
+        self.model().relation(data.model()).check("the data to load a simulation into")?;
+        match row
+            .overrides
+            .as_deref()
+            .map(|overrides| &overrides.difference)
+            .filter(|difference| !difference.is_empty())
+        {
             None => data.swap_model(&mut self.model().clone()),
             Some(difference) => data.edit_model(|model| {
                 restore(model, self.model());

@@ -32,7 +32,7 @@ impl Batch<'_> {
         for row in 0..self.len() {
             values.row_mut(row).copy_from_slice(&nominal);
         }
-        (self.parameters, self.values) = (parameters, values);
+        (self.common.parameters, self.values) = (parameters, values);
         Ok(self)
     }
 
@@ -94,9 +94,9 @@ impl Batch<'_> {
         let mut values = self.values.clone();
         for index in (0..self.len()).filter(|&index| which(index)) {
             set(index, values.row_mut(index));
-            self.parameters.check(index, values.row(index))?;
+            self.common.parameters.check(index, values.row(index))?;
         }
-        self.try_each(|index, member, slot| member.set_parameters(slot, values.row(index)))
+        self.try_each(|index, member| member.set_parameters(values.row(index)))
     }
 
     /// Draws the values of the simulations whose index satisfies `which` from their distributions,
@@ -127,7 +127,7 @@ impl Batch<'_> {
     /// An error of [`update_constants`](crate::ModelMut::update_constants), as for
     /// [`set_parameters`](Self::set_parameters).
     pub fn sample_parameters(&mut self, which: impl Fn(usize) -> bool, seed: u64) -> Result<()> {
-        let parameters = self.parameters.clone();
+        let parameters = self.common.parameters.clone();
         let numbers: Vec<_> = (0..self.len()).map(|index| (self.random_index(index), self.episode(index))).collect();
         self.set_parameters(which, |index, values| {
             let (index, episode) = numbers[index];

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use crate::data::{Data, OwnCallbacks, PipelineFlags, StateSpec, WarningCounters};
-use crate::error::{Error, Result};
-use crate::model::{EditedModel, Model, ModelDifference, ModelMut};
-use crate::parallel::Idle;
+use crate::error::Result;
+use crate::model::{EditedModel, Model, ModelDifference, ModelMut, Relation};
 use crate::rollout::workers::restart;
 
 /// Results in the arrays of a worker, apart from the state.
@@ -35,7 +34,7 @@ impl Worker {
         &self.data
     }
 
-    fn new(model: Arc<Model>) -> Result<Self> {
+    pub(super) fn new(model: &Arc<Model>) -> Result<Self> {
         Ok(Self {
             data: Data::new(model)?,
             results: Results::None,
@@ -48,7 +47,7 @@ impl Worker {
     fn prepare(&mut self, model: &Arc<Model>, allowed: Results) -> Result<()> {
         // A closure may have replaced the simulation, or exchanged it for the one of a scope with
         // callbacks.
-        let replaced = !Arc::ptr_eq(self.data.model(), model) || self.data.has_callbacks();
+        let replaced = self.data.model().relation(model) != Relation::Same || self.data.has_callbacks();
         if self.results == Results::Any && replaced {
             (self.data, self.results) = (Data::new(model.clone())?, Results::None);
         } else if self.results > allowed {
@@ -64,58 +63,29 @@ impl Worker {
     /// Edits the model of a row, without a simulation of it. The row is unchanged after an error.
     pub(super) fn edit_model(
         &mut self,
-        own: &mut Option<Box<Own>>,
+        overrides: &mut Option<Box<Overrides>>,
         shared: &Model,
         edit: impl FnOnce(&mut ModelMut<'_>) -> Result<()>,
     ) -> Result<()> {
         let none = ModelDifference::default();
-        let edited = EditedModel::set(&mut self.edited, shared, own.as_ref().map_or(&none, |own| &own.difference))?;
+        let edited = EditedModel::set(
+            &mut self.edited,
+            shared,
+            overrides.as_ref().map_or(&none, |overrides| &overrides.difference),
+        )?;
         let result = edited.edit(shared, edit, &mut self.difference);
         if result.is_ok() {
-            let callbacks = own.as_deref_mut().map(|own| std::mem::take(&mut own.callbacks)).unwrap_or_default();
-            set_own(own, &self.difference, &callbacks, false);
-            if let Some(own) = own {
-                own.callbacks = callbacks;
-            }
+            let callbacks =
+                overrides.as_deref_mut().map(|overrides| std::mem::take(&mut overrides.callbacks)).unwrap_or_default();
+            set_overrides(overrides, &self.difference, callbacks, false);
         }
         result
     }
 }
 
-/// Model and idle workers of a batch.
-pub(super) struct Pool {
-    model: Arc<Model>,
-    idle: Idle<Worker>,
-}
-
-impl Pool {
-    pub(super) fn new(model: Arc<Model>) -> Self {
-        Self { model, idle: Idle::default() }
-    }
-
-    #[inline]
-    pub(super) fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
-    /// Returns the worker in `slot`, after filling it with an idle worker or a new one.
-    pub(super) fn fill<'s>(&self, slot: &'s mut Option<Worker>) -> Result<&'s mut Worker> {
-        if slot.is_none() {
-            *slot = Some(self.idle.take(|| Worker::new(self.model.clone()))?);
-        }
-        Ok(slot.as_mut().expect("Bug: the slot has been filled"))
-    }
-
-    pub(super) fn give_back(&self, slot: Option<Worker>) {
-        if let Some(worker) = slot {
-            self.idle.give_back(worker);
-        }
-    }
-}
-
 /// Edits of the model and callbacks of one simulation.
 #[derive(Default)]
-pub(super) struct Own {
+pub(super) struct Overrides {
     pub(super) difference: ModelDifference,
     callbacks: OwnCallbacks,
     /// `true` if a closure has edited the model. A step may then compute other quantities than a
@@ -123,7 +93,7 @@ pub(super) struct Own {
     edited_by_closure: bool,
 }
 
-impl Own {
+impl Overrides {
     fn computes_other_results(&self) -> bool {
         self.edited_by_closure || !self.callbacks.is_empty()
     }
@@ -133,7 +103,7 @@ impl Own {
 /// also by a panic of a closure.
 pub(super) struct Loaded<'l> {
     worker: &'l mut Worker,
-    own: &'l mut Option<Box<Own>>,
+    overrides: &'l mut Option<Box<Overrides>>,
     shared: &'l Arc<Model>,
     /// Results that the worker has afterwards.
     leaves: Results,
@@ -145,21 +115,21 @@ impl<'l> Loaded<'l> {
     /// Prepares the worker with at most these results, and loads the row's model and callbacks.
     pub(super) fn new(
         worker: &'l mut Worker,
-        own: &'l mut Option<Box<Own>>,
+        overrides: &'l mut Option<Box<Overrides>>,
         shared: &'l Arc<Model>,
         allowed: Results,
     ) -> Result<Self> {
-        let other_results = own.as_ref().is_some_and(|own| own.computes_other_results());
+        let other_results = overrides.as_ref().is_some_and(|overrides| overrides.computes_other_results());
         let allowed = if other_results && allowed == Results::Steps { Results::None } else { allowed };
         worker.prepare(shared, allowed)?;
-        if let Some(own) = own {
-            if !own.difference.is_empty() {
-                let edited = EditedModel::set(&mut worker.edited, shared, &own.difference)?;
+        if let Some(overrides) = overrides {
+            if !overrides.difference.is_empty() {
+                let edited = EditedModel::set(&mut worker.edited, shared, &overrides.difference)?;
                 worker.data.swap_model(edited.model_mut());
             }
-            worker.data.swap_own_callbacks(&mut own.callbacks);
+            worker.data.swap_own_callbacks(&mut overrides.callbacks);
         }
-        Ok(Self { worker, own, shared, leaves: Results::Any, changed: true })
+        Ok(Self { worker, overrides, shared, leaves: Results::Any, changed: true })
     }
 
     pub(super) fn data(&mut self) -> &mut Data {
@@ -170,7 +140,7 @@ impl<'l> Loaded<'l> {
     /// no closure has changed the simulation.
     pub(super) fn finish(mut self, leaves: Results) {
         self.changed = leaves == Results::Any;
-        if !self.own.as_ref().is_some_and(|own| own.computes_other_results()) {
+        if !self.overrides.as_ref().is_some_and(|overrides| overrides.computes_other_results()) {
             self.leaves = leaves.max(self.worker.results);
         }
     }
@@ -180,42 +150,47 @@ impl Drop for Loaded<'_> {
     fn drop(&mut self) {
         let Worker { data, results, edited, difference } = &mut *self.worker;
         *results = self.leaves;
-        if self.own.is_none() && !self.changed {
+        if self.overrides.is_none() && !self.changed {
             return;
         }
         let mut callbacks = OwnCallbacks::default();
         data.swap_own_callbacks(&mut callbacks);
-        let mut model = self.shared.clone();
-        if check_model(data, &model).is_ok() {
+        let copy = (data.model().relation(self.shared) == Relation::Copies).then(|| {
+            let mut model = self.shared.clone();
             data.swap_model(&mut model);
-        }
+            model
+        });
         if self.changed {
-            if Arc::ptr_eq(&model, self.shared) {
-                difference.clear();
-            } else {
-                difference.update(self.shared, &model);
+            match &copy {
+                Some(copy) => difference.update(self.shared, copy),
+                None => difference.clear(),
             }
-            set_own(self.own, difference, &callbacks, true);
+            set_overrides(self.overrides, difference, callbacks, true);
+        } else if let Some(overrides) = &mut *self.overrides {
+            overrides.callbacks = callbacks;
         }
-        if let Some(own) = &mut *self.own {
-            own.callbacks = callbacks;
-        }
-        if !Arc::ptr_eq(&model, self.shared) {
-            EditedModel::put_back(edited, model, self.own.as_deref().map(|own| &own.difference));
+        if let Some(copy) = copy {
+            EditedModel::put_back(edited, copy, self.overrides.as_deref().map(|overrides| &overrides.difference));
         }
     }
 }
 
-/// Stores the edits of a row, and frees the memory for edits if there are none.
-fn set_own(own: &mut Option<Box<Own>>, difference: &ModelDifference, callbacks: &OwnCallbacks, by_closure: bool) {
+/// Stores the edits and the callbacks of a row, and frees their memory if there are none.
+fn set_overrides(
+    overrides: &mut Option<Box<Overrides>>,
+    difference: &ModelDifference,
+    callbacks: OwnCallbacks,
+    by_closure: bool,
+) {
     if difference.is_empty() && callbacks.is_empty() {
-        *own = None;
+        *overrides = None;
         return;
     }
-    let own = own.get_or_insert_default();
-    if own.difference != *difference {
-        own.difference.clone_from(difference);
-        own.edited_by_closure = (own.edited_by_closure || by_closure) && !own.difference.is_empty();
+    let overrides = overrides.get_or_insert_default();
+    overrides.callbacks = callbacks;
+    if overrides.difference != *difference {
+        overrides.difference.clone_from(difference);
+        overrides.edited_by_closure = (overrides.edited_by_closure || by_closure) && !overrides.difference.is_empty();
     }
 }
 
@@ -231,13 +206,4 @@ pub(super) fn continue_from(data: &mut Data, state: &[f64], warnings: &WarningCo
     // SAFETY: times and numbers of calls, for which zero bytes are a valid value.
     raw.timer = unsafe { std::mem::zeroed() };
     Ok(())
-}
-
-/// Checks that a closure has not replaced the simulation by one of another model.
-pub(super) fn check_model(data: &Data, model: &Model) -> Result<()> {
-    if data.model().is_same_structure(model) {
-        Ok(())
-    } else {
-        Err(Error::OtherModel { what: "the simulation that a closure has put into a batch" })
-    }
 }

@@ -96,9 +96,7 @@ impl SimulationEndpoint {
             self.spare = None;
             self.captured = Arc::default();
         }
-        if !Arc::ptr_eq(&self.model, model) {
-            self.model = model.clone();
-        }
+        self.model = model.clone();
     }
 
     /// Restores the start state.
@@ -126,14 +124,9 @@ impl SimulationEndpoint {
     }
 
     /// Recomputes the quantities that depend on the state, and leaves the state unchanged bit for
-    /// bit: forward dynamics alone would change the warm start of the solver and the last bits of
-    /// quaternions.
+    /// bit.
     pub fn refresh(&mut self, data: &mut Data) -> Result<()> {
-        self.state.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
-        data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
-        let result = data.forward();
-        data.restore_after_forward(StateSpec::INTEGRATION, &self.state);
-        result
+        data.forward_between_steps(&mut self.state)
     }
 
     /// Calls [`refresh`](Self::refresh) if quantities that the scene shows have not been computed.

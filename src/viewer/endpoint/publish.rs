@@ -1,7 +1,5 @@
 //! Publication of snapshots.
 
-use std::sync::Arc;
-
 use super::SimulationEndpoint;
 use crate::data::{Data, Warning};
 use crate::error::{Error, Result};
@@ -37,12 +35,8 @@ impl SimulationEndpoint {
         self.instruments.parameters().clone_into(&mut snapshot.parameters);
         snapshot.watched.clear();
         snapshot.watched.extend(self.watches.iter().map(|watch| watch.value(data)));
-        if !Arc::ptr_eq(&snapshot.model, &self.model) {
-            snapshot.model = self.model.clone();
-        }
-        if !Arc::ptr_eq(&snapshot.captured, &self.captured) {
-            snapshot.captured = self.captured.clone();
-        }
+        snapshot.model = self.model.clone();
+        snapshot.captured = self.captured.clone();
         self.number += 1;
         snapshot.executed = self.link.executed();
         (snapshot.generation, snapshot.number, snapshot.camera) = (self.generation, self.number, self.camera);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::{Appearance, ControlNoise, Mode, SceneView};
 use crate::id::{ActuatorId, BodyId, EqualityId, HeightFieldId, JointId, KeyframeId, MeshId, TextureId};
-use crate::model::{Model, Options};
+use crate::model::{Model, Options, Relation};
 use crate::scene::{MouseAction, PerturbationFlags};
 use crate::viewer::endpoint::Watch;
 use crate::viewer::input::KeyPress;
@@ -154,7 +154,7 @@ pub(crate) struct SharedModel(pub Arc<Model>);
 
 impl PartialEq for SharedModel {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        self.0.relation(&other.0) == Relation::Same
     }
 }
 

@@ -74,18 +74,6 @@ impl PredictedState {
         self.pending(snapshot).find_map(value)
     }
 
-    fn endpoint<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(&EndpointRequest) -> Option<T>) -> Option<T> {
-        self.set(snapshot, |request| if let Request::Endpoint(request) = request { value(request) } else { None })
-    }
-
-    fn simulation<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(&SimulationRequest) -> Option<T>) -> Option<T> {
-        self.set(snapshot, |request| if let Request::Simulation(request) = request { value(request) } else { None })
-    }
-
-    fn playback<T>(&self, snapshot: &Snapshot, mut value: impl FnMut(PlaybackRequest) -> Option<T>) -> Option<T> {
-        self.set(snapshot, |request| if let Request::Playback(request) = request { value(*request) } else { None })
-    }
-
     /// Returns `true` if a body is selected or may be.
     pub fn may_be_selected(&self, snapshot: &Snapshot) -> bool {
         snapshot.selected.is_some() || self.selection > snapshot.executed
@@ -102,8 +90,8 @@ impl PredictedState {
 
     /// Returns the mode.
     pub fn mode(&self, snapshot: &Snapshot) -> Mode {
-        let mode = self.simulation(snapshot, |request| match request {
-            SimulationRequest::SetMode(mode) if snapshot.modes.contains(mode) => Some(*mode),
+        let mode = self.set(snapshot, |request| match request {
+            Request::Simulation(SimulationRequest::SetMode(mode)) if snapshot.modes.contains(mode) => Some(*mode),
             _ => None,
         });
         mode.unwrap_or(snapshot.mode)
@@ -111,8 +99,8 @@ impl PredictedState {
 
     /// Returns the factor of simulated over real time.
     pub fn target_speed(&self, snapshot: &Snapshot) -> f64 {
-        let factor = self.simulation(snapshot, |request| match request {
-            SimulationRequest::SetSpeed(factor) => Some(*factor),
+        let factor = self.set(snapshot, |request| match request {
+            Request::Simulation(SimulationRequest::SetSpeed(factor)) => Some(*factor),
             _ => None,
         });
         factor.unwrap_or_else(|| snapshot.speed.target())
@@ -120,8 +108,8 @@ impl PredictedState {
 
     /// Returns the noise on the controls.
     pub fn noise(&self, snapshot: &Snapshot) -> ControlNoise {
-        let noise = self.simulation(snapshot, |request| match request {
-            SimulationRequest::SetNoise(noise) => Some(*noise),
+        let noise = self.set(snapshot, |request| match request {
+            Request::Simulation(SimulationRequest::SetNoise(noise)) => Some(*noise),
             _ => None,
         });
         noise.unwrap_or(snapshot.noise)
@@ -129,8 +117,8 @@ impl PredictedState {
 
     /// Returns the index of the current state in the history.
     pub fn history_position(&self, snapshot: &Snapshot) -> usize {
-        let index = self.simulation(snapshot, |request| match request {
-            SimulationRequest::Scrub(index) => Some(*index),
+        let index = self.set(snapshot, |request| match request {
+            Request::Simulation(SimulationRequest::Scrub(index)) => Some(*index),
             _ => None,
         });
         index.unwrap_or(snapshot.history_position)
@@ -138,16 +126,16 @@ impl PredictedState {
 
     /// Returns the index of a trajectory that the user has chosen, until a snapshot contains it.
     pub fn trajectory(&self, snapshot: &Snapshot) -> Option<usize> {
-        self.playback(snapshot, |request| match request {
-            PlaybackRequest::SetTrajectory(index) => Some(index),
+        self.set(snapshot, |request| match request {
+            Request::Playback(PlaybackRequest::SetTrajectory(index)) => Some(*index),
             _ => None,
         })
     }
 
     /// Returns the index of a record that the user has chosen, until a snapshot contains it.
     pub fn record(&self, snapshot: &Snapshot) -> Option<usize> {
-        self.playback(snapshot, |request| match request {
-            PlaybackRequest::SetFrame(frame) => Some(frame),
+        self.set(snapshot, |request| match request {
+            Request::Playback(PlaybackRequest::SetFrame(frame)) => Some(*frame),
             _ => None,
         })
     }
@@ -172,8 +160,8 @@ impl PredictedState {
 
     /// Returns the physics options.
     pub fn options(&self, snapshot: &Snapshot) -> Options {
-        let options = self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetOptions(options) => Some(**options),
+        let options = self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetOptions(options)) => Some(**options),
             _ => None,
         });
         options.unwrap_or_else(|| snapshot.model.options())
@@ -181,8 +169,8 @@ impl PredictedState {
 
     /// Returns the appearance of the model.
     pub fn appearance(&self, snapshot: &Snapshot) -> Appearance {
-        let appearance = self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetAppearance(appearance) => Some(**appearance),
+        let appearance = self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetAppearance(appearance)) => Some(**appearance),
             _ => None,
         });
         appearance.unwrap_or_else(|| Appearance::of(&snapshot.model))
@@ -190,17 +178,19 @@ impl PredictedState {
 
     /// Returns a parameter of the instruments that the user has set, until a snapshot contains it.
     pub fn parameter(&self, snapshot: &Snapshot, name: &str) -> Option<f64> {
-        self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetParameter(set, value) if **set == *name => Some(*value),
+        self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetParameter(set, value)) if **set == *name => Some(*value),
             _ => None,
         })
     }
 
     /// Returns a control of an actuator that the user has set, until a snapshot contains it.
     pub fn control(&self, snapshot: &Snapshot, actuator: ActuatorId, number: usize) -> Option<f64> {
-        self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetControl(set, part, value) if (*set, *part) == (actuator, number) => Some(*value),
-            EndpointRequest::ClearControls => Some(0.0),
+        self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetControl(set, part, value)) if (*set, *part) == (actuator, number) => {
+                Some(*value)
+            }
+            Request::Endpoint(EndpointRequest::ClearControls) => Some(0.0),
             _ => None,
         })
     }
@@ -208,8 +198,10 @@ impl PredictedState {
     /// Returns an element of a joint's position that the user has set, until a snapshot contains
     /// it.
     pub fn position(&self, snapshot: &Snapshot, joint: JointId, part: usize) -> Option<f64> {
-        self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetPosition(set, index, value) if (*set, *index) == (joint, part) => Some(*value),
+        self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetPosition(set, index, value)) if (*set, *index) == (joint, part) => {
+                Some(*value)
+            }
             _ => None,
         })
     }
@@ -217,8 +209,8 @@ impl PredictedState {
     /// Returns the state of an equality constraint that the user has set, until a snapshot contains
     /// it.
     pub fn equality(&self, snapshot: &Snapshot, equality: EqualityId) -> Option<bool> {
-        self.endpoint(snapshot, |request| match request {
-            EndpointRequest::SetEquality(set, active) if *set == equality => Some(*active),
+        self.set(snapshot, |request| match request {
+            Request::Endpoint(EndpointRequest::SetEquality(set, active)) if *set == equality => Some(*active),
             _ => None,
         })
     }

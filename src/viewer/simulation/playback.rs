@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Model, Relation};
 use crate::scene::{Categories, FrameMode, Scene, SceneOptions, VisualFlags};
 use crate::trajectory::Trajectory;
 use crate::viewer::link::{Burst, InfoLine, InfoLines, PlaybackState, Sampling};
@@ -126,10 +126,10 @@ impl Player {
         options.flags.remove(VisualFlags::CONTACTPOINT | VisualFlags::CONTACTFORCE | VisualFlags::CONSTRAINT);
         options.frame = FrameMode::None;
 
-        if self.burst_data.as_ref().is_none_or(|data| !Arc::ptr_eq(data.model(), model)) {
-            self.burst_data = Some(Data::new(model.clone())?);
-        }
-        let data = self.burst_data.as_mut().expect("Bug: burst data was created above");
+        let data = match &mut self.burst_data {
+            Some(data) if model.relation(data.model()) == Relation::Same => data,
+            place => place.insert(Data::new(model)?),
+        };
         let trajectory = &self.trajectories[self.trajectory];
         self.added.clear();
         for record in self.burst.records(sampling, self.frame, room) {

@@ -1,17 +1,22 @@
 #!/usr/bin/env python3
-"""Draws scenes of everything that an engine shows, with its own renderer: colour, depth and segmentation.
+"""Draws everything that an engine shows with its own renderer.
+
+The images are colour, depth and segmentation.
 
     MUJOCO_GL=osmesa python linked.py OUT [PART_OF_A_NAME ...]
     MUJOCO_GL=osmesa python linked.py OUT --random FIRST COUNT
     MUJOCO_GL=osmesa python linked.py --record
 
-needs the official bindings of the linked engine (numpy, pillow, pyopengl) and Debian's package libosmesa6; with bindings from 4.0, MUJOCO_GL=egl.
-The test `pictures_equal_those_of_the_bindings` runs it and compares. Writes scenes.json, and for each scene NAME.xml, NAME.rgb (bytes),
-NAME.depth (float32, metres, without transparent geoms) and NAME.ids (int32, index of the geom in the scene, -1 for the background), row-major
-from the upper left. A scene whose model needs a newer engine is left out.
+needs the official bindings of the linked engine (numpy, pillow, pyopengl) and Debian's package
+libosmesa6; with bindings from 4.0, MUJOCO_GL=egl. The test `pictures_equal_those_of_the_bindings`
+runs it and compares. Writes scenes.json, and for each scene NAME.xml, NAME.rgb (bytes), NAME.depth
+(float32, metres, without transparent geoms) and NAME.ids (int32, index of the geom in the scene, -1
+for the background), row-major from the upper left. A scene whose model needs a newer engine is left
+out.
 
---random draws random scenes instead, of the seeds from FIRST on (compare with MUJOCO_SAFE_PICTURES=OUT and MUJOCO_SAFE_SCENE=random).
---record writes small colour images of the scenes in RECORDED to recorded/VERSION, with which the test `recorded_pictures_are_drawn` compares.
+--random draws random scenes instead, of the seeds from FIRST on (compare with
+MUJOCO_SAFE_PICTURES=OUT and MUJOCO_SAFE_SCENE=random). --record writes small colour images of the
+scenes in RECORDED to recorded/VERSION, with which the test `recorded_pictures_are_drawn` compares.
 """
 
 import json

@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Draws the scenes of scenes.json, whose models are in models/ or Debian's samples, with the engine's own renderer, for comparison with ours.
+"""Draws the scenes of scenes.json with the engine's own renderer, for comparison with ours.
+
+Their models are in models/ or Debian's samples.
 
     MUJOCO_GL=osmesa python make.py [NAME ...]
 
-needs the official bindings of the engine's version (pip install 'mujoco==2.2.2' 'numpy<2' pillow pyopengl), Debian's packages
-libosmesa6 and libmujoco-samples. Writes engine/NAME.png: 640 by 480 pixels, 4 samples each, shadow maps of the model's own size. The
-scenes `crowd` and `hundred` are for the bench and have no picture.
+needs the official bindings of the engine's version (pip install 'mujoco==2.2.2' 'numpy<2' pillow
+pyopengl), Debian's packages libosmesa6 and libmujoco-samples. Writes engine/NAME.png: 640 by 480
+pixels, 4 samples each, shadow maps of the model's own size. The scenes `crowd` and `hundred` are
+for the bench and have no picture.
 
-The state of a scene is reached by a number of steps from reset without control. Other builds of the engine, and the same build on
-another processor, give different states in some scenes (visibly in `hammock`), so the states are written to engine/states.json, from
-which all renderers start.
+The state of a scene is reached by a number of steps from reset without control. Other builds of the
+engine, and the same build on another processor, give different states in some scenes (visibly in
+`hammock`), so the states are written to engine/states.json, from which all renderers start.
 """
 
 import json

@@ -1,4 +1,7 @@
-"""Random scenes: settings, lights, cameras, materials, shapes and flags in combinations that no list has."""
+"""Random scenes: combinations that no list has.
+
+They combine settings, lights, cameras, materials, shapes and flags.
+"""
 
 import random
 
