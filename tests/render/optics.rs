@@ -395,17 +395,20 @@ fn each_number_of_samples_smooths_edges() {
 #[test]
 fn a_small_mesh_keeps_its_texture() {
     const CELLS: usize = 20;
-    let (mut vertices, mut texcoords, mut faces) = (String::new(), String::new(), String::new());
-    for (row, column) in (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column))) {
-        let [u, v] = [column, row].map(|number| number as f64 / CELLS as f64);
-        vertices += &format!("{} {} {} ", 0.2 * (u * (1.0 - u) + v * (1.0 - v)), u - 0.5, v - 0.5);
-        texcoords += &format!("{u} {v} ");
-        if row < CELLS && column < CELLS {
-            let first = row * (CELLS + 1) + column;
-            let [a, b, c, d] = [first, first + 1, first + CELLS + 2, first + CELLS + 1];
-            faces += &format!("{a} {b} {c} {a} {c} {d} {c} {b} {a} {d} {c} {a} ");
-        }
-    }
+    let grid = |count: usize| (0..count).flat_map(move |row| (0..count).map(move |column| [column, row]));
+    let place = |index: usize| index as f64 / CELLS as f64;
+    let texcoords: Vec<[f64; 2]> = grid(CELLS + 1).map(|indices| indices.map(place)).collect();
+    let vertices = texcoords.iter().map(|[u, v]| [0.2 * (u * (1.0 - u) + v * (1.0 - v)), u - 0.5, v - 0.5]);
+    // Both sides of each cell.
+    let faces = grid(CELLS).flat_map(|[column, row]| {
+        let [first, next] = [row, row + 1].map(|row| row * (CELLS + 1) + column);
+        [[first, first + 1, next + 1], [first, next + 1, next], [next + 1, first + 1, first], [next, next + 1, first]]
+    });
+    let [vertices, texcoords, faces] = [
+        vertices.flatten().map(|number| number.to_string()).collect::<Vec<_>>().join(" "),
+        texcoords.iter().flatten().map(f64::to_string).collect::<Vec<_>>().join(" "),
+        faces.flatten().map(|index| index.to_string()).collect::<Vec<_>>().join(" "),
+    ];
     let xml = format!(
         r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/><map znear="0.01" zfar="100"/></visual>
            <asset><mesh name="dome" vertex="{vertices}" texcoord="{texcoords}" face="{faces}"/>

@@ -197,7 +197,7 @@ mod tests {
         let mut rows = Vec::new();
         buffer
             .rows(gpu, submission, |row| {
-                rows.push(row.as_chunks::<4>().0.iter().map(|pixel| [pixel[0], pixel[1]]).collect())
+                rows.push(row.as_chunks::<4>().0.iter().map(|pixel| [pixel[0], pixel[1]]).collect());
             })
             .unwrap();
         rows.reverse();
