@@ -171,8 +171,8 @@
 //! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches
 //! [`Data::time`].
 //!
-//! [`Viewer::with_instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of a
-//! controller: plots of its values, sliders for its parameters, and paths or other geoms in the
+//! [`Viewer::with_instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of
+//! a controller: plots of its values, sliders for its parameters, and paths or other geoms in the
 //! scene. [`ViewerHandle::instruments`][handle_instruments] does so for a program. See
 //! [control](super::control#predictive-control-in-the-viewer).
 //!
