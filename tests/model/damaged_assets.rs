@@ -72,6 +72,7 @@ fn damaged_files_that_make_the_compiler_access_memory_out_of_bounds_are_rejected
         (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &outside), "has a face with a nonexistent vertex"),
         (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &negative), "has a face with a nonexistent vertex"),
         (mesh, msh([4, 0, 0, 4], &not_finite, &FACES), "not finite"),
+        (mesh, msh([4, 4, 0, 4], &[TETRAHEDRON, not_finite].concat(), &FACES), "not finite"),
         // 3 × 4 × 1431655766 is 8 in 32 bits.
         (mesh, msh([1_431_655_766, 0, 0, 0], &TETRAHEDRON[..2], &[]), "a size that contradicts its header"),
         (object, tetrahedron(""), good),

@@ -47,11 +47,11 @@ pub(super) fn units(
                 + g.weighted_row_square_sum(state, squares) * squares[state] * unit;
             let column = transpose.weighted_row_square_sum(state, squares) * reciprocals[state] - own
                 + h.weighted_row_square_sum(state, reciprocals) * reciprocals[state] / unit;
-            if !(row > 0.0 && column > 0.0 && row.is_normal() && column.is_normal()) {
-                continue;
-            }
             // Row and column are squared norms. The factor scales one up and the other down.
             let exponent = ((column / row).log2() / 4.0).round();
+            if !exponent.is_finite() {
+                continue;
+            }
             let present = d[state].log2();
             let exponent = (present + exponent).clamp(-MAX_EXPONENT, MAX_EXPONENT);
             if exponent != present {
@@ -63,6 +63,67 @@ pub(super) fn units(
         }
         if same {
             break;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::units;
+    use crate::numerics::dense::PackedMatrix;
+
+    const STATES: usize = 5;
+
+    type Square = [[f64; STATES]; STATES];
+
+    fn packed(matrix: &Square) -> PackedMatrix {
+        let mut packed = PackedMatrix::default();
+        packed.copy_rows(STATES, STATES, matrix.as_flattened());
+        packed
+    }
+
+    fn norm(matrix: &Square) -> f64 {
+        matrix.as_flattened().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    }
+
+    /// Returns the largest ratio of the norms of row `i` of `[A, G]` and column `i` of `[A; H]` in
+    /// the units `d`, without the diagonal of `A`, which does not depend on the units.
+    fn worst_ratio(a: &Square, g: &Square, h: &Square, unit: f64, d: &[f64]) -> f64 {
+        let ratio = |i: usize| {
+            let others = (0..STATES).filter(|&j| j != i);
+            let row: f64 = others.clone().map(|j| (d[i] * a[i][j] / d[j]).powi(2)).sum();
+            let column: f64 = others.map(|j| (d[j] * a[j][i] / d[i]).powi(2)).sum();
+            let row = row + (0..STATES).map(|j| (d[i] * g[i][j] * d[j]).powi(2)).sum::<f64>() * unit;
+            let column = column + (0..STATES).map(|j| (h[i][j] / d[i] / d[j]).powi(2)).sum::<f64>() / unit;
+            (row / column).max(column / row).sqrt()
+        };
+        (0..STATES).map(ratio).fold(1.0, f64::max)
+    }
+
+    #[test]
+    fn rows_and_columns_have_similar_norms_in_the_balanced_units() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        for [of_a, of_g, of_h] in
+            [[1.0, 1.0, 1.0], [1e-2, 1e-9, 1.0], [1e-2, 1.0, 1e-9], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
+        {
+            // In other units of the states.
+            let unit = |state: usize| 4.0_f64.powi(3 * state as i32 - 6);
+            let mut entries = |factor: f64, scale: &dyn Fn(usize, usize) -> f64| -> Square {
+                std::array::from_fn(|i| std::array::from_fn(|j| factor * scale(i, j) * random.random_range(0.5..1.0)))
+            };
+            let a = entries(of_a, &|i, j| unit(i) / unit(j));
+            let g = entries(of_g, &|i, j| unit(i) * unit(j));
+            let h = entries(of_h, &|i, j| 1.0 / (unit(i) * unit(j)));
+            let (mut d, mut buffers) = (Vec::new(), (Vec::new(), Vec::new(), PackedMatrix::default()));
+            units(&packed(&a), &packed(&g), &packed(&h), &mut buffers.2, (&mut d, &mut buffers.0, &mut buffers.1));
+
+            assert!(d[..STATES].iter().all(|entry| entry.log2().fract() == 0.0), "{d:?}");
+            let unit = if of_g > 0.0 && of_h > 0.0 { norm(&h) / norm(&g) } else { 1.0 };
+            let [before, after] = [&[1.0; STATES][..], &d].map(|d| worst_ratio(&a, &g, &h, unit, d));
+            assert!(before > 1e6 && after < 10.0, "A {of_a}, G {of_g}, H {of_h}: {before:e}, {after}, {d:?}");
         }
     }
 }

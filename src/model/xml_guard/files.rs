@@ -84,12 +84,6 @@ pub(super) fn is_absolute(path: &[u8]) -> bool {
     matches!(path.first(), Some(b'/' | b'\\')) || path.windows(2).any(|pair| pair == b":/" || pair == b":\\")
 }
 
-/// Returns `true` if the path exists and is a pipe or a device.
-pub(super) fn is_irregular(path: &[u8]) -> bool {
-    let path = os_path(path);
-    path.exists() && !path.is_dir() && file::check_regular(path).is_err()
-}
-
 /// Returns the reason to reject a file name in an element. The compiler looks the name up among the
 /// files in memory, where an empty or overlong name is a fatal error.
 pub(super) fn reject_name(element: &[u8], name: &[u8]) -> Option<String> {
@@ -101,7 +95,6 @@ pub(super) fn reject_name(element: &[u8], name: &[u8]) -> Option<String> {
         _ if last > LONGEST_NAME => "is longer than 900 bytes",
         // The parser drops some of these references, and truncates the name at others.
         _ if name.contains(&0) || name.windows(2).any(|window| window == b"&#") => "has an invalid character reference",
-        _ if is_irregular(name) => "does not refer to a regular file",
         _ if matches!(element, b"mesh" | b"skin") && last < EXTENSION => {
             return Some(message(name, NO_EXTENSION));
         }
@@ -153,4 +146,22 @@ pub(super) fn os_path(path: &[u8]) -> &Path {
 /// Returns `true` if a name has an extension, in any case.
 pub(super) fn has_extension(name: &[u8], end: &[u8]) -> bool {
     name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reduced;
+
+    #[test]
+    fn reduced_paths_have_no_dots_and_no_empty_parts() {
+        for (path, expected) in [
+            ("/a/b", "/a/b"),
+            ("/a/./b//c", "/a/b/c"),
+            ("/a/none/../b", "/a/b"),
+            ("a\\b/../c", "a/c"),
+            ("../a/../../b", "../../b"),
+        ] {
+            assert_eq!(String::from_utf8(reduced(path.as_bytes())).unwrap(), expected, "{path}");
+        }
+    }
 }

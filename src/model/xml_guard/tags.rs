@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn attributes_are_counted_and_comments_are_skipped() {
-        let text = b"<?xml version='1.0'?><!-- <no file=''/> --><a b = \"c>d\"\x0be='f'>text</a ><![CDATA[<x>]]><g/>";
+        let text = b"<?xml version='1.0'?><!-- text - <no file=''/> --><a b = \"c>d\"\x0be='f'>text</a ><![CDATA[text <x>]]><g/>";
         let tags: Vec<_> =
             Tags::new(text).map(|tag| (tag.name.to_vec(), tag.attributes.len(), tag.closes, tag.empty)).collect();
         assert_eq!(

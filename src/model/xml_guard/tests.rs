@@ -1,6 +1,6 @@
 //! Inputs that are rejected, and similar ones that are accepted.
 
-use super::{Files, check};
+use super::{Files, check, flexes};
 
 fn message(text: &str) -> String {
     check("the text", text.as_bytes(), &Files::default()).map_or_else(|error| error.to_string(), |_| String::new())
@@ -65,6 +65,7 @@ fn unsafe_inputs_are_rejected_with_their_line() {
         ("<flexcomp type='box' count='3 1 3'/>", "must be at least 2"),
         ("<flexcomp dof='trilinear' cellcount='2 0 1'/>", "cellcount must be at least 1"),
         ("<flex dof='trilinear' cellcount='2 715827883 1'/>", "a flex is too large"),
+        ("<flex dof='trilinear' cellcount='1 2 5461'/>", "a flex is too large"),
         #[cfg(not(engine_since = "4.0.0"))]
         ("<flexcomp type='box' dof='trilinear'><pin gridrange='0 0 0 9 9 9'/></flexcomp>", "flexcomp of type grid"),
         #[cfg(not(engine_since = "4.0.0"))]
@@ -89,6 +90,12 @@ fn unsafe_inputs_are_rejected_with_their_line() {
     ] {
         let message = message(text);
         assert!(message.contains(expected), "{text}: {message}");
+    }
+    let numbers = |count: usize| message(&format!("<numeric data='{}'/>", "1 ".repeat(count)));
+    let size = |count: usize| message(&format!("<numeric size='{count}'/>"));
+    assert_eq!([numbers(500), size(500)], ["", ""]);
+    for message in [numbers(501), numbers(502), size(501), size(502)] {
+        assert!(message.contains("more than 500 numbers"), "{message}");
     }
 }
 
@@ -150,10 +157,13 @@ fn flexes_with_contradictory_lists_are_rejected() {
     for text in [
         "<flex node='a b c d e f g h' body='a b' vertex='0 0 0 1 0 0'/><flex node='' body='a' vertex='0 0 0 1 0 0'/>",
         "<flex element='0 1 2' texcoord='0 0 1 0 1 1' elemtexcoord='0 2 2'/><flex element='0 1 2' texcoord='0 0 1 0 1 1'/>",
+        "<flex node='a b c d e f g h' body='a' vertex='0 0 0'
+            nodecoord='0 0 0 0 0 1 0 1 0 0 1 1 1 0 0 1 0 1 1 1 0 1 1 1'/>",
         "<flex dim='1' element='0 1' texcoord='0 0 1 1' elemtexcoord='0 1'/>",
         "<flexcomp type='direct' point='0 0 0 1 0 0 0 1 0' element='0 1 2' texcoord='0 0 1 0 1 1'/>",
         "<mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 2 1 2 3'/><flexcomp mesh='m' dim='3'/>",
         "<mesh vertex='0 0 0 1 0 0' face='0 1 1 0 1 1'/><flexcomp mesh='m' dim='2'/>",
+        "<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 2 0 1 2'/><flexcomp dim='3'/>",
     ] {
         assert_eq!(message(text), "");
     }
@@ -166,6 +176,61 @@ fn flexes_with_many_unused_points_are_rejected() {
         |points: usize| format!("<flexcomp type='direct' dim='1' element='0 1' point='{}'/>", "0 0 0 ".repeat(points));
     assert!(message(&text(320_000)).contains("too many points that no element uses"));
     assert_eq!(message(&text(310_000)), "");
+
+    let gmsh = |points: usize| {
+        let nodes = "1 0 0 0\n".repeat(points);
+        let elements = "$Elements\n1\n1 1 0 1 2\n$EndElements\n";
+        format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{points}\n{nodes}$EndNodes\n{elements}").into_bytes()
+    };
+    assert!(flexes::gmsh(&gmsh(320_000)).is_some_and(|reason| reason.contains("too many vertices")));
+    assert_eq!(flexes::gmsh(&gmsh(310_000)), None);
+
+    // In binary format, the nodes are tags and coordinates of 8 bytes each.
+    let binary = |points: usize| {
+        let words = |words: &[u64]| words.iter().flat_map(|word| word.to_ne_bytes()).collect::<Vec<u8>>();
+        // One block: its kind is the second half of a word.
+        let header = |kind: u64, count: u64| {
+            let sizes = words(&[1, count, 1, count]);
+            let block = [1_u32, 1, kind as u32].iter().flat_map(|word| word.to_ne_bytes()).collect();
+            [b"\n".to_vec(), sizes, block, words(&[count])].concat()
+        };
+        let nodes = [header(0, points as u64), vec![0; 32 * points]].concat();
+        let elements = [header(1, 1), words(&[1, 1, 2])].concat();
+        [b"$MeshFormat\n4.1 1 8\n$Nodes", &nodes[..], b"$EndNodes\n$Elements", &elements, b"$EndElements\n"].concat()
+    };
+    assert!(flexes::gmsh(&binary(320_000)).is_some_and(|reason| reason.contains("too many vertices")));
+    assert_eq!(flexes::gmsh(&binary(310_000)), None);
+}
+
+/// Since 2.3, the engine reads constraints for which there was no room.
+#[test]
+fn constraints_in_limited_memory_are_reported() {
+    for (text, expected) in [
+        ("<equality/>", false),
+        ("<size njmax='9'/>", false),
+        ("<size memory='1M'/><equality/>", true),
+        ("<adhesion body='b'/><size nconmax='5'/><size/>", true),
+        ("<option solver='PGS'/><option/><flexcomp/>", true),
+        ("<option solver='CG'/><equality/>", false),
+        ("<option noslip_iterations='1'/><equality/>", true),
+    ] {
+        let simulations = check("", text.as_bytes(), &Files::default()).unwrap();
+        assert_eq!(simulations.may_lack_room, expected && cfg!(engine_since = "2.3.0"), "{text}");
+    }
+}
+
+/// The compiler simulates actuators to find the ranges of their lengths.
+#[test]
+fn a_simulation_is_reported_if_an_actuator_has_the_mode() {
+    for (mode, of_motor, of_muscle) in
+        [("none", false, false), ("muscle", false, true), ("muscleuser", false, true), ("all", true, true)]
+    {
+        for (actuator, expected) in [("motor", of_motor), ("muscle", of_muscle)] {
+            let text = format!("<compiler><lengthrange mode='{mode}'/></compiler><{actuator}/>");
+            let simulations = check("", text.as_bytes(), &Files::default()).unwrap();
+            assert_eq!(simulations.muscles.is_some(), expected, "{text}");
+        }
+    }
 }
 
 #[test]
@@ -184,6 +249,8 @@ fn valid_texts_are_accepted() {
         "<flexcomp><plugin plugin='a'/></flexcomp><plugin/><flexcomp/><plugin/>",
         "<flexcomp type='box'><pin id='0'/></flexcomp><flexcomp type='grid'><pin grid='1 1 1'/></flexcomp>",
         "<flexcomp dof='trilinear' cellcount='2 1 1'/>",
+        // A node for each of the 32,766 bodies that a model can have.
+        "<flex dof='trilinear' cellcount='1 2 5460'/>",
         "<flexcomp type='grid' count='3 1 1'/><flexcomp type='box' count='3 3 2'/>",
         "<default><joint type='ball'/></default><joint type='free'/><joint/><joint type='ball'/><key/>",
         "<default><joint type='hinge'/></default><joint type='ball'/><joint type='hinge'/><key/>",

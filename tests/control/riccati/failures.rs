@@ -156,6 +156,24 @@ fn an_uncontrollable_mode_is_found_in_matrices_by_differences() {
 }
 
 #[test]
+fn a_mode_that_the_control_hardly_reaches_explains_an_inaccurate_solution() {
+    for seed in 100..106 {
+        let mut generator = Generator(seed);
+        let mut a = generator.matrix(2, 2);
+        (a[(1, 0)], a[(1, 1)]) = (0.0, 1.01);
+        let mut b = generator.matrix(2, 1);
+        b[1] *= 1e-6;
+        let axes = generator.rotation(2);
+        let (a, b) = (&axes * a * axes.transpose(), &axes * b);
+        let got = solve(&a, &b, &DMatrix::identity(2, 2), &dmatrix![1.0]);
+        let Err(RiccatiError::UncontrollableMode { eigenvalue, distance }) = got else {
+            panic!("{seed}: {got:?}");
+        };
+        assert!((eigenvalue - 1.01).norm() < 1e-9 && distance < 1e-5, "{seed}: {eigenvalue}, {distance:e}");
+    }
+}
+
+#[test]
 fn an_unweighted_mode_on_the_unit_circle_has_no_stabilising_solution() {
     let turn = 0.7_f64;
     let oscillator = dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];

@@ -1,6 +1,6 @@
 //! Every stage after every other stage, and long random sequences of stages.
 
-use mujoco_safe::data::{ConeHessian, SensorUpdate};
+use mujoco_safe::data::{ConeHessian, MissingResults, SensorUpdate};
 use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
 use mujoco_safe::model::EnableFlags;
 use mujoco_safe::{Data, Error, Model, Result, Stage, StateSpec, sample};
@@ -235,6 +235,8 @@ fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
         data.forward().unwrap();
         data.runge_kutta().unwrap();
         assert!(data.state(StateSpec::INTEGRATION) == whole.state(StateSpec::INTEGRATION), "{name}");
+        assert_eq!(data.stage(), whole.stage(), "{name}");
+        data.require(MissingResults::SENSORS).unwrap();
         assert!(matches!(data.runge_kutta(), Err(Error::NotComputed { call: "runge_kutta", .. })));
     }
 }

@@ -300,23 +300,28 @@ fn wrong_shapes_and_other_models_are_rejected() {
 
 #[test]
 fn sensors_of_subtrees_follow_masses_that_were_edited() {
-    let mut data = model(
-        r#"<mujoco><worldbody><body name="a"><joint axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/>
-             <body pos="0.4 0 0"><joint axis="0 0 1"/><geom size="0.1" pos="0.2 0 0.1"/>
-               <body pos="0.3 0 0"><joint axis="1 0 0"/><geom size="0.1" pos="0.1 0.2 0"/></body></body></body></worldbody>
-           <sensor><subtreeangmom body="a"/><subtreecom body="a"/><subtreelinvel body="a"/></sensor></mujoco>"#,
-    );
-    // The masses of the subtrees are constants that no call updates here.
-    data.edit_model(|model| model.body_mass_mut()[2] *= 3.0).unwrap();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
-    for _ in 0..3 {
+    for density in [1e3, 1e-6, 1e9] {
+        let mut data = model(&format!(
+            r#"<mujoco><default><geom size="0.1" density="{density}"/></default>
+               <worldbody><body name="a"><joint axis="0 1 0"/><geom pos="0.2 0 0"/>
+                 <body pos="0.4 0 0"><joint axis="0 0 1"/><geom pos="0.2 0 0.1"/>
+                   <body pos="0.3 0 0"><joint axis="1 0 0"/><geom pos="0.1 0.2 0"/></body></body></body></worldbody>
+               <sensor><subtreeangmom body="a"/><subtreecom body="a"/><subtreelinvel body="a"/></sensor></mujoco>"#,
+        ));
         randomise(&mut data, &mut random);
-        let (jacobians, report) = analytic(&mut data, InverseForce::Total);
-        assert_eq!((report.method, report.differenced), (TransitionMethod::Analytic, DifferencedTerms::SENSORS));
-        let expected = Oracle::new(&data, InverseForce::Total).jacobians(1e-5, 1e-3);
-        for (ours, theirs) in [(&jacobians.ds_dq, &expected.ds_dq), (&jacobians.ds_dv, &expected.ds_dv)] {
-            let error = error(ours, theirs, 0..9);
-            assert!(error < 1e-5, "{error:e}");
+        assert_eq!(analytic(&mut data, InverseForce::Total).1.differenced, DifferencedTerms::empty(), "{density}");
+        // The masses of the subtrees are constants that no call updates here.
+        data.edit_model(|model| model.body_mass_mut()[2] *= 3.0).unwrap();
+        for _ in 0..3 {
+            randomise(&mut data, &mut random);
+            let (jacobians, report) = analytic(&mut data, InverseForce::Total);
+            assert_eq!((report.method, report.differenced), (TransitionMethod::Analytic, DifferencedTerms::SENSORS));
+            let expected = Oracle::new(&data, InverseForce::Total).jacobians(1e-5, 1e-3);
+            for (ours, theirs) in [(&jacobians.ds_dq, &expected.ds_dq), (&jacobians.ds_dv, &expected.ds_dv)] {
+                let error = error(ours, theirs, 0..9);
+                assert!(error < 1e-5, "density {density}: {error:e}");
+            }
         }
     }
 }

@@ -124,6 +124,31 @@ fn equality_constraints_agree_with_differences() {
     }
 }
 
+/// The Jacobian of the constraint is zero at the second joint.
+#[test]
+fn a_joint_at_a_minimum_of_its_polynomial_agrees_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
+    for option in OPTIONS {
+        for second in [0, 1] {
+            let joints = ["upper", "lower"];
+            let mut data = model(&format!(
+                r#"<mujoco><option {option}/><worldbody>
+                     <body><joint name="upper" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/>
+                       <body pos="0.4 0 0"><joint name="lower" axis="0 0.2 1"/><geom size="0.1" pos="0.2 0 0"/></body></body>
+                   </worldbody>
+                   <equality><joint joint1="{}" joint2="{}" polycoef="0 0 0.5 0 0"/></equality></mujoco>"#,
+                joints[1 - second],
+                joints[second]
+            ));
+            for state in 0..3 {
+                randomise(&mut data, &mut random);
+                data.qpos_mut()[second] = 0.0;
+                check(&format!("{option}, joint {second}, state {state}"), &mut data);
+            }
+        }
+    }
+}
+
 #[test]
 fn bodies_welded_or_connected_to_each_other_or_a_mocap_body_agree_with_differences_or_fall_back() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(12);

@@ -84,6 +84,7 @@ fn terms_without_a_formula_fall_back_to_differences_of_steps() {
     let muscle = r#"<actuator><muscle joint="b" lengthrange="-1 1"/></actuator>"#;
     for xml in [
         chain(r#"integrator="implicit" density="900""#, "", "", ""),
+        chain(r#"integrator="implicit" viscosity="0.1""#, "", "", ""),
         chain(r#"integrator="implicit""#, "", "", spatial),
         chain(r#"integrator="implicit""#, "", "", muscle),
     ] {
