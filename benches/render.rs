@@ -20,10 +20,10 @@
 //! to single calls, the images per second of two threads (by wall time), and the CPU time to
 //! prepare a frame for up to 10,000 geoms.
 //!
-//! The argument `hardware` prints other tables, for graphics cards, by wall time: `single` calls for
-//! colours, depth and segmentation, up to 16 `threads`, and images of `many` simulations. The names
-//! of tables after it select some. `scripts/gpu-bench` makes a folder that prints them on another
-//! machine.
+//! The argument `hardware` prints other tables, for graphics cards, by wall time: `single` calls
+//! for colours, depth and segmentation, up to 16 `threads`, and images of `many` simulations. The
+//! names of tables after it select some. `scripts/gpu-bench` makes a folder that prints them on
+//! another machine.
 //!
 //! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`,
 //! `grains`, `meshes`, `lights`, `small`, `batch`, `threads`, `outputs` and `prepare`. Processor

@@ -22,7 +22,7 @@ pub struct Planning {
 }
 
 /// Parses width and height in pixels, such as `640x480`.
-pub fn size(text: &str) -> Result<[u32; 2], &'static str> {
+pub fn size(text: &str) -> Result<[usize; 2], &'static str> {
     let size = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     size.filter(|size| !size.contains(&0)).ok_or("expected width and height, such as 640x480")
 }

@@ -7,6 +7,7 @@ mod difference;
 
 mod batch;
 mod content;
+mod detail;
 mod extreme_scenes;
 #[path = "../common/installed.rs"]
 mod installed;

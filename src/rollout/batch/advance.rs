@@ -67,8 +67,8 @@ impl Batch<'_> {
     ///
     /// The error of the reset, of `start` or of
     /// [`with_forward_after_step`](Self::with_forward_after_step) with the smallest index, and
-    /// [`Error::OtherModel`](crate::Error::OtherModel) if `start` replaces the simulation by one of a model that was loaded
-    /// separately. All simulations with an error count as failed.
+    /// [`Error::OtherModel`](crate::Error::OtherModel) if `start` replaces the simulation by one of
+    /// a model that was loaded separately. All simulations with an error count as failed.
     ///
     /// # Panics
     ///
