@@ -3,8 +3,9 @@
 //! because a process has one event loop, on its main thread.
 //!
 //! ```text
-//! cargo test --features viewer --test viewer              all cases
-//! cargo test --features viewer --test viewer -- mouse     cases whose names contain this text
+//! cargo test --features viewer --test viewer                  all cases except slow ones
+//! cargo test --features viewer --test viewer -- --ignored     slow cases
+//! cargo test --features viewer --test viewer -- mouse         cases whose names contain this text
 //! cargo test --features viewer --test viewer -- screenshots DIRECTORY     screenshots of the panels, for visual inspection
 //! cargo test --features viewer --test viewer -- processor                 processor time while paused, with a moving pointer, and running
 //! ```
@@ -47,7 +48,6 @@ type Case = (&'static str, fn());
 
 /// The longest first, so that no worker waits for it at the end.
 const CASES: &[Case] = &[
-    ("memory_does_not_leak", leaks::memory_does_not_leak),
     ("panels_are_redrawn_without_the_scene", panels::redraws),
     ("simulation_keys", keys::simulation),
     ("visualisation_keys", keys::visualisation),
@@ -83,6 +83,9 @@ const CASES: &[Case] = &[
     ("idle_window_uses_no_processor_time", errors::idle),
 ];
 
+/// Cases that take a minute: `scripts/test --slow`.
+const SLOW: &[Case] = &[("memory_does_not_leak", leaks::memory_does_not_leak)];
+
 /// Cases without a display.
 const WITHOUT_DISPLAY: &[Case] = &[("missing_display_is_an_error", errors::no_display)];
 
@@ -94,7 +97,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words[..] {
         ["case", name] => {
-            let case = CASES.iter().chain(WITHOUT_DISPLAY).find(|(known, _)| *known == name);
+            let case = CASES.iter().chain(SLOW).chain(WITHOUT_DISPLAY).find(|(known, _)| *known == name);
             case.expect("a known case").1();
             ExitCode::SUCCESS
         }
@@ -117,10 +120,18 @@ fn main() -> ExitCode {
         ["screenshots", directory] => run_on_display(&["draw", directory]),
         ["processor"] => run_on_display(&["measure"]),
         _ if words.contains(&"--list") => {
-            CASES.iter().chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
+            CASES.iter().chain(SLOW).chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
             ExitCode::SUCCESS
         }
-        _ => run_cases(words.iter().copied().find(|word| !word.starts_with('-'))),
+        _ => {
+            let filter = words.iter().copied().find(|word| !word.starts_with('-'));
+            if words.contains(&"--ignored") {
+                run_cases(SLOW, &[], filter)
+            } else {
+                SLOW.iter().for_each(|(name, _)| println!("test {name} ... ignored, takes a minute"));
+                run_cases(CASES, WITHOUT_DISPLAY, filter)
+            }
+        }
     }
 }
 
@@ -147,10 +158,10 @@ fn child(arguments: &[&str]) -> Command {
 
 /// Runs the cases whose names contain the filter, as many at a time as there are processors, each
 /// worker with its own display.
-fn run_cases(filter: Option<&str>) -> ExitCode {
+fn run_cases(cases: &[Case], without_display: &[Case], filter: Option<&str>) -> ExitCode {
     let is_selected = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
-    let with_display = CASES.iter().filter(is_selected).map(|case| (case.0, true));
-    let without_display = WITHOUT_DISPLAY.iter().filter(is_selected).map(|case| (case.0, false));
+    let with_display = cases.iter().filter(is_selected).map(|case| (case.0, true));
+    let without_display = without_display.iter().filter(is_selected).map(|case| (case.0, false));
     let queue = Mutex::new(with_display.chain(without_display));
     let has_failed = AtomicBool::new(false);
     let work = || {

@@ -214,7 +214,13 @@ impl Gpu {
             }
             std::thread::yield_now();
         }
-        self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
+        // Another thread may have taken the callback and be about to call it.
+        while !is_done() {
+            self.poll(wgpu::PollType::Poll)?;
+            std::thread::yield_now();
+        }
+        Ok(())
     }
 
     /// Blocks until all submitted work is complete.
