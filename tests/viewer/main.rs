@@ -128,7 +128,9 @@ fn main() -> ExitCode {
             if words.contains(&"--ignored") {
                 run_cases(SLOW, &[], filter)
             } else {
-                SLOW.iter().for_each(|(name, _)| println!("test {name} ... ignored, takes a minute"));
+                for (name, _) in SLOW {
+                    println!("test {name} ... ignored, takes a minute");
+                }
                 run_cases(CASES, WITHOUT_DISPLAY, filter)
             }
         }
