@@ -199,24 +199,31 @@ fn many(
     let mut renderer = Renderer::on(gpu, data.model(), size, size, options)?;
     let (view, mut camera) = (SceneOptions::default(), Camera::free(data.model()));
     let mut rgb = vec![0; SIMULATIONS * 3 * size * size];
-    let (mut rates, mut costs) = (Vec::new(), Vec::new());
+    let (mut scene, mut image) = (Scene::new(data.model(), 1000)?, RgbImage::default());
+    let mut update = |index: usize, scene: &mut Scene| {
+        data.set_state(StateSpec::PHYSICS, &states[index % states.len()])?;
+        data.fwd_position()?;
+        scene.update(&mut data, &view, None, &mut camera, Categories::all())
+    };
+    let (mut rates, mut costs, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     // The first round creates the pipelines.
     for round in 0..=rounds {
         let (start, before) = (Instant::now(), processor_time()?);
-        renderer.rgb_batch_into(
-            |index, scene| {
-                data.set_state(StateSpec::PHYSICS, &states[index % states.len()])?;
-                data.fwd_position()?;
-                scene.update(&mut data, &view, None, &mut camera, Categories::all())
-            },
-            &mut rgb,
-        )?;
+        renderer.rgb_batch_into(&mut update, &mut rgb)?;
+        let (time, cost) = (start.elapsed().as_secs_f64(), processor_time()? - before);
+        let start = Instant::now();
+        for index in 0..SIMULATIONS {
+            update(index, &mut scene)?;
+            renderer.rgb_into(&scene, &mut image)?;
+        }
         if round > 0 {
-            rates.push(SIMULATIONS as f64 / start.elapsed().as_secs_f64());
-            costs.push(1e6 * (processor_time()? - before) / SIMULATIONS as f64);
+            rates.push(SIMULATIONS as f64 / time);
+            costs.push(1e6 * cost / SIMULATIONS as f64);
+            ratios.push(start.elapsed().as_secs_f64() / time);
         }
     }
-    let (rate, cost) = (Spread::of(&mut rates).median, Spread::of(&mut costs).median);
-    println!("{SIMULATIONS} × {name} {size}×{size}{label}: {rate:.0}, {cost:.1} µs of processor time per image");
+    let [rate, cost, ratio] = [&mut rates, &mut costs, &mut ratios].map(|values| Spread::of(values).median);
+    let title = format!("{SIMULATIONS} × {name} {size}×{size}{label}");
+    println!("{title}: {rate:.0}, {ratio:.2} of single calls, {cost:.1} µs of processor time per image");
     Ok(())
 }

@@ -369,7 +369,7 @@ impl Error {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum InvalidKind {
-    /// A number is infinite or NaN, and any finite number is allowed.
+    /// A number is infinite or NaN. Not every finite number need be allowed.
     NotFinite,
     /// A number, a size or an interval is outside of its range. NaN is outside of each.
     OutOfRange,

@@ -95,7 +95,8 @@ fn each_number_of_samples_smooths_edges() {
     };
     let counts = [1, 2, 4, 8].map(colours);
     assert!(counts[1..].iter().all(|&count| count >= counts[0]), "{counts:?}");
-    assert!(counts[3] > counts[0] + 10, "{counts:?}");
+    // Every adapter has 4 samples.
+    assert!(counts[2] > counts[0] + 10 && counts[3] > counts[0] + 10, "{counts:?}");
 }
 
 /// A mesh that is small in the image is drawn with fewer vertices, unless its texture coordinates

@@ -122,16 +122,48 @@ impl ReadBackBuffer {
         let answered = is_mapped.clone();
         // A failure shows in the mapped range.
         slice.map_async(wgpu::MapMode::Read, move |_| answered.store(true, Ordering::Release));
-        gpu.wait_for(submission, || is_mapped.load(Ordering::Acquire))?;
-        let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
-        read(mapped.chunks_exact(self.bytes_per_row as usize));
-        drop(mapped);
+        let waited = gpu.wait_for(submission, || is_mapped.load(Ordering::Acquire));
+        let read = waited.and_then(|()| {
+            let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
+            read(mapped.chunks_exact(self.bytes_per_row as usize));
+            Ok(())
+        });
+        // Also after a failed submission, without which the buffer would wait for its content.
         self.buffer.unmap();
-        Ok(())
+        read
     }
 }
 
 fn create_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let label = Some(label);
     gpu.device().create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::pass::{COLOR_FORMAT, create_texture};
+
+    #[test]
+    fn a_buffer_is_usable_after_a_failed_submission() {
+        let gpu = Gpu::new().unwrap();
+        let buffer = ReadBackBuffer::new(&gpu, [8, 4], 4).unwrap();
+        let usage = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let read = |is_destroyed: bool| {
+            let texture = create_texture(&gpu, "image", [8, 4], COLOR_FORMAT, 1, usage);
+            let mut rows = 0;
+            gpu.guarded(|| {
+                let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                buffer.encode(&mut encoder, &texture);
+                if is_destroyed {
+                    texture.destroy();
+                }
+                buffer.rows(&gpu, gpu.submit(encoder), |_| rows += 1)
+            })
+            .map(|()| rows)
+        };
+        assert_eq!(read(false).unwrap(), 4);
+        assert!(read(true).is_err());
+        assert_eq!(read(false).unwrap(), 4);
+    }
 }

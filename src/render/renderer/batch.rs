@@ -21,9 +21,8 @@ impl Renderer {
     /// The images equal the results of [`rgb`](Self::rgb) up to rounding, which can change single
     /// pixels at edges.
     ///
-    /// With a graphics card, up to 64 images are drawn at once while the next ones are prepared. On
-    /// an NVIDIA H200 one thread draws 1.9 times as many images of the humanoid at 84 × 84 pixels
-    /// as with single calls (benchmark `render`, arguments `hardware threads many`).
+    /// With a graphics card, up to 64 images are drawn at once while the next ones are prepared.
+    /// The guide has [figures](crate::guide::performance#rendering).
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8

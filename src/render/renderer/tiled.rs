@@ -91,7 +91,8 @@ type Read<'r> = dyn FnMut(&mut dyn Iterator<Item = &[u8]>) + 'r;
 impl TiledImages {
     /// Discards the images of a call that has failed.
     pub(super) fn discard(&mut self) {
-        if std::mem::take(&mut self.pending) > 0 || self.submitted.take().is_some() {
+        let (pending, submitted) = (std::mem::take(&mut self.pending), self.submitted.take());
+        if pending > 0 || submitted.is_some() {
             self.invalidate();
         }
     }
