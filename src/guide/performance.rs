@@ -203,8 +203,8 @@
 //!
 //! Of the humanoid at 84×84, one thread draws 2,100 images per second and several 3,200, at which
 //! the card is busy; with one sample and without shadows one thread draws 6,300, four 15,200 and
-//! sixteen 18,500. One call for 1,024 simulations
-//! (`rgb_batch_into`), in other poses and from the side of the free camera, draws 4,100, or 11,800 with one sample and without shadows.
+//! sixteen 18,500. One call for 1,024 simulations (`rgb_batch_into`), in other poses and from the
+//! side of the free camera, draws 4,100, or 11,800 with one sample and without shadows.
 
 #[cfg(doc)]
 use crate::{Data, Matrix, Model};
