@@ -46,7 +46,7 @@ impl Gpu {
             }
         }
         let info = device.adapter_info();
-        // What else the adapter supports is unknown here.
+        // The device does not tell which other counts its adapter supports.
         Ok(Self::assemble(device, queue, info, GUARANTEED_SAMPLES, None))
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Renderer;
+use super::assets::Assets;
 use super::read_back::drop_alpha;
 use super::tiled::{TiledImages, Tiles};
 use crate::error::{Error, Result};
@@ -131,23 +132,25 @@ impl Renderer {
             tile.zip(rows).for_each(|(from, to)| convert(from, to));
         };
         // While the images of one submission are rendered, the next ones are prepared.
-        let [mut next, mut previous] = tiled.each_mut();
+        let [next, previous] = tiled.each_mut();
         next.discard();
         previous.discard();
+        let mut submit = |assets: &Assets, next: &mut TiledImages, previous: &mut TiledImages| {
+            next.submit(assets, &tiles, aux)?;
+            previous.finish(&gpu, &tiles, &mut read)?;
+            std::mem::swap(next, previous);
+            Ok::<(), RenderError>(())
+        };
         for index in 0..count {
             update(index, scene)?;
             gpu.guarded(|| {
                 let inputs = (aux, *samples, *shadow_size);
                 if !next.add(assets, scene, &tiles, inputs)? {
-                    next.submit(assets, &tiles, aux)?;
-                    previous.finish(&gpu, &tiles, &mut read)?;
-                    std::mem::swap(&mut next, &mut previous);
+                    submit(assets, next, previous)?;
                     next.add(assets, scene, &tiles, inputs)?;
                 }
                 if next.is_full(&tiles, scene) || index + 1 == count {
-                    next.submit(assets, &tiles, aux)?;
-                    previous.finish(&gpu, &tiles, &mut read)?;
-                    std::mem::swap(&mut next, &mut previous);
+                    submit(assets, next, previous)?;
                 }
                 Ok(())
             })
