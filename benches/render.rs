@@ -39,6 +39,8 @@ mod arm;
 mod batch;
 #[path = "../tests/render/pictures/difference.rs"]
 mod difference;
+#[path = "render/drawing.rs"]
+mod drawing;
 #[path = "render/engine.rs"]
 mod engine;
 #[path = "render/hardware.rs"]
@@ -56,10 +58,11 @@ use std::fs;
 use std::process::Command;
 use std::time::Instant;
 
-use mujoco_safe::render::{Gpu, Images, Lighting, Renderer, RendererOptions, RgbImage};
+use mujoco_safe::render::{Gpu, Images, Lighting, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, SceneOptions};
 use mujoco_safe::{Data, Scene, sample};
 
+use crate::drawing::{Drawing, rate_of_threads};
 use crate::engine::Engine;
 use crate::scenes::Setting;
 
@@ -151,43 +154,6 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// This crate's renderer with a scene.
-struct Drawing {
-    setting: Setting,
-    data: Data,
-    scene: Scene,
-    camera: Camera,
-    renderer: Renderer,
-    picture: RgbImage,
-}
-
-impl Drawing {
-    fn new(gpu: &Gpu, setting: Setting, [width, height]: [usize; 2], options: RendererOptions) -> Result<Self> {
-        let mut data = setting.after_steps();
-        let scene = setting.scene(&mut data);
-        let renderer = Renderer::on(gpu, data.model(), width, height, options)?;
-        let camera = setting.camera(data.model());
-        let mut drawing = Self { setting, data, scene, camera, renderer, picture: RgbImage::default() };
-        drawing.draw()?;
-        Ok(drawing)
-    }
-
-    fn draw(&mut self) -> Result<()> {
-        let options = self.setting.options();
-        self.scene.update(&mut self.data, &options, None, &mut self.camera, Categories::all())?;
-        Ok(self.renderer.rgb_into(&self.scene, &mut self.picture)?)
-    }
-
-    /// Renders several images and returns the processor time, s.
-    fn turn(&mut self, pictures: usize) -> Result<f64> {
-        let start = processor_time()?;
-        for _ in 0..pictures {
-            self.draw()?;
-        }
-        Ok(processor_time()? - start)
-    }
-}
-
 fn compare(
     title: &str,
     setting: Setting,
@@ -228,23 +194,12 @@ fn threads(rounds: usize) -> Result<()> {
     let gpus = [Gpu::new()?, Gpu::new()?];
     let drawing = |gpu| Drawing::new(gpu, scenes::named("humanoid"), [84; 2], RendererOptions::default());
     let mut drawings = [drawing(&gpus[0])?, drawing(&gpus[0])?, drawing(&gpus[1])?];
-    let rate = |drawings: &mut [&mut Drawing]| -> Result<f64> {
-        let start = Instant::now();
-        let count = drawings.len();
-        std::thread::scope(|scope| {
-            let threads: Vec<_> =
-                drawings.iter_mut().map(|drawing| scope.spawn(|| drawing.turn(PICTURES).is_ok())).collect();
-            threads.into_iter().all(|thread| thread.join().is_ok_and(|is_drawn| is_drawn))
-        })
-        .then(|| (count * PICTURES) as f64 / start.elapsed().as_secs_f64())
-        .ok_or_else(|| "a thread failed".into())
-    };
     let (mut shared, mut separate) = (Vec::new(), Vec::new());
     for _ in 0..rounds {
         let [first, second, other] = &mut drawings;
-        let alone = rate(&mut [first])?;
-        shared.push(rate(&mut [first, second])? / alone);
-        separate.push(rate(&mut [first, other])? / alone);
+        let alone = rate_of_threads([&mut *first].into_iter(), PICTURES)?;
+        shared.push(rate_of_threads([&mut *first, second].into_iter(), PICTURES)? / alone);
+        separate.push(rate_of_threads([first, other].into_iter(), PICTURES)? / alone);
     }
     for (label, ratios) in [("a shared adapter", &mut shared), ("an adapter each", &mut separate)] {
         let Spread { low, median, high } = Spread::of(ratios);
@@ -270,7 +225,7 @@ fn outputs(name: &str, size: [usize; 2], rounds: usize) -> Result<()> {
         let together = processor_time()? - start;
         let start = processor_time()?;
         for _ in 0..pictures {
-            drawing.renderer.rgb_into(&drawing.scene, &mut drawing.picture)?;
+            drawing.renderer.rgb_into(&drawing.scene, &mut drawing.images.rgb)?;
         }
         if round > 0 {
             ratios.push(together / (processor_time()? - start));

@@ -5,11 +5,12 @@ use std::env;
 use std::path::Path;
 use std::time::Instant;
 
-use mujoco_safe::render::{DepthImage, Gpu, Renderer, RendererOptions, RgbImage, SegmentationImage};
-use mujoco_safe::scene::{Camera, Categories, RenderFlags, SceneOptions, VisualFlags};
+use mujoco_safe::render::{Gpu, Renderer, RendererOptions, RgbImage};
+use mujoco_safe::scene::{Camera, Categories, SceneOptions};
 use mujoco_safe::{Data, Model, Scene, StateSpec, sample};
 
 use crate::arm::Arm;
+use crate::drawing::{Drawing, rate_of_threads};
 use crate::engine::Engine;
 use crate::scenes::{self, Setting};
 use crate::{Result, Spread, processor_time};
@@ -28,9 +29,9 @@ pub fn print_tables(mut engine: Option<&mut Engine>, rounds: usize, is_wanted: i
     if is_wanted("single") {
         let arm = Arm::create()?;
         let mut settings =
-            vec![scenes::named("humanoid"), scenes::named("crowd"), of_model(&arm.folder().join("arm.xml"))?];
+            vec![scenes::named("humanoid"), scenes::named("crowd"), Setting::of_model(&arm.folder().join("arm.xml"))?];
         if let Some(path) = env::var_os("MUJOCO_SAFE_MODEL") {
-            settings.push(of_model(Path::new(&path))?);
+            settings.push(Setting::of_model(Path::new(&path))?);
         }
         for setting in settings {
             for size in SIZES {
@@ -52,66 +53,6 @@ pub fn print_tables(mut engine: Option<&mut Engine>, rounds: usize, is_wanted: i
     Ok(())
 }
 
-/// Returns a view of a model at rest.
-fn of_model(path: &Path) -> Result<Setting> {
-    let free = Camera::free(&Model::from_xml_path(path)?);
-    Ok(Setting {
-        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        model: path.into(),
-        steps: 0,
-        lookat: free.lookat,
-        distance: free.distance,
-        azimuth: free.azimuth,
-        elevation: free.elevation,
-        fixed: None,
-        visual: VisualFlags::empty(),
-        render: RenderFlags::empty(),
-    })
-}
-
-/// Renderer of one scene, with the images of each kind.
-struct Single {
-    renderer: Renderer,
-    data: Data,
-    scene: Scene,
-    camera: Camera,
-    options: SceneOptions,
-    rgb: RgbImage,
-    depth: DepthImage,
-    ids: SegmentationImage,
-}
-
-impl Single {
-    fn new(gpu: &Gpu, setting: &Setting, [width, height]: [usize; 2], options: RendererOptions) -> Result<Self> {
-        let mut data = setting.after_steps();
-        let scene = setting.scene(&mut data);
-        Ok(Self {
-            renderer: Renderer::on(gpu, data.model(), width, height, options)?,
-            camera: setting.camera(data.model()),
-            options: setting.options(),
-            scene,
-            data,
-            rgb: RgbImage::default(),
-            depth: DepthImage::default(),
-            ids: SegmentationImage::default(),
-        })
-    }
-
-    /// Returns the time for several images, s.
-    fn wall_time(&mut self, kind: &str, images: usize) -> Result<f64> {
-        let start = Instant::now();
-        for _ in 0..images {
-            self.scene.update(&mut self.data, &self.options, None, &mut self.camera, Categories::all())?;
-            match kind {
-                "rgb" => self.renderer.rgb_into(&self.scene, &mut self.rgb)?,
-                "depth" => self.renderer.depth_into(&self.scene, &mut self.depth)?,
-                _ => self.renderer.segmentation_into(&self.scene, &mut self.ids)?,
-            }
-        }
-        Ok(start.elapsed().as_secs_f64())
-    }
-}
-
 fn single_calls(
     gpu: &Gpu,
     setting: &Setting,
@@ -120,7 +61,7 @@ fn single_calls(
     rounds: usize,
 ) -> Result<()> {
     let options = RendererOptions::default();
-    let mut ours = Single::new(gpu, setting, size, options)?;
+    let mut ours = Drawing::new(gpu, setting.clone(), size, options)?;
     if let Some(engine) = &mut engine {
         engine.open(setting, &ours.data, size, &options)?;
     }
@@ -151,27 +92,16 @@ fn single_calls(
 
 /// Prints the images per second of threads that share the adapter.
 fn threads(gpu: &Gpu, label: &str, options: RendererOptions, rounds: usize) -> Result<()> {
+    const IMAGES: usize = 200;
     let cores = std::thread::available_parallelism()?.get();
     let mut alone = 0.0;
     for count in [1, 2, 4, 8, 16].into_iter().filter(|&count| count <= cores) {
-        let setting = scenes::named("humanoid");
-        let mut drawings =
-            (0..count).map(|_| Single::new(gpu, &setting, SIZES[0], options)).collect::<Result<Vec<Single>>>()?;
-        let mut rates = Vec::new();
-        for round in 0..=rounds {
-            let start = Instant::now();
-            let are_drawn = std::thread::scope(|scope| {
-                let threads: Vec<_> =
-                    drawings.iter_mut().map(|drawing| scope.spawn(|| drawing.wall_time("rgb", 200).is_ok())).collect();
-                threads.into_iter().all(|thread| thread.join().is_ok_and(|is_drawn| is_drawn))
-            });
-            if !are_drawn {
-                return Err("a thread failed".into());
-            }
-            if round > 0 {
-                rates.push((200 * count) as f64 / start.elapsed().as_secs_f64());
-            }
-        }
+        let mut drawings = (0..count)
+            .map(|_| Drawing::new(gpu, scenes::named("humanoid"), SIZES[0], options))
+            .collect::<Result<Vec<Drawing>>>()?;
+        rate_of_threads(drawings.iter_mut(), IMAGES)?;
+        let mut rates =
+            (0..rounds).map(|_| rate_of_threads(drawings.iter_mut(), IMAGES)).collect::<Result<Vec<f64>>>()?;
         let rate = Spread::of(&mut rates).median;
         if count == 1 {
             alone = rate;

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use mujoco_safe::scene::{Camera, RenderFlags, VisualFlags};
-use mujoco_safe::{Model, sample};
+use mujoco_safe::sample;
+use mujoco_safe::scene::RenderFlags;
 use serde_json::Value;
 
 use crate::Result;
@@ -38,24 +38,17 @@ pub fn all(arm: &Arm) -> Result<Vec<Setting>> {
 }
 
 fn add(row: &Value, path: &Path, settings: &mut Vec<Setting>) -> Result<()> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut render = RenderFlags::empty();
     for name in list(&row["render"]) {
         render |= name.as_str().and_then(RenderFlags::from_name).ok_or("unknown render flag")?;
     }
     let suffix = if render.is_empty() { String::new() } else { format!("_{render:?}").replace(['(', ')'], "_") };
-    let free = Camera::free(&Model::from_xml_path(path)?);
+    let rest = Setting::of_model(path)?;
     let setting = |name: String| Setting {
-        name: format!("{stem}_{name}{suffix}"),
-        model: path.to_owned(),
+        name: format!("{}_{name}{suffix}", rest.name),
         steps: row["steps"].as_u64().unwrap_or(0) as usize,
-        lookat: free.lookat,
-        distance: free.distance,
-        azimuth: free.azimuth,
-        elevation: free.elevation,
-        fixed: None,
-        visual: VisualFlags::empty(),
         render,
+        ..rest.clone()
     };
     for camera in list(&row["cameras"]).iter().filter_map(Value::as_str) {
         settings.push(Setting { fixed: Some(camera.to_owned()), ..setting(camera.to_owned()) });
@@ -65,7 +58,7 @@ fn add(row: &Value, path: &Path, settings: &mut Vec<Setting>) -> Result<()> {
         settings.push(Setting {
             azimuth,
             elevation,
-            distance: distance * free.distance,
+            distance: distance * rest.distance,
             ..setting(number.to_string())
         });
     }

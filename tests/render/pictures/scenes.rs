@@ -4,13 +4,14 @@
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mujoco_safe::scene::{Camera, CameraView, Categories, RenderFlags, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Model, sample};
 use serde_json::Value;
 
 /// A scene of `scenes.json`.
+#[derive(Clone)]
 pub struct Setting {
     pub name: String,
     pub model: PathBuf,
@@ -52,6 +53,23 @@ pub fn named(name: &str) -> Setting {
 }
 
 impl Setting {
+    /// Returns a model at rest, seen from its free camera.
+    pub fn of_model(path: &Path) -> mujoco_safe::Result<Self> {
+        let free = Camera::free(&Model::from_xml_path(path)?);
+        Ok(Self {
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            model: path.to_owned(),
+            steps: 0,
+            lookat: free.lookat,
+            distance: free.distance,
+            azimuth: free.azimuth,
+            elevation: free.elevation,
+            fixed: None,
+            visual: VisualFlags::empty(),
+            render: RenderFlags::empty(),
+        })
+    }
+
     fn of(row: &Value) -> Self {
         let text = |key: &str| row[key].as_str().unwrap_or_else(|| panic!("{key} must be a string")).to_owned();
         Self {
