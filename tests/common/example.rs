@@ -2,36 +2,50 @@
 
 #![allow(unreachable_pub, reason = "included by several tests")]
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
+use std::sync::OnceLock;
 
-/// Builds an example in the profile and with the features of this test, and returns its path.
+/// The examples that tests start, except those for which this test lacks a feature.
+const STARTED: &[&str] = &[
+    "arm_tracking",
+    "cartpole_lqr",
+    "cartpole_swing_up",
+    "contacts",
+    "humanoid_lqr",
+    "humanoid_predictive",
+    "humanoid_stand_up",
+    "learn_gait",
+    "rollouts",
+    #[cfg(feature = "viewer")]
+    "view",
+];
+
+/// Returns the path of an example, after building all that tests start, in the profile and with the
+/// features of this test. Cargo builds several at the same time.
 pub fn build(name: &str) -> PathBuf {
-    static BUILT: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
-    let test = std::env::current_exe().expect("the path of this test");
-    let program = test.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples").join(name);
-    if built.contains(name) {
-        return program;
-    }
-    let features = [
-        ("renderer", cfg!(feature = "renderer")),
-        ("viewer", cfg!(feature = "viewer")),
-        ("npz", cfg!(feature = "npz")),
-        ("serde", cfg!(feature = "serde")),
-    ];
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--quiet", "--example", name]);
-    for (feature, _) in features.iter().filter(|(_, is_on)| *is_on) {
-        cargo.args(["--features", feature]);
-    }
-    if !cfg!(debug_assertions) {
-        cargo.arg("--release");
-    }
-    assert!(cargo.status().expect("cargo runs").success(), "the example {name} does not build");
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    assert!(STARTED.contains(&name), "STARTED has no {name}");
+    let folder = FOLDER.get_or_init(|| {
+        let features = [
+            ("renderer", cfg!(feature = "renderer")),
+            ("viewer", cfg!(feature = "viewer")),
+            ("npz", cfg!(feature = "npz")),
+            ("serde", cfg!(feature = "serde")),
+        ];
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--quiet"]).args(STARTED.iter().flat_map(|name| ["--example", name]));
+        for (feature, _) in features.iter().filter(|(_, is_on)| *is_on) {
+            cargo.args(["--features", feature]);
+        }
+        if !cfg!(debug_assertions) {
+            cargo.arg("--release");
+        }
+        assert!(cargo.status().expect("cargo runs").success(), "the examples do not build");
+        let test = std::env::current_exe().expect("the path of this test");
+        test.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples")
+    });
+    let program = folder.join(name);
     assert!(program.exists(), "{} was built in another directory", program.display());
-    built.insert(name.to_owned());
     program
 }

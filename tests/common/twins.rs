@@ -8,6 +8,7 @@ use mujoco_safe::{Controller, Data, Model, RandomController, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::cases::cases;
 use crate::installed::sample_files;
 
 #[path = "differing.rs"]
@@ -56,9 +57,9 @@ pub(crate) fn subjects() -> &'static [Subject] {
     })
 }
 
-/// Returns all models except the largest, whose simulations take hundreds of megabytes each.
+/// Returns all models except large ones, whose simulations take hundreds of megabytes each.
 pub(crate) fn usual_subjects() -> impl Iterator<Item = &'static Subject> {
-    subjects().iter().filter(|subject| subject.model.nv() <= 1000)
+    subjects().iter().filter(|subject| subject.model.nv() <= cases(200, 1000))
 }
 
 /// Returns models small enough for computations of quadratic cost.

@@ -4,6 +4,8 @@
 #[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/humanoid_predictive/attempt.rs"]
 mod attempt;
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../../examples/humanoid_predictive/cost.rs"]
 mod cost;
 #[path = "../common/example.rs"]

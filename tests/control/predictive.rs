@@ -9,6 +9,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{cartpole, springs};
 
+use crate::cases::cases;
+
 /// Returns two masses on springs away from equilibrium, their cost with the cost to go of the
 /// regulator, and the regulator's gain.
 fn displaced() -> (Data, QuadraticCost, DMatrix<f64>) {
@@ -294,9 +296,9 @@ fn the_pole_is_swung_up_and_balanced_again_after_pushes() {
     };
     let swung_up = run(&mut data, 400);
     assert!(swung_up[0] < 0.3 && swung_up[1] < 0.01 && swung_up[2] < 0.3, "{swung_up:?}");
-    for push in [60.0, -60.0] {
+    for push in cases(&[60.0][..], &[60.0, -60.0]) {
         let pole = model.body("pole").unwrap().index();
-        data.xfrc_applied_mut()[pole][0] = push;
+        data.xfrc_applied_mut()[pole][0] = *push;
         run(&mut data, 5);
         data.xfrc_applied_mut()[pole][0] = 0.0;
         assert!(data.qvel()[1].abs() > 0.5, "the push has no effect");

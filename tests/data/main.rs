@@ -2,6 +2,8 @@
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/child.rs"]
 mod child;
 #[path = "../common/flags.rs"]

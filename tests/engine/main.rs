@@ -1,6 +1,8 @@
 //! Numbers against independent sources: the engine called from C, the official Python bindings, and
 //! published figures.
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/flags.rs"]
 mod flags;
 #[path = "../common/installed.rs"]

@@ -8,6 +8,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::cases::cases;
 use crate::fuzz::Target;
 use crate::report::{Counts, Finding, Report};
 use crate::worker::{self, MISBEHAVE, PANICKED, REJECTED, WORKED};
@@ -35,7 +36,7 @@ pub struct Campaign {
 impl Campaign {
     /// Returns the cases of `cargo test`.
     pub fn bounded() -> Self {
-        let cases = vec![
+        let all = [
             (Target::Sequences, 3000),
             (Target::Binaries, 400),
             (Target::Texts, 250),
@@ -45,7 +46,8 @@ impl Campaign {
             (Target::Mjcf, 600),
             (Target::Schema, 400),
         ];
-        Self { cases, first: 0, jobs: 2, progress: false }
+        let selected = all.map(|(target, number)| (target, cases(number / 3, number)));
+        Self { cases: selected.into(), first: 0, jobs: 2, progress: false }
     }
 
     pub fn from_options(options: &[&str]) -> Result<Self, String> {

@@ -23,6 +23,8 @@
 #![deny(unsafe_code)]
 
 mod campaign;
+#[path = "../common/cases.rs"]
+mod cases;
 mod report;
 mod worker;
 

@@ -1,5 +1,7 @@
 //! Linear systems of steps, and derivatives of inverse dynamics.
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[macro_use]
 #[path = "../common/fields.rs"]
 mod fields;

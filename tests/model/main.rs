@@ -4,6 +4,8 @@
 
 #[path = "../common/assets.rs"]
 mod assets;
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/installed.rs"]
 mod installed;
 #[cfg(validates_binaries)]

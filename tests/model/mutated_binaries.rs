@@ -4,6 +4,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::cases::cases;
 use crate::mutate::{DAMAGES, Damage, Map};
 use crate::print_all::print_all;
 use crate::scene_options::with_groups;
@@ -78,11 +79,12 @@ fn mutations(model: &Model, seeds: std::ops::Range<u64>) {
 
 #[test]
 fn mutated_binary_models_are_errors_or_work() {
-    // Nine kinds of damage, so more than 500 mutations.
-    mutations(&sample::cartpole(), 0..20);
-    mutations(&sample::humanoid(), 0..20);
+    // Nine kinds of damage, so more than 500 mutations in all cases.
+    let seeds = 0..cases(6, 20);
+    mutations(&sample::cartpole(), seeds.clone());
+    mutations(&sample::humanoid(), seeds.clone());
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
-    mutations(&Model::from_xml_path(every_element).unwrap(), 0..20);
+    mutations(&Model::from_xml_path(every_element).unwrap(), seeds);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Rendering and recording.
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/child.rs"]
 mod child;
 #[path = "pictures/difference.rs"]

@@ -13,6 +13,7 @@ use mujoco_safe::enums::Integrator;
 use mujoco_safe::{Data, Error, LoadOptions, Model, RandomController, Trajectory, sample};
 
 use crate::allocator::allocated_bytes;
+use crate::cases::cases;
 use crate::{lock_process, trouble};
 
 /// Returns the number of open files of this process.
@@ -162,7 +163,7 @@ fn saving_and_loading_closes_files() {
     let model = data.model().clone();
     let mut trajectory = Trajectory::new(&model);
     trajectory.record(&mut data, &mut RandomController::new(1), 10).unwrap();
-    assert_no_growth("files", 200, || {
+    assert_no_growth("files", cases(50, 200), || {
         model.save_binary(in_folder("m.mjb")).unwrap();
         assert_eq!(Model::from_binary_path(in_folder("m.mjb")).is_ok(), LOADS_BINARIES);
         trajectory.save_csv(in_folder("t.csv")).unwrap();
@@ -171,7 +172,7 @@ fn saving_and_loading_closes_files() {
         assert!(model.save_binary(nowhere.join("m.mjb")).is_err());
     });
     let model = sample::cartpole();
-    assert_no_growth("an XML file", 200, || {
+    assert_no_growth("an XML file", cases(50, 200), || {
         model.save_xml(in_folder("m.xml")).unwrap();
         assert!(model.save_xml(nowhere.join("m.xml")).is_err());
     });

@@ -1,6 +1,8 @@
 //! Allocations, leaks, output and the engine that is loaded: properties of the process, so the
 //! tests run one at a time.
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/child.rs"]
 mod child;
 #[path = "../common/trouble.rs"]

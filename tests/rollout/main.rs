@@ -2,6 +2,8 @@
 //! simulation.
 #![forbid(unsafe_code)]
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[macro_use]
 #[path = "../common/fields.rs"]
 mod fields;

@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "a saved number loads as the same number")]
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/fields.rs"]
 #[macro_use]
 mod fields;

@@ -6,6 +6,7 @@ use mujoco_safe::scene::{
 use mujoco_safe::sys::{mjvCamera, mjvScene};
 use mujoco_safe::{Data, Error, sample};
 
+use crate::cases::cases;
 use crate::raw::{RawScene, assert_same_scene, filled, scene_subjects};
 use crate::twins::{Twins, assert_same, c, differing};
 
@@ -62,7 +63,7 @@ fn cameras_move_as_in_c() {
                 CameraView::Fixed(camera) => (raw.type_, raw.fixedcamid) = (2, camera.index() as i32),
                 _ => (),
             }
-            for round in 0..20 {
+            for round in 0..cases(5, 20) {
                 let options = SceneOptions::default();
                 ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
                 theirs.update(&twins.raw, &options, None, &mut raw);

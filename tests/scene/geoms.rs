@@ -9,6 +9,7 @@ use mujoco_safe::scene::{
 use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
 use mujoco_safe::{Data, Error, Model, sample};
 
+use crate::cases::cases;
 use crate::raw::{RawScene, assert_same_scene, filled, raw_options, raw_perturbation, scene_subjects};
 use crate::scene_options::with_groups;
 use crate::twins::{Twins, c, differing};
@@ -110,7 +111,7 @@ fn scenes_equal_c_for_all_options() {
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let perturbation = perturbation(&twins.model);
-        for options in all_options(twins.model.ngeom() < 100) {
+        for options in all_options(cases(false, twins.model.ngeom() < 100)) {
             for pert in [None, Some(&perturbation)] {
                 ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).unwrap();
                 theirs.update(&twins.raw, &options, pert, &mut raw_camera);

@@ -1,5 +1,7 @@
 //! Abstract scenes: each call is compared bit for bit with the same call in C.
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/installed.rs"]
 mod installed;
 #[path = "../common/scene_options.rs"]

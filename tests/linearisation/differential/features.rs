@@ -6,6 +6,8 @@ use mujoco_safe::{Model, built_against};
 
 use super::{Tally, compare_model};
 
+use crate::cases::cases;
+
 /// Arrays of numbers that newer engines have.
 pub(super) const NEW_ARRAYS: [&str; 24] = [
     "body_gravcomp",
@@ -394,9 +396,9 @@ fn each_feature_is_linearised() {
 
 #[test]
 fn features_of_newer_engines_are_linearised() {
-    // One in five of the models, and those that other versions of this library got wrong.
+    // Some of the models, and those that other versions of this library got wrong.
     let total = compare_features(1, |number, what| {
-        number % 5 == 0 || REGRESSIONS.iter().any(|(known, _)| what.starts_with(known))
+        number % cases(15, 5) == 0 || REGRESSIONS.iter().any(|(known, _)| what.starts_with(known))
     });
     assert!(total.failures.is_empty(), "{:#?}", total.failures);
 }

@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Tally, compare_inverse, compare_model};
+use crate::cases::cases;
 use crate::schema_models::{Effect, attributes, case, combination, is_only_stored, load};
 use crate::transition::special_states;
 
@@ -222,15 +223,19 @@ fn check(tallies: &[Tally]) {
 
 #[test]
 fn some_attributes_of_the_schema_are_linearised() {
-    let tallies = compare_schema(20, 0..usize::MAX, 1, 1, MOST_DOFS[0]);
-    assert!(tallies.iter().all(|tally| tally.compared > 5000), "{:?}", tallies.map(|tally| tally.compared));
+    let tallies = compare_schema(cases(60, 20), 0..usize::MAX, 1, 1, MOST_DOFS[0]);
+    assert!(
+        tallies.iter().all(|tally| tally.compared > cases(1500, 5000)),
+        "{:?}",
+        tallies.map(|tally| tally.compared)
+    );
     check(&tallies);
 }
 
 #[test]
 fn some_combinations_of_attributes_are_linearised() {
-    let tallies = compare_combinations(3..20, 1, MOST_DOFS[0]);
-    assert!(tallies.iter().all(|tally| tally.compared > 1000), "{:?}", tallies.map(|tally| tally.compared));
+    let tallies = compare_combinations(3..cases(9, 20), 1, MOST_DOFS[0]);
+    assert!(tallies.iter().all(|tally| tally.compared > cases(300, 1000)), "{:?}", tallies.map(|tally| tally.compared));
     check(&tallies);
 }
 

@@ -11,6 +11,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::outcome::is_close;
 use super::{generator, part};
+use crate::cases::cases;
 use crate::parameter_edits::edit;
 
 /// Returns a random parameter of the model.
@@ -80,7 +81,7 @@ fn campaign(first_seed: u64, rows: usize) -> [usize; 2] {
 
 #[test]
 fn rows_of_a_batch_equal_simulations_of_edited_models() {
-    let [rows, errors] = campaign(0, 150);
+    let [rows, errors] = campaign(0, cases(50, 150));
     assert!(errors < rows / 4, "{errors} errors, {rows} rows");
 }
 

@@ -19,6 +19,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use self::outcome::{Difference, Outcome};
 
+use crate::cases::cases;
+
 /// Numbers of an array, for comparisons.
 trait Numbers {
     fn numbers(self) -> Vec<f64>;
@@ -352,7 +354,7 @@ fn campaign(first_seed: u64, edits: usize) -> Report {
 
 #[test]
 fn edits_equal_the_model_compiled_with_the_values() {
-    let report = campaign(0, 300);
+    let report = campaign(0, cases(100, 300));
     report.check();
     assert!(report.unknown.is_empty(), "{:#?}", report.unknown);
     assert!(report.rejected.values().sum::<usize>() < 30);

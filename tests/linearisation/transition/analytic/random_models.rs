@@ -10,6 +10,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{analytic, compare, randomise};
 
+use crate::cases::cases;
+
 /// Generator of a model, with the names of its scalar joints and its bodies so far.
 struct Generator {
     random: Xoshiro256PlusPlus,
@@ -200,7 +202,7 @@ fn compare_models(seed: u64, models: usize, states: usize) {
 
 #[test]
 fn random_models_agree_with_differences() {
-    compare_models(1000, 12, 4);
+    compare_models(1000, cases(4, 12), 4);
 }
 
 #[test]
