@@ -66,7 +66,7 @@ mod tests {
         include_str!("../mujoco-sys/fields/v2_2_2.tsv"),
         include_str!("../mujoco-sys/fields/v3_5_0.tsv"),
         include_str!("../mujoco-sys/fields/v3_17_0.tsv"),
-        include_str!("../mujoco-sys/fields/v4_0_0.tsv"),
+        include_str!("../mujoco-sys/fields/v4_0_1.tsv"),
     ];
 
     #[test]

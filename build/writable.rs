@@ -68,7 +68,7 @@ mod tests {
         (include_str!("../mujoco-sys/fields/v3_3_7.tsv"), 337),
         (include_str!("../mujoco-sys/fields/v3_5_0.tsv"), 3_005_000),
         (include_str!("../mujoco-sys/fields/v3_17_0.tsv"), 3_017_000),
-        (include_str!("../mujoco-sys/fields/v4_0_0.tsv"), 4_000_000),
+        (include_str!("../mujoco-sys/fields/v4_0_1.tsv"), 4_000_001),
     ];
 
     /// Returns the name, the kind and the type of each array of floating-point numbers in a field

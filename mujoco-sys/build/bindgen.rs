@@ -1,10 +1,15 @@
 //! Generates bindings with bindgen. Used by the build script (feature `bindgen`) and by `xtask`.
 
 use std::path::Path;
+use std::process::Command;
 
-/// Returns the bindings of the headers in `include`.
-pub(crate) fn bindings(include: &Path) -> Result<String, String> {
+/// Returns the bindings of the headers in `include`. `compiler` is a C compiler, whose own headers
+/// libclang reads, because that of PyPI has none.
+pub(crate) fn bindings(include: &Path, mut compiler: Command) -> Result<String, String> {
+    let own = compiler.arg("-print-file-name=include").output().ok();
+    let own = own.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
     bindgen::Builder::default()
+        .clang_args(own.filter(|own| Path::new(own).is_absolute()).map(|own| format!("-idirafter{own}")))
         .header_contents("engine.h", "#include <mujoco/mujoco.h>")
         .clang_arg(format!("-I{}", include.display()))
         // The headers use plain comments, not Doxygen's.

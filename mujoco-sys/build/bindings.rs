@@ -1,8 +1,10 @@
-//! Chooses the bindings: the committed ones, or those generated from the installed headers.
+//! Chooses the bindings: the committed ones of the version, those of a version whose headers declare
+//! the same, or those generated from the installed headers.
 
 use std::path::{Path, PathBuf};
 
-use crate::engines::{ENGINES, supported, version};
+use crate::compatible::{self, Committed};
+use crate::engines::{self, ENGINES, supported, version};
 use crate::find::Engine;
 
 /// The `mjVERSION_HEADER` of the engine that a search prefers, and whose bindings documentation
@@ -16,8 +18,8 @@ pub(crate) fn committed(number: u32) -> Option<String> {
 
 /// Returns the field table of the default engine.
 pub(crate) fn default_fields() -> PathBuf {
-    let name = committed(DEFAULT).expect("the default engine is in the list");
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fields").join(name).with_extension("tsv")
+    let [_, fields] = committed_files(DEFAULT);
+    fields
 }
 
 /// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed
@@ -34,30 +36,84 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
         generate(engine, out);
     } else if supported(engine.version).is_some() {
         choose_committed(engine.version, out);
-    } else {
-        let known = ENGINES.map(|engine| engine.version).join(", ");
-        crate::help::end(&[
-            format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version)),
-            format!("This crate comes with bindings for {known}."),
-            "Enable the feature `bindgen` of mujoco-safe or mujoco-safe-sys to generate bindings for this engine, with which no".to_owned(),
-            "test runs (it needs libclang: apt-get install libclang-dev), or set MUJOCO_DIR to the directory of an engine with".to_owned(),
-            "bindings.".to_owned(),
-        ]);
+    } else if let Err(differences) = choose_compatible(engine, out) {
+        let mut lines =
+            vec![format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version))];
+        lines.push("Its headers differ from those of all versions with committed bindings, for example:".to_owned());
+        lines.extend(differences);
+        lines.extend(
+            [
+                "To generate bindings for this engine, with which no test runs, enable the feature `bindgen` of mujoco-safe or",
+                "mujoco-safe-sys. It needs libclang: apt-get install libclang-dev, or pip install libclang in the active Python",
+                "environment. Or set MUJOCO_DIR to the directory of an engine with bindings.",
+            ]
+            .map(str::to_owned),
+        );
+        crate::help::end(&lines);
     }
+    if let Some(defect) = engines::defect(engine.version) {
+        println!("cargo::warning=MuJoCo {}: {defect}", version(engine.version));
+    }
+}
+
+/// Writes the files of the nearest version whose headers declare the same as those of the engine.
+///
+/// # Errors
+///
+/// Returns the first difference from each of the two nearest versions.
+fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
+    let headers = compatible::Headers {
+        include: &engine.include,
+        version: engine.version,
+        compiler: &|| cc::Build::new().get_compiler().to_command(),
+        fields_h: &fields_h(),
+        scratch: &out.join("declarations.c"),
+    };
+    let mut differences = Vec::new();
+    for known in engines::nearest(engine.version) {
+        let [bindings, fields] = committed_files(known.number);
+        let read = |path: &Path| std::fs::read_to_string(path).expect("a committed file can be read");
+        let files = Committed { bindings: read(&bindings), fields: read(&fields) };
+        match compatible::bindings(&headers, &files) {
+            Ok(bindings) => {
+                let version = version(engine.version);
+                println!(
+                    "cargo::warning=MuJoCo {version} is used with the bindings of {}: its headers declare the same",
+                    known.version
+                );
+                std::fs::write(out.join("bindings.rs"), bindings).expect("OUT_DIR is writable");
+                std::fs::write(out.join("fields.tsv"), files.fields).expect("OUT_DIR is writable");
+                return Ok(());
+            }
+            Err(difference) => differences.push(format!("  - {}: {difference}", known.version)),
+        }
+    }
+    differences.truncate(2);
+    Err(differences)
+}
+
+/// Returns the paths of the committed bindings and field table of a version.
+fn committed_files(version: u32) -> [PathBuf; 2] {
+    let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let name = committed(version).expect("the caller has checked that the version is in the list");
+    let files = [
+        crate_root.join("src/bindings").join(&name).with_extension("rs"),
+        crate_root.join("fields").join(name).with_extension("tsv"),
+    ];
+    for file in &files {
+        println!("cargo::rerun-if-changed={}", file.display());
+    }
+    files
+}
+
+fn fields_h() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("build/fields.h")
 }
 
 /// Copies the committed bindings and field table of a version.
 pub(crate) fn choose_committed(version: u32, out: &Path) {
-    let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let name = committed(version).expect("the caller has checked that the version is in the list");
-    let files = [
-        (PathBuf::from("src/bindings").join(&name).with_extension("rs"), "bindings.rs"),
-        (PathBuf::from("fields").join(name).with_extension("tsv"), "fields.tsv"),
-    ];
-    for (committed, name) in files {
-        let committed = crate_root.join(committed);
-        println!("cargo::rerun-if-changed={}", committed.display());
-        std::fs::copy(&committed, out.join(name)).expect("OUT_DIR is writable");
+    for (committed, name) in committed_files(version).iter().zip(["bindings.rs", "fields.tsv"]) {
+        std::fs::copy(committed, out.join(name)).expect("OUT_DIR is writable");
     }
 }
 
@@ -68,11 +124,11 @@ fn generate(_: &Engine, _: &Path) {
 
 #[cfg(feature = "bindgen")]
 fn generate(engine: &Engine, out: &Path) {
-    let fields_h = Path::new(env!("CARGO_MANIFEST_DIR")).join("build/fields.h");
-    let compiler = cc::Build::new().get_compiler().to_command();
+    let compiler = || cc::Build::new().get_compiler().to_command();
+    crate::libclang::select();
     let generated = [
-        ("bindings.rs", crate::bindgen::bindings(&engine.include)),
-        ("fields.tsv", crate::fields::table(&engine.include, &fields_h, compiler)),
+        ("bindings.rs", crate::bindgen::bindings(&engine.include, compiler())),
+        ("fields.tsv", crate::fields::table(&engine.include, &fields_h(), compiler())),
     ];
     for (name, text) in generated {
         let text = text.unwrap_or_else(|error| crate::help::end(&[error]));

@@ -42,17 +42,38 @@ pub(crate) const ENGINES: [Supported; 7] = [
     engine(337, "3.3.7", Tests::Smoke),
     engine(3_005_000, "3.5.0", Tests::Most),
     engine(3_017_000, "3.17.0", Tests::Most),
-    engine(4_000_000, "4.0.0", Tests::Most),
+    engine(4_000_001, "4.0.1", Tests::Most),
 ];
 
 const fn engine(number: u32, version: &'static str, tests: Tests) -> Supported {
     Supported { number, version, tests }
 }
 
+/// Returns the three numbers of the version with this `mjVERSION_HEADER`.
+fn parts(number: u32) -> [u32; 3] {
+    let base = if number < 1_000_000 { 10 } else { 1000 };
+    [number / (base * base), number / base % base, number % base]
+}
+
 /// Returns the version in words of an engine with this `mjVERSION_HEADER`.
 pub(crate) fn version(number: u32) -> String {
-    let base = if number < 1_000_000 { 10 } else { 1000 };
-    format!("{}.{}.{}", number / (base * base), number / base % base, number % base)
+    parts(number).map(|part| part.to_string()).join(".")
+}
+
+/// Returns the engines with committed bindings, the nearest version first.
+pub(crate) fn nearest(number: u32) -> Vec<&'static Supported> {
+    let place = |number| parts(number).iter().fold(0, |place, part| 1000 * place + part);
+    let mut engines: Vec<_> = ENGINES.iter().collect();
+    engines.sort_by_key(|engine| place(engine.number).abs_diff(place(number)));
+    engines
+}
+
+/// Returns what is wrong with the numbers of an engine.
+pub(crate) fn defect(number: u32) -> Option<&'static str> {
+    (number == 4_000_000).then_some(
+        "its Newton solver with sparse matrices may converge slowly, diverge or return wrong accelerations \
+         (https://github.com/google-deepmind/mujoco/issues/3767), which 4.0.1 corrects",
+    )
 }
 
 /// Returns the engine with this `mjVERSION_HEADER`, if its bindings are committed.

@@ -5,13 +5,17 @@ mod absent;
 #[cfg(feature = "bindgen")]
 mod bindgen;
 mod bindings;
+mod c_checks;
+mod compatible;
 mod engines;
-#[cfg(feature = "bindgen")]
 mod fields;
 mod find;
 mod headers;
 mod help;
+#[cfg(feature = "bindgen")]
+mod libclang;
 mod link;
+mod rust_items;
 mod shim;
 
 use std::path::{Path, PathBuf};

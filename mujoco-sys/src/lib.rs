@@ -4,9 +4,11 @@
 //!
 //! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`.
 //! bindgen generates the bindings. Those of MuJoCo 2.2.2, 2.3.7, 3.0.1, 3.3.7, 3.5.0, 3.17.0 and
-//! 4.0.0 are committed (Debian's `libmujoco-dev` is 2.2.2), the build uses those of the installed
-//! headers, and this crate's tests compare them with the headers. The feature `bindgen` generates
-//! bindings for other versions.
+//! 4.0.1 are committed (Debian's `libmujoco-dev` is 2.2.2), the build uses those of the installed
+//! headers, and this crate's tests compare them with the headers. For another release it uses those
+//! of the nearest version whose headers declare the same, which it checks with the C compiler,
+//! without functions that the release lacks. The feature `bindgen` generates bindings for other
+//! versions.
 //!
 //! The build uses the engine in `MUJOCO_DIR`; without it, an engine 2.2.2 in the system directories
 //! or in the active Python, conda or ROS environment, or else the first engine there whose bindings
@@ -15,7 +17,7 @@
 //! # Build script metadata
 //!
 //! The build script of a crate that depends directly on this one receives `DEP_MUJOCO_VERSION` (222
-//! for 2.2.2, 4000000 for 4.0.0), `DEP_MUJOCO_FIELDS` (the file of [`FIELDS`]),
+//! for 2.2.2, 4000001 for 4.0.1), `DEP_MUJOCO_FIELDS` (the file of [`FIELDS`]),
 //! `DEP_MUJOCO_DEFAULT_FIELDS` (that of 2.2.2), `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for
 //! an engine outside the loader's search path, `DEP_MUJOCO_RPATH`.
 

@@ -5,33 +5,27 @@
 //! functions and of global variables. Further tests compare the list of functions and the field
 //! table in both directions.
 
-#[path = "header/c.rs"]
-mod c;
+#[path = "../build/c_checks.rs"]
+mod c_checks;
+#[path = "header/compiler.rs"]
+mod compiler;
 #[path = "../build/fields.rs"]
 mod fields;
-#[path = "header/rust.rs"]
-mod rust;
+#[path = "../build/rust_items.rs"]
+mod rust_items;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use rust::{Item, Type};
+use compiler::{INCLUDE, compiler};
+use rust_items::{Item, Type};
 
 /// The bindings of this build: the committed ones, or with the feature `bindgen` the generated
 /// ones.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 /// Name of the committed files of this engine; empty if it has none.
 const COMMITTED: &str = env!("MUJOCO_SYS_COMMITTED");
-const INCLUDE: &str = env!("MUJOCO_SYS_INCLUDE");
-
-/// The build script's C compiler. A build script gets target, host and optimisation level from the
-/// environment; a test must set them.
-fn compiler() -> cc::Build {
-    let mut build = cc::Build::new();
-    build.target(env!("MUJOCO_SYS_TARGET")).host(env!("MUJOCO_SYS_TARGET")).opt_level(0).cargo_metadata(false);
-    build
-}
 
 /// Compiles C text, and returns the compiler's errors.
 fn compile(name: &str, text: &str) -> Result<(), String> {
@@ -50,11 +44,11 @@ fn compile(name: &str, text: &str) -> Result<(), String> {
 
 #[test]
 fn every_declaration_of_the_bindings_matches_the_headers() {
-    let (text, checked) = c::checks(&rust::items(BINDINGS));
+    let (text, checked) = c_checks::checks(&rust_items::items(BINDINGS));
     // Counts the declarations of each kind independently, so that the translation cannot lose a
     // check.
     let lines = |start: &str| BINDINGS.lines().filter(|line| line.trim_start().starts_with(start)).count();
-    let expected = c::Checked {
+    let expected = c_checks::Checked {
         constants: lines("pub const "),
         aliases: lines("pub type ") + lines("pub use "),
         records: lines("pub struct ") + lines("pub union "),
@@ -96,7 +90,7 @@ fn a_difference_of_any_kind_between_bindings_and_headers_is_detected() {
     for (name, from, to, named) in changes {
         assert!(BINDINGS.contains(from), "{name}: the bindings have no {from:?}");
         let changed = BINDINGS.replacen(from, to, 1);
-        let (text, _) = c::checks(&rust::items(&changed));
+        let (text, _) = c_checks::checks(&rust_items::items(&changed));
         let outcome = compile(name, &text);
         if name == "function" {
             // C accepts a declaration that the headers lack; the comparison of the lists detects
@@ -115,11 +109,13 @@ fn the_bindings_have_exactly_the_functions_of_the_headers() {
     let (bound, declared) = (bound_functions(BINDINGS), declared_functions());
     let missing: Vec<_> = declared.difference(&bound).collect();
     let unknown: Vec<_> = bound.difference(&declared).collect();
-    assert!(missing.is_empty() && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
+    // Bindings of another version may lack functions that are new.
+    let is_complete = missing.is_empty() || COMMITTED.is_empty();
+    assert!(is_complete && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
 }
 
 fn bound_functions(bindings: &str) -> BTreeSet<String> {
-    rust::items(bindings)
+    rust_items::items(bindings)
         .into_iter()
         .filter_map(|item| if let Item::Function { name, .. } = item { Some(name) } else { None })
         .collect()
@@ -199,7 +195,7 @@ const SCRATCH: &str = if mujoco_sys::mjVERSION_HEADER < 230 { "stack" } else { "
 
 #[test]
 fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
-    let items = rust::items(BINDINGS);
+    let items = rust_items::items(BINDINGS);
     let mut declared = BTreeSet::new();
     for owner in ["Model", "Data", "Option", "Visual", "Statistic"] {
         add_members(&items, owner, &format!("mj{owner}_"), "", &mut declared);
@@ -281,7 +277,7 @@ fn length(items: &[Item], length: &str) -> usize {
 
 #[test]
 fn without_bindgen_the_bindings_are_the_committed_ones() {
-    if cfg!(not(feature = "bindgen")) {
+    if cfg!(not(feature = "bindgen")) && !COMMITTED.is_empty() {
         assert_eq!(first_difference(&committed(&format!("src/bindings/{COMMITTED}.rs")), BINDINGS), None);
     }
 }

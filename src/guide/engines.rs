@@ -1,7 +1,7 @@
 //! Engines and set-up: versions of MuJoCo, installation, and the search paths at build time and at
 //! run time.
 //!
-//! This crate supports MuJoCo **2.2.2**, **3.5.0**, **3.17.0** and **4.0.0**;
+//! This crate supports MuJoCo **2.2.2**, **3.5.0**, **3.17.0** and **4.0.1**;
 //! [`promises`](crate::guide::promises) names what differs with the last three. Other versions are
 //! for trials. The layout of the engine's structs changes with each release, so each version has
 //! its own bindings:
@@ -14,15 +14,23 @@
 //! | 3.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.3.7` |
 //! | 3.5.0 | committed | all except the program `coverage`: `scripts/test --engine 3.5.0` |
 //! | 3.17.0 | committed | all except the program `coverage`: `scripts/test --engine 3.17.0` |
-//! | 4.0.0 | committed | all except the program `coverage`: `scripts/test --engine 4.0.0` |
+//! | 4.0.1 | committed | all except the program `coverage`: `scripts/test --engine 4.0.1` |
+//! | releases whose headers declare the same as one of these, as patch releases do | those of the nearest | none |
 //! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
 //!
 //! The crate links the engine as a shared library, compiles a small shim with a C and a C++
-//! compiler, and contains bindings, so it needs neither libclang nor Python. A build against an
-//! engine without bindings is an error that names these versions. With the feature `bindgen` the
-//! build generates bindings for it and prints a warning, because no test runs with it: the names
-//! and the layout of fields are right by construction, but the meaning of a value may have changed.
-//! Versions before 2.2.2 are an error.
+//! compiler, and contains bindings, so it needs neither libclang nor Python. For another release,
+//! the build compiles the declarations of the nearest bindings as C assertions against the headers
+//! that it finds: sizes, offsets, types and lengths of fields, values of constants, types of
+//! functions. If all hold, it uses these bindings, else it fails and names the first difference.
+//! With the feature `bindgen` it generates bindings (`apt-get install libclang-dev`, or
+//! `pip install libclang` in the active Python environment). In both cases it prints a warning,
+//! because no test runs with this engine: names and layout of fields are right by construction, but
+//! the meaning of a value may have changed. Versions before 2.2.2 are an error.
+//!
+//! With **4.0.0** the build warns: its Newton solver with sparse matrices may return wrong
+//! accelerations ([#3767](https://github.com/google-deepmind/mujoco/issues/3767)); 4.0.1 corrects
+//! it.
 //!
 //! # Debian 12
 //!
@@ -54,9 +62,9 @@
 //! ```
 //!
 //! On a machine whose only engine is a wheel, one command suffices in an active Python environment
-//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco==4.0.0`. In this
+//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco==4.0.1`. In this
 //! repository `scripts/engine VERSION` installs any released engine in `target/engines` and prints
-//! its directory: `MUJOCO_DIR=$(scripts/engine 4.0.0) cargo run --example getting_started`.
+//! its directory: `MUJOCO_DIR=$(scripts/engine 4.0.1) cargo run --example getting_started`.
 //!
 //! If a Python of these versions has the package installed,
 //! `python3 -c "import mujoco; print(mujoco.__path__[0])"` prints the directory. The wheel's
@@ -160,7 +168,7 @@
 //!
 //! # Access that differs between versions
 //!
-//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not
+//! The generated accessors follow the engine: with 4.0.1 the inertia matrix is `Data::M`, not
 //! `Data::qM`, and `cargo doc` with an engine shows its accessors. The hand-written interface is
 //! the same with every engine. What an engine lacks is
 //! [`Error::Unsupported`](crate::Error::Unsupported). So is

@@ -21,7 +21,7 @@ const TABLES: [(u32, &str); 7] = [
     (337, include_str!("../../mujoco-sys/fields/v3_3_7.tsv")),
     (3_005_000, include_str!("../../mujoco-sys/fields/v3_5_0.tsv")),
     (3_017_000, include_str!("../../mujoco-sys/fields/v3_17_0.tsv")),
-    (4_000_000, include_str!("../../mujoco-sys/fields/v4_0_0.tsv")),
+    (4_000_001, include_str!("../../mujoco-sys/fields/v4_0_1.tsv")),
 ];
 
 /// Returns the checks of a part in generated text.
@@ -88,7 +88,7 @@ fn field_tables_contain_every_member_of_the_bindings() {
         include_str!("../../mujoco-sys/src/bindings/v3_3_7.rs"),
         include_str!("../../mujoco-sys/src/bindings/v3_5_0.rs"),
         include_str!("../../mujoco-sys/src/bindings/v3_17_0.rs"),
-        include_str!("../../mujoco-sys/src/bindings/v4_0_0.rs"),
+        include_str!("../../mujoco-sys/src/bindings/v4_0_1.rs"),
     ];
     for ((version, table), bindings) in TABLES.into_iter().zip(bindings) {
         let fields: BTreeSet<String> = model_fields(table).map(|field| field.path()).collect();

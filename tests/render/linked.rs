@@ -135,10 +135,10 @@ fn recorded_pictures_are_drawn() {
     let mut wrong = Vec::new();
     for row in &rows {
         let name = text_of(row, "name");
-        // An image that equals that of 4.0.0 is not stored twice.
+        // An image that equals that of 4.0.1 is not stored twice.
         let file = format!("{name}.png");
         let own = folder.join(&file);
-        let theirs = read_png(&if own.exists() { own } else { folder.join("../4.0.0").join(file) });
+        let theirs = read_png(&if own.exists() { own } else { folder.join("../4.0.1").join(file) });
         let (data, scene) = drawn(&folder, row);
         assert_eq!(scene.ngeom() as u64, row["geoms"].as_u64().unwrap(), "{name}: geoms");
         let [width, height] = [theirs.width(), theirs.height()];

@@ -10,7 +10,7 @@ use mujoco_safe::{Error, Model, built_against};
 use super::child;
 
 /// Versions that are tested in full. Each has functions that the others lack.
-const VERSIONS: [&str; 4] = ["v2_2_2", "v3_5_0", "v3_17_0", "v4_0_0"];
+const VERSIONS: [&str; 4] = ["v2_2_2", "v3_5_0", "v3_17_0", "v4_0_1"];
 
 /// Version that the substitute reports.
 const OTHER: u32 = 999;

@@ -19,16 +19,16 @@ use crate::Generated;
 pub(crate) fn generate(root: &Path) -> Result<Vec<Generated>, String> {
     let headers =
         include::roots().iter().map(|root| include::probe(root)).reduce(Result::or).ok_or("no place to search")??;
+    let compiler = || Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
     // bindgen panics if it cannot load libclang.
-    let bindings = std::panic::catch_unwind(|| bindgen::bindings(&headers.include))
+    let bindings = std::panic::catch_unwind(|| bindgen::bindings(&headers.include, compiler()))
         .map_err(|_| "bindgen failed; it needs libclang: apt-get install libclang-dev")??;
     let version = version::Version::from_number(headers.version).to_string().replace('.', "_");
-    let compiler = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
     Ok(vec![
         Generated { path: format!("mujoco-sys/src/bindings/v{version}.rs"), text: bindings },
         Generated {
             path: format!("mujoco-sys/fields/v{version}.tsv"),
-            text: fields::table(&headers.include, &root.join("mujoco-sys/build/fields.h"), compiler)?,
+            text: fields::table(&headers.include, &root.join("mujoco-sys/build/fields.h"), compiler())?,
         },
     ])
 }

@@ -819,8 +819,8 @@ def record():
             print(f"{row['name']}: {error}")
             continue
         rows.append(row)
-        # An image that equals that of 4.0.0 is not stored twice.
-        image, other = (folder / f"{row['name']}.png" for folder in (out, out.parent / "4.0.0"))
+        # An image that equals that of 4.0.1 is not stored twice.
+        image, other = (folder / f"{row['name']}.png" for folder in (out, out.parent / "4.0.1"))
         if other != image and other.exists() and other.read_bytes() == image.read_bytes():
             image.unlink()
     (out / "scenes.json").write_text("[\n" + ",\n".join(json.dumps(row) for row in rows) + "\n]\n")

@@ -1,15 +1,17 @@
-//! Translates the bindings into C that compiles only if the engine's headers declare the same.
+//! Translates the bindings into C that compiles only if the engine's headers declare the same. Used
+//! by the build script and by its tests.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-use crate::rust::{Item, Layout, Signature, Type};
+use super::rust_items::{Item, Layout, Signature, Type};
 
 /// Prefixes of bindgen's names for unnamed fields and their types.
 const UNNAMED_FIELD: &str = "__bindgen_anon_";
 const UNNAMED_TYPE: &str = "__bindgen_ty_";
 
 /// Number of declarations of each kind that the C text checks.
+#[allow(dead_code, reason = "the tests compare the numbers")]
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Checked {
     pub(crate) constants: usize,

@@ -1,4 +1,4 @@
-//! Parser of the bindings. It accepts only the Rust that bindgen writes and panics on anything
+//! Parser of the bindings, used by the build script and by its tests. It accepts only the Rust that bindgen writes and panics on anything
 //! else, so that every declaration is checked.
 
 /// Type in the bindings.
@@ -70,7 +70,9 @@ pub(crate) fn items(text: &str) -> Vec<Item> {
             "const" => tokens.expect(&["_", ":", "(", ")", "=", "{"]),
             "[" => items.push(Item::Layout(layout(&mut tokens))),
             "}" | ";" => {}
-            other => panic!("the bindings have an item that this test does not know, at {other:?} {:.60}", tokens.rest),
+            other => {
+                panic!("the bindings have an item that this parser does not know, at {other:?} {:.60}", tokens.rest)
+            }
         }
     }
     items

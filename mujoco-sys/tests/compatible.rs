@@ -1,0 +1,89 @@
+//! The build script uses committed bindings for another version if its headers declare the same.
+//! Here the other version is made of the headers of this engine.
+
+#[path = "../build/c_checks.rs"]
+mod c_checks;
+#[path = "../build/compatible.rs"]
+mod compatible;
+#[path = "header/compiler.rs"]
+mod compiler;
+#[path = "../build/fields.rs"]
+mod fields;
+#[path = "../build/rust_items.rs"]
+mod rust_items;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use compatible::{Committed, Headers};
+use compiler::{INCLUDE, compiler};
+
+const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
+const VERSION: u32 = mujoco_sys::mjVERSION_HEADER;
+
+/// Copies the headers, changes a text in the one that has it, and returns the bindings of the copy.
+fn bindings_with(from: &str, to: &str) -> Result<String, String> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("mujoco")).unwrap();
+    let mut is_changed = false;
+    for entry in fs::read_dir(Path::new(INCLUDE).join("mujoco")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "h") {
+            continue;
+        }
+        let name = path.file_name().unwrap();
+        // Some of Debian's headers contain Latin-1.
+        let mut text = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
+        if !is_changed && text.contains(from) {
+            is_changed = true;
+            text = text.replacen(from, to, 1);
+        }
+        if name == "mujoco.h" {
+            let line = |version| format!("#define mjVERSION_HEADER {version}");
+            assert!(text.contains(&line(VERSION)));
+            text = text.replace(&line(VERSION), &line(VERSION + 1));
+        }
+        fs::write(folder.path().join("mujoco").join(name), text).unwrap();
+    }
+    assert!(is_changed, "no header has {from:?}");
+    let headers = Headers {
+        include: folder.path(),
+        version: VERSION + 1,
+        compiler: &|| compiler().get_compiler().to_command(),
+        fields_h: &PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h")),
+        scratch: &folder.path().join("declarations.c"),
+    };
+    let committed = Committed { bindings: BINDINGS.to_owned(), fields: mujoco_sys::FIELDS.to_owned() };
+    compatible::bindings(&headers, &committed)
+}
+
+#[test]
+fn a_patch_release_uses_the_bindings_of_the_version_before_it() {
+    let bindings = bindings_with("// Compute", "// Calculate").unwrap();
+    let line = |version| format!("pub const mjVERSION_HEADER: u32 = {version};");
+    assert_eq!(bindings, BINDINGS.replace(&line(VERSION), &line(VERSION + 1)));
+}
+
+#[test]
+fn new_functions_are_not_bound_and_absent_ones_are_left_out() {
+    let added = "MJAPI int mj_version(void);\nMJAPI int mj_made_up(int number);";
+    let bindings = bindings_with("MJAPI int mj_version(void);", added).unwrap();
+    assert!(bindings.contains("fn mj_version()") && !bindings.contains("mj_made_up"));
+    let bindings = bindings_with("MJAPI int mj_version(void);", "").unwrap();
+    assert!(!bindings.contains("fn mj_version()"));
+    let functions = |text: &str| text.matches("pub fn ").count();
+    assert_eq!(functions(&bindings) + 1, functions(BINDINGS));
+}
+
+#[test]
+fn a_different_declaration_is_refused_with_its_name() {
+    for (from, to, named) in [
+        ("struct mjLROpt_ {", "struct mjLROpt_ {\nint added;", "offset of struct mjLROpt_.mode"),
+        ("mjJNT_HINGE", "mjJNT_NEW, mjJNT_HINGE", "mjJNT_HINGE"),
+        ("MJAPI int mj_version(void);", "MJAPI double mj_version(void);", "mj_version"),
+        ("key_ctrl,", "key_ctrls,", "key_ctrls"),
+    ] {
+        let error = bindings_with(from, to).unwrap_err();
+        assert!(error.contains(named) && error.lines().count() == 1, "{to}: {error}");
+    }
+}
