@@ -1,5 +1,5 @@
-//! Chooses the bindings: the committed ones of the version, those of a version whose headers declare
-//! the same, or those generated from the installed headers.
+//! Chooses the bindings: the committed ones of the version, those of a version whose headers
+//! declare the same, or those generated from the installed headers.
 
 use std::path::{Path, PathBuf};
 

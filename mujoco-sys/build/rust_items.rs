@@ -1,5 +1,5 @@
-//! Parser of the bindings, used by the build script and by its tests. It accepts only the Rust that bindgen writes and panics on anything
-//! else, so that every declaration is checked.
+//! Parser of the bindings, used by the build script and by its tests. It accepts only the Rust that
+//! bindgen writes and panics on anything else, so that every declaration is checked.
 
 /// Type in the bindings.
 #[derive(Clone, Debug)]

@@ -6,26 +6,26 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
+use crate::cases::cases;
+
 /// The examples that tests start, except those for which this test lacks a feature.
-const STARTED: &[&str] = &[
-    "arm_tracking",
-    "cartpole_lqr",
+const USUAL: &[&str] = &[
     "cartpole_swing_up",
-    "contacts",
     "humanoid_lqr",
     "humanoid_predictive",
-    "humanoid_stand_up",
-    "learn_gait",
-    "rollouts",
     #[cfg(feature = "viewer")]
     "view",
 ];
+
+/// Those that tests start only if they run all cases.
+const OTHERS: &[&str] = &["arm_tracking", "cartpole_lqr", "contacts", "humanoid_stand_up", "learn_gait", "rollouts"];
 
 /// Returns the path of an example, after building all that tests start, in the profile and with the
 /// features of this test. Cargo builds several at the same time.
 pub fn build(name: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    assert!(STARTED.contains(&name), "STARTED has no {name}");
+    let started = [USUAL, cases(&[], OTHERS)].concat();
+    assert!(started.contains(&name), "{name} is not among {started:?}");
     let folder = FOLDER.get_or_init(|| {
         let features = [
             ("renderer", cfg!(feature = "renderer")),
@@ -34,7 +34,7 @@ pub fn build(name: &str) -> PathBuf {
             ("serde", cfg!(feature = "serde")),
         ];
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet"]).args(STARTED.iter().flat_map(|name| ["--example", name]));
+        cargo.args(["build", "--quiet"]).args(started.iter().flat_map(|name| ["--example", name]));
         for (feature, _) in features.iter().filter(|(_, is_on)| *is_on) {
             cargo.args(["--features", feature]);
         }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
+use crate::cases::cases;
 use crate::robot::{NEWTONS, Robot};
 use crate::simulate::Push;
 use crate::{attempt, example, planner, robot, swing_up};
@@ -141,31 +142,34 @@ fn the_series_of_pushes_writes_a_table_and_a_plot() {
 
 #[test]
 fn examples_report_invalid_arguments() {
-    for (name, arguments, expected) in [
+    let some = [
         ("cartpole_swing_up", ["--seeds", "many"], "'many' for '--seeds"),
         ("cartpole_swing_up", ["--speed", "1"], "unexpected argument '--speed'"),
-        ("cartpole_lqr", ["--angle", "steep"], "'steep' for '--angle"),
-        ("rollouts", ["--rollouts", "-1"], "unexpected argument '-1'"),
-        ("rollouts", ["many", "pushes"], "unexpected argument 'many'"),
         ("humanoid_lqr", ["--seconds", "-1"], "'-1' for '--seconds"),
         ("humanoid_lqr", ["--push", "-20,north"], "'-20,north' for '--push"),
         ("humanoid_predictive", ["--newtons", "hard"], "'hard' for '--newtons"),
         ("humanoid_predictive", ["--threads", "-1"], "unexpected argument '-1'"),
         ("humanoid_predictive", ["--first-seed", "7"], "--pushes <N>"),
+    ];
+    let others = [
+        ("cartpole_lqr", ["--angle", "steep"], "'steep' for '--angle"),
+        ("rollouts", ["--rollouts", "-1"], "unexpected argument '-1'"),
+        ("rollouts", ["many", "pushes"], "unexpected argument 'many'"),
         ("humanoid_stand_up", ["--seconds", "-1"], "unexpected argument '-1'"),
         ("arm_tracking", ["--seconds", "long"], "'long' for '--seconds"),
         ("learn_gait", ["--iterations", "all"], "'all' for '--iterations"),
-    ] {
-        let output = program(name, &arguments);
+    ];
+    for (name, arguments, expected) in some.iter().chain(cases(&[][..], &others)) {
+        let output = program(name, arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{name} {arguments:?}: {message}");
-        assert!(message.contains(expected), "{name} {arguments:?}: {message}");
+        assert!(message.contains(*expected), "{name} {arguments:?}: {message}");
     }
 }
 
 #[test]
 fn examples_list_their_options() {
-    for name in ["contacts", "humanoid_lqr"] {
+    for name in cases(&["humanoid_lqr"][..], &["contacts", "humanoid_lqr"]) {
         let output = program(name, &["--help"]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         assert!(text(&output.stdout).contains("--out <DIR>"), "{}", text(&output.stdout));

@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "numbers are read as they were written")]
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/installed.rs"]
 mod installed;
 mod iterating;

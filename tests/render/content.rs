@@ -13,6 +13,7 @@ use mujoco_safe::scene::{
 };
 use mujoco_safe::{Data, Model, ModelMut, sample};
 
+use crate::cases::cases;
 use crate::stage;
 
 const SIZE: [usize; 2] = [160, 120];
@@ -176,8 +177,9 @@ fn invalid_numbers_affect_only_their_own_object() {
     let mut clean = Data::new(assorted_model()).unwrap();
     let mut renderer = self::renderer(clean.model(), SIZE);
     let expected = picture(&mut renderer, &mut clean);
-    for (what, edit) in INVALID_EDITS {
-        for number in [f64::NAN, f64::INFINITY, -1e30, 0.0] {
+    for (index, (what, edit)) in INVALID_EDITS.iter().enumerate() {
+        let numbers = [f64::NAN, f64::INFINITY, -1e30, 0.0];
+        for number in numbers.into_iter().skip(index % cases(4, 1)).step_by(cases(4, 1)) {
             let mut data = Data::new(clean.model().clone()).unwrap();
             data.edit_model(|model| edit(model, number)).unwrap();
             let mut scene = Scene::new(data.model(), 1000).unwrap();

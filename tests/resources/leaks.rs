@@ -85,13 +85,13 @@ fn simulating(model: Model, rounds: usize) {
 #[test]
 fn loading_does_not_leak() {
     let _lock = lock_process();
-    loading(sample::CARTPOLE_XML, 1000);
+    loading(sample::CARTPOLE_XML, cases(300, 1000));
 }
 
 #[test]
 fn simulations_do_not_leak() {
     let _lock = lock_process();
-    simulating(sample::cartpole(), 1000);
+    simulating(sample::cartpole(), cases(300, 1000));
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_text_that_the_compiler_rejects_does_not_leak() {
         ("a missing included file", "<mujoco><include file='aaaa.obj'/></mujoco>"),
         ("an unknown name", "<mujoco><actuator><motor joint='j'/></actuator></mujoco>"),
     ] {
-        assert_no_growth(what, 1000, || assert!(Model::from_xml_str(xml).is_err()));
+        assert_no_growth(what, cases(300, 1000), || assert!(Model::from_xml_str(xml).is_err()));
     }
     assert_no_growth("a stack overflow in the compiler", 1000, || assert!(trouble::with_stack(10).is_err()));
 }

@@ -121,7 +121,7 @@ fn each_edit_is_saved_or_reported_as_lost() {
     let folder = tempfile::tempdir().unwrap();
     let path = copy_into(&original, folder.path());
     let model = Model::from_xml_path(&original).unwrap();
-    let edits = edits();
+    let edits: Vec<_> = edits().into_iter().step_by(cases(3, 1)).collect();
     // All models are saved before any is loaded, which replaces the engine's tree.
     let saved = edits.iter().map(|Edit { field, change, numbers }| {
         let mut edited = model.clone();

@@ -12,6 +12,8 @@
 
 #![forbid(unsafe_code)]
 
+#[path = "../common/cases.rs"]
+mod cases;
 mod contents;
 mod display;
 mod errors;

@@ -8,6 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::contacts::assert_falls_back;
 use super::{OPTIONS, check, model, randomise};
+use crate::cases::cases;
 use crate::transition::standing;
 
 /// Three free bodies and all joints, with contacts, limits and friction loss.
@@ -98,7 +99,7 @@ fn limits_and_friction_loss_agree_with_differences() {
             .replace("ROWS", "")
             .replace("<geom friction", r#"<geom contype="0" conaffinity="0" friction"#);
         let mut data = model(&xml);
-        for state in 0..5 {
+        for state in 0..cases(2, 5) {
             randomise(&mut data, &mut random);
             data.forward().unwrap();
             assert!(data.nefc() > 2, "the ball and the slide are at their limits");

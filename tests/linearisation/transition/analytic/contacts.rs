@@ -8,6 +8,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{OPTIONS, analytic, check, model, randomise};
 
+use crate::cases::cases;
+
 /// Two free bodies in contact.
 fn pair(option: &str, dim: usize, geoms: [&str; 2]) -> Model {
     let [first, second] = geoms;
@@ -31,7 +33,7 @@ fn contacts_of_spheres_and_capsules_agree_with_differences_for_each_cone_and_dim
             for geoms in [[sphere, sphere], [sphere, capsule], [capsule, capsule]] {
                 let mut data = Data::new(pair(option, dim, geoms)).unwrap();
                 let mut states = 0;
-                while states < 2 {
+                while states < cases(1, 2) {
                     // This test does not cover parallel capsules and contacts with several points.
                     if !overlap(&mut data, &mut random) || data.ncon() != 1 {
                         continue;
