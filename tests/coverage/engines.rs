@@ -24,6 +24,7 @@ fn table() -> String {
     });
     String::from("| MuJoCo | bindings | tests |\n|---|---|---|\n")
         + &rows.concat()
+        + "| releases whose headers declare the same as one of these, as patch releases do | those of the nearest | none |\n"
         + "| other versions since 2.2.2 | feature `bindgen`, needs libclang | none |\n"
 }
 
