@@ -108,7 +108,7 @@ mod tests {
         {
             assert_eq!(access("Model", "eq_data", "mjtNum", version), expected, "{version}");
         }
-        assert_eq!(access("Model", "wrap_prm", "mjtNum", 4_000_000), Access::ReadOnly);
+        assert_eq!(access("Model", "wrap_prm", "mjtNum", 4_000_001), Access::ReadOnly);
         assert_eq!(access("Model", "actuator_gainprm", "mjtNum", 3_017_000), Access::Checked);
     }
 }

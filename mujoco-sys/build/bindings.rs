@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::compatible::{self, Committed};
+use crate::compatible::{self, Bindings, Committed, Refusal};
 use crate::engines::{self, ENGINES, supported, version};
 use crate::find::Engine;
 
@@ -36,20 +36,15 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
         generate(engine, out);
     } else if supported(engine.version).is_some() {
         choose_committed(engine.version, out);
-    } else if let Err(differences) = choose_compatible(engine, out) {
-        let mut lines =
-            vec![format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version))];
-        lines.push("Its headers differ from those of all versions with committed bindings, for example:".to_owned());
-        lines.extend(differences);
-        lines.extend(
-            [
-                "To generate bindings for this engine, with which no test runs, enable the feature `bindgen` of mujoco-safe or",
-                "mujoco-safe-sys. It needs libclang: apt-get install libclang-dev, or pip install libclang in the active Python",
-                "environment. Or set MUJOCO_DIR to the directory of an engine with bindings.",
-            ]
-            .map(str::to_owned),
-        );
-        crate::help::end(&lines);
+    } else if let Err(why) = choose_compatible(engine, out) {
+        let found = format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version));
+        let advice = [
+            "To generate bindings for this engine, with which no test runs, enable the feature `bindgen` of mujoco-safe or",
+            "mujoco-safe-sys. It needs libclang: apt-get install libclang-dev, or pip install libclang in the active Python",
+            "environment. Or set MUJOCO_DIR to the directory of an engine with bindings.",
+        ];
+        let lines = [vec![found], why, advice.map(str::to_owned).into()];
+        crate::help::end(&lines.concat());
     }
     if let Some(defect) = engines::defect(engine.version) {
         println!("cargo::warning=MuJoCo {}: {defect}", version(engine.version));
@@ -60,7 +55,7 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
 ///
 /// # Errors
 ///
-/// Returns the first difference from each of the two nearest versions.
+/// Returns why there is none, with the first difference from each of the two nearest versions.
 fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
     let headers = compatible::Headers {
         include: &engine.include,
@@ -69,27 +64,33 @@ fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
         fields_h: &fields_h(),
         scratch: &out.join("declarations.c"),
     };
-    let mut differences = Vec::new();
+    let mut why =
+        vec!["Its headers differ from those of all versions with committed bindings, for example:".to_owned()];
     for known in engines::nearest(engine.version) {
         let [bindings, fields] = committed_files(known.number);
         let read = |path: &Path| std::fs::read_to_string(path).expect("a committed file can be read");
         let files = Committed { bindings: read(&bindings), fields: read(&fields) };
         match compatible::bindings(&headers, &files) {
-            Ok(bindings) => {
-                let version = version(engine.version);
+            Ok(Bindings { text, absent }) => {
+                let lacks = if absent.is_empty() { String::new() } else { format!(", but lack {}", absent.join(", ")) };
                 println!(
-                    "cargo::warning=MuJoCo {version} is used with the bindings of {}: its headers declare the same",
+                    "cargo::warning=MuJoCo {} is used with the bindings of {}: its headers declare the same{lacks}",
+                    version(engine.version),
                     known.version
                 );
-                std::fs::write(out.join("bindings.rs"), bindings).expect("OUT_DIR is writable");
+                std::fs::write(out.join("bindings.rs"), text).expect("OUT_DIR is writable");
                 std::fs::write(out.join("fields.tsv"), files.fields).expect("OUT_DIR is writable");
                 return Ok(());
             }
-            Err(difference) => differences.push(format!("  - {}: {difference}", known.version)),
+            Err(Refusal::Different(what)) => why.push(format!("  - {}: {what}", known.version)),
+            Err(Refusal::Unchecked(what)) => {
+                let first = "Its headers could not be compared with those of the versions with committed bindings:";
+                return Err(vec![first.to_owned(), what]);
+            }
         }
     }
-    differences.truncate(2);
-    Err(differences)
+    why.truncate(3);
+    Err(why)
 }
 
 /// Returns the paths of the committed bindings and field table of a version.

@@ -6,6 +6,9 @@ use std::fmt::Write as _;
 
 use super::rust_items::{Item, Layout, Signature, Type};
 
+/// Arguments of the C compiler for the text of [`checks`].
+pub(crate) const FLAGS: [&str; 3] = ["-std=gnu11", "-fsyntax-only", "-w"];
+
 /// Prefixes of bindgen's names for unnamed fields and their types.
 const UNNAMED_FIELD: &str = "__bindgen_anon_";
 const UNNAMED_TYPE: &str = "__bindgen_ty_";

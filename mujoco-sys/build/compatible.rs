@@ -24,34 +24,79 @@ pub(crate) struct Headers<'a> {
     pub(crate) scratch: &'a Path,
 }
 
+/// Why the bindings of a version are not used.
+#[derive(Debug)]
+pub(crate) enum Refusal {
+    /// The first difference: the value of a constant, the type of a function, the size of a struct,
+    /// the offset, type or length of a field.
+    Different(String),
+    /// The headers could not be read, or the C compiler has failed.
+    Unchecked(String),
+}
+
+/// Bindings for an engine, and the functions of the committed ones that it lacks.
+pub(crate) struct Bindings {
+    pub(crate) text: String,
+    pub(crate) absent: Vec<String>,
+}
+
 /// Returns the bindings for an engine with these headers: the committed ones with its version and
 /// without functions that it lacks.
-///
-/// # Errors
-///
-/// Returns the first difference between the headers and the committed files: the value of a
-/// constant, the type of a function, the size of a struct, the offset, type or length of a field.
-pub(crate) fn bindings(headers: &Headers<'_>, committed: &Committed) -> Result<String, String> {
-    let made = fields::table(headers.include, headers.fields_h, (headers.compiler)())?;
-    same_tables(&committed.fields, &made)?;
-    let text = with_version(&without_absent(&committed.bindings, &declarations(headers.include)?), headers.version);
+pub(crate) fn bindings(headers: &Headers<'_>, committed: &Committed) -> Result<Bindings, Refusal> {
+    let made = fields::table(headers.include, headers.fields_h, (headers.compiler)()).map_err(Refusal::Unchecked)?;
+    same_tables(&committed.fields, &made).map_err(Refusal::Different)?;
+    let items = rust_items::items(&committed.bindings);
+    let absent = undeclared(headers, &items)?;
+    let text = with_version(&without(&committed.bindings, &absent), headers.version);
     let (c, _) = c_checks::checks(&rust_items::items(&text));
-    std::fs::write(headers.scratch, c).map_err(|error| format!("{}: {error}", headers.scratch.display()))?;
-    let output = (headers.compiler)()
-        .arg("-I")
-        .arg(headers.include)
-        .args(["-std=gnu11", "-fsyntax-only", "-Werror=incompatible-pointer-types", "-w"])
-        .arg(headers.scratch)
-        .output()
-        .map_err(|error| format!("the C compiler does not start: {error}"))?;
-    if output.status.success() {
-        return Ok(text);
-    }
-    let errors = String::from_utf8_lossy(&output.stderr);
-    let messages = || errors.lines().filter_map(|line| line.split_once("error: ")).map(|(_, message)| message);
+    let errors = errors(headers, &c)?;
     // A member that moves changes the size of its struct too.
-    let first = messages().find(|message| message.contains("offset of")).or_else(|| messages().next());
-    Err(first.unwrap_or(&errors).replace("static assertion failed: ", "").replace('"', ""))
+    match errors.iter().find(|error| error.contains("offset of")).or(errors.first()) {
+        Some(error) => Err(Refusal::Different(error.replace("static assertion failed: ", "").replace('"', ""))),
+        None => Ok(Bindings { text, absent }),
+    }
+}
+
+/// Compiles C text, and returns the compiler's errors.
+fn errors(headers: &Headers<'_>, c: &str) -> Result<Vec<String>, Refusal> {
+    let unchecked = |error: std::io::Error| Refusal::Unchecked(format!("the C compiler does not start: {error}"));
+    std::fs::write(headers.scratch, c).map_err(unchecked)?;
+    let mut compiler = (headers.compiler)();
+    compiler.args(c_checks::FLAGS).arg("-I").arg(headers.include).arg(headers.scratch).env("LC_ALL", "C");
+    let output = compiler.output().map_err(unchecked)?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let errors: Vec<String> =
+        text.lines().filter_map(|line| line.split_once(" error: ")).map(|(_, error)| error.to_owned()).collect();
+    if errors.is_empty() && !output.status.success() {
+        return Err(Refusal::Unchecked(format!("the C compiler has failed: {text}")));
+    }
+    Ok(errors)
+}
+
+/// Returns the functions that the headers do not declare.
+fn undeclared(headers: &Headers<'_>, items: &[Item]) -> Result<Vec<String>, Refusal> {
+    let mut c = String::from("#include <mujoco/mujoco.h>\n");
+    for item in items {
+        if let Item::Function { name, .. } | Item::Static { name, .. } = item {
+            c.extend(["typedef __typeof__(&", name, ") address_of_", name, ";\n"]);
+        }
+    }
+    let errors = errors(headers, &c)?;
+    let is_undeclared = |name: &str| errors.iter().any(|error| error.contains(&format!("'{name}'")));
+    let mut absent = Vec::new();
+    for item in items {
+        match item {
+            Item::Function { name, .. } if is_undeclared(name) => absent.push(name.clone()),
+            Item::Static { name, .. } if is_undeclared(name) => {
+                return Err(Refusal::Different(format!("no declaration of {name}")));
+            }
+            _ => {}
+        }
+    }
+    if absent.is_empty() && !errors.is_empty() {
+        return Err(Refusal::Unchecked(format!("the C compiler has failed: {}", errors[0])));
+    }
+    Ok(absent)
 }
 
 /// Compares two field tables except for the comments of the headers.
@@ -70,30 +115,10 @@ fn same_tables(committed: &str, made: &str) -> Result<(), String> {
     if committed == made { Ok(()) } else { Err("mjxmacro.h has another order of fields".to_owned()) }
 }
 
-/// Returns the texts of all headers without comments.
-fn declarations(include: &Path) -> Result<String, String> {
-    let folder = include.join("mujoco");
-    let unreadable = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let mut text = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|extension| extension == "h") {
-            text.extend(std::fs::read(&path).map_err(unreadable)?);
-        }
-    }
-    // Some of Debian's headers contain Latin-1.
-    let text = String::from_utf8_lossy(&text);
-    Ok(text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n"))
-}
-
-/// Removes the functions whose names the headers do not contain.
-fn without_absent(bindings: &str, headers: &str) -> String {
+/// Removes functions.
+fn without(bindings: &str, functions: &[String]) -> String {
     let mut text = bindings.to_owned();
-    for item in rust_items::items(bindings) {
-        let Item::Function { name, .. } = item else { continue };
-        if headers.contains(&format!("{name}(")) {
-            continue;
-        }
+    for name in functions {
         // bindgen writes a block for each function.
         let (start, end) = ("unsafe extern \"C\" {", "\n}\n");
         let at = text.find(&format!("pub fn {name}(")).expect("the parser has found it");

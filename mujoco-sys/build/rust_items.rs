@@ -114,7 +114,9 @@ fn public(tokens: &mut Tokens<'_>) -> Item {
             tokens.expect(&[":"]);
             Item::Static { name, of: of(tokens) }
         }
-        other => panic!("the bindings have a public item that this test does not know: {other:?} {:.60}", tokens.rest),
+        other => {
+            panic!("the bindings have a public item that this parser does not know: {other:?} {:.60}", tokens.rest)
+        }
     }
 }
 
@@ -199,7 +201,7 @@ fn layout(tokens: &mut Tokens<'_>) -> Layout {
     } else if let Some((of, field)) = what.strip_prefix("Offset of field: ").and_then(|name| name.split_once("::")) {
         Layout::Offset { of: of.to_owned(), field: field.to_owned(), bytes }
     } else {
-        panic!("the bindings have a layout assertion that this test does not know: {what}")
+        panic!("the bindings have a layout assertion that this parser does not know: {what}")
     }
 }
 

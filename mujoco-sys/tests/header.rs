@@ -35,7 +35,7 @@ fn compile(name: &str, text: &str) -> Result<(), String> {
         .include(INCLUDE)
         .get_compiler()
         .to_command()
-        .args(["-std=gnu11", "-fsyntax-only", "-Werror=incompatible-pointer-types", "-w"])
+        .args(c_checks::FLAGS)
         .arg(&file)
         .output()
         .expect("the C compiler runs");
@@ -110,7 +110,7 @@ fn the_bindings_have_exactly_the_functions_of_the_headers() {
     let missing: Vec<_> = declared.difference(&bound).collect();
     let unknown: Vec<_> = bound.difference(&declared).collect();
     // Bindings of another version may lack functions that are new.
-    let is_complete = missing.is_empty() || COMMITTED.is_empty();
+    let is_complete = missing.is_empty() || COMMITTED.is_empty() && cfg!(not(feature = "bindgen"));
     assert!(is_complete && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
 }
 

@@ -22,7 +22,8 @@
 //! compiler, and contains bindings, so it needs neither libclang nor Python. For another release,
 //! the build compiles the declarations of the nearest bindings as C assertions against the headers
 //! that it finds: sizes, offsets, types and lengths of fields, values of constants, types of
-//! functions. If all hold, it uses these bindings, else it fails and names the first difference.
+//! functions. If all hold, it uses these bindings without functions that the release lacks, which a
+//! warning names, else it fails and names the first difference.
 //! With the feature `bindgen` it generates bindings (`apt-get install libclang-dev`, or
 //! `pip install libclang` in the active Python environment). In both cases it prints a warning,
 //! because no test runs with this engine: names and layout of fields are right by construction, but

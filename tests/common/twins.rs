@@ -57,7 +57,8 @@ pub(crate) fn subjects() -> &'static [Subject] {
     })
 }
 
-/// Returns all models except large ones, whose simulations take hundreds of megabytes each.
+/// Returns the models with up to 200 degrees of freedom, with all cases up to 1000: simulations of
+/// larger ones take hundreds of megabytes each.
 pub(crate) fn usual_subjects() -> impl Iterator<Item = &'static Subject> {
     subjects().iter().filter(|subject| subject.model.nv() <= cases(200, 1000))
 }

@@ -111,6 +111,7 @@ fn scenes_equal_c_for_all_options() {
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let perturbation = perturbation(&twins.model);
+        // In a part of the cases each label has one frame only.
         for options in all_options(cases(false, twins.model.ngeom() < 100)) {
             for pert in [None, Some(&perturbation)] {
                 ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).unwrap();

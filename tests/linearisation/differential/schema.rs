@@ -234,8 +234,8 @@ fn some_attributes_of_the_schema_are_linearised() {
 
 #[test]
 fn some_combinations_of_attributes_are_linearised() {
-    let tallies = compare_combinations(3..cases(9, 20), 1, MOST_DOFS[0]);
-    assert!(tallies.iter().all(|tally| tally.compared > cases(300, 1000)), "{:?}", tallies.map(|tally| tally.compared));
+    let tallies = compare_combinations(3..20, 1, MOST_DOFS[0]);
+    assert!(tallies.iter().all(|tally| tally.compared > 1000), "{:?}", tallies.map(|tally| tally.compared));
     check(&tallies);
 }
 
