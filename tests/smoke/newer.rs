@@ -96,7 +96,7 @@ fn reason(fallback: Fallback) -> Fallback {
 /// verified.
 fn proved() -> Option<Fallback> {
     let is_proved =
-        [version(2, 2, 2), version(3, 5, 0), version(3, 17, 0), version(4, 0, 0)].contains(&built_against());
+        [version(2, 2, 2), version(3, 5, 0), version(3, 17, 0), version(4, 0, 1)].contains(&built_against());
     (!is_proved).then_some(Fallback::EngineVersion)
 }
 

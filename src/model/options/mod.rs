@@ -324,31 +324,29 @@ impl Options {
             raw.disableflags as u32 & !DisableFlags::all().bits(),
             raw.enableflags as u32 & !EnableFlags::all().bits(),
         ];
-        *raw = mjOption {
-            timestep: self.timestep,
-            impratio: self.impratio,
-            tolerance: self.tolerance,
-            noslip_tolerance: self.noslip_tolerance,
-            gravity: self.gravity,
-            wind: self.wind,
-            magnetic: self.magnetic,
-            density: self.density,
-            viscosity: self.viscosity,
-            o_margin: self.o_margin,
-            o_solref: self.o_solref,
-            o_solimp: self.o_solimp,
-            integrator: self.integrator.raw(),
-            cone: self.cone.raw(),
-            jacobian: self.jacobian.raw(),
-            solver: self.solver.raw(),
-            iterations: self.iterations.write(),
-            noslip_iterations: self.noslip_iterations.write(),
-            disableflags: (self.disable.bits() | kept[0]) as i32,
-            enableflags: (self.enable.bits() | kept[1]) as i32,
-            // Fields of other versions: those in `AdaptedOptions` are written below, and the others
-            // keep their values.
-            ..*raw
-        };
+        // Field by field: an assignment of the struct would write undefined bytes between its fields,
+        // which are part of a binary file. Fields of other versions keep their values, except those in
+        // `AdaptedOptions`.
+        raw.timestep = self.timestep;
+        raw.impratio = self.impratio;
+        raw.tolerance = self.tolerance;
+        raw.noslip_tolerance = self.noslip_tolerance;
+        raw.gravity = self.gravity;
+        raw.wind = self.wind;
+        raw.magnetic = self.magnetic;
+        raw.density = self.density;
+        raw.viscosity = self.viscosity;
+        raw.o_margin = self.o_margin;
+        raw.o_solref = self.o_solref;
+        raw.o_solimp = self.o_solimp;
+        raw.integrator = self.integrator.raw();
+        raw.cone = self.cone.raw();
+        raw.jacobian = self.jacobian.raw();
+        raw.solver = self.solver.raw();
+        raw.iterations = self.iterations.write();
+        raw.noslip_iterations = self.noslip_iterations.write();
+        raw.disableflags = (self.disable.bits() | kept[0]) as i32;
+        raw.enableflags = (self.enable.bits() | kept[1]) as i32;
         let adapted = AdaptedOptions {
             apirate: self.apirate,
             ccd_tolerance: self.mpr_tolerance,
