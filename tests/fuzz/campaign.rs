@@ -16,7 +16,7 @@ use crate::worker::{self, MISBEHAVE, PANICKED, REJECTED, WORKED};
 /// Cases per child. Each child has to load its models.
 const LARGEST_BATCH: u64 = 200_000;
 /// Time after which a case is considered to hang.
-const LONGEST_CASE: Duration = Duration::from_secs(20);
+const LONGEST_CASE: Duration = Duration::from_secs(60);
 /// Address space of a child, KiB.
 const MEMORY: u64 = 4 << 20;
 /// Largest number of findings, because a child that always crashes would never finish.
