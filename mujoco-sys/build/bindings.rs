@@ -57,11 +57,16 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
 ///
 /// Returns why there is none, with the first difference from each of the two nearest versions.
 fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
+    let unchecked = |what: String| {
+        let first = "Its headers could not be compared with those of the versions with committed bindings:";
+        vec![first.to_owned(), what]
+    };
+    let compiler = || cc::Build::new().get_compiler().to_command();
     let headers = compatible::Headers {
         include: &engine.include,
         version: engine.version,
-        compiler: &|| cc::Build::new().get_compiler().to_command(),
-        fields_h: &fields_h(),
+        compiler: &compiler,
+        fields: &crate::fields::table(&engine.include, &fields_h(), compiler()).map_err(unchecked)?,
         scratch: &out.join("declarations.c"),
     };
     let mut why =
@@ -83,10 +88,7 @@ fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
                 return Ok(());
             }
             Err(Refusal::Different(what)) => why.push(format!("  - {}: {what}", known.version)),
-            Err(Refusal::Unchecked(what)) => {
-                let first = "Its headers could not be compared with those of the versions with committed bindings:";
-                return Err(vec![first.to_owned(), what]);
-            }
+            Err(Refusal::Unchecked(what)) => return Err(unchecked(what)),
         }
     }
     why.truncate(3);

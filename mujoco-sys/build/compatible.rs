@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::Command;
 
+use super::c_checks;
 use super::rust_items::{self, Item};
-use super::{c_checks, fields};
 
 /// Committed files of a version.
 pub(crate) struct Committed {
@@ -13,14 +13,15 @@ pub(crate) struct Committed {
     pub(crate) fields: String,
 }
 
-/// Headers, and a C compiler with a place for a file.
+/// Headers, their field table, and a C compiler with a place for a file.
 pub(crate) struct Headers<'a> {
     pub(crate) include: &'a Path,
     /// `mjVERSION_HEADER`.
     pub(crate) version: u32,
     /// Returns a command that runs the C compiler.
     pub(crate) compiler: &'a dyn Fn() -> Command,
-    pub(crate) fields_h: &'a Path,
+    /// The field table of the headers.
+    pub(crate) fields: &'a str,
     pub(crate) scratch: &'a Path,
 }
 
@@ -30,7 +31,7 @@ pub(crate) enum Refusal {
     /// The first difference: the value of a constant, the type of a function, the size of a struct,
     /// the offset, type or length of a field.
     Different(String),
-    /// The headers could not be read, or the C compiler has failed.
+    /// The C compiler has failed.
     Unchecked(String),
 }
 
@@ -43,8 +44,7 @@ pub(crate) struct Bindings {
 /// Returns the bindings for an engine with these headers: the committed ones with its version and
 /// without functions that it lacks.
 pub(crate) fn bindings(headers: &Headers<'_>, committed: &Committed) -> Result<Bindings, Refusal> {
-    let made = fields::table(headers.include, headers.fields_h, (headers.compiler)()).map_err(Refusal::Unchecked)?;
-    same_tables(&committed.fields, &made).map_err(Refusal::Different)?;
+    same_tables(&committed.fields, headers.fields).map_err(Refusal::Different)?;
     let items = rust_items::items(&committed.bindings);
     let absent = undeclared(headers, &items)?;
     let text = with_version(&without(&committed.bindings, &absent), headers.version);
@@ -82,7 +82,9 @@ fn undeclared(headers: &Headers<'_>, items: &[Item]) -> Result<Vec<String>, Refu
         }
     }
     let errors = errors(headers, &c)?;
-    let is_undeclared = |name: &str| errors.iter().any(|error| error.contains(&format!("'{name}'")));
+    // A suggestion names a function that is declared.
+    let causes: Vec<&str> = errors.iter().filter_map(|error| error.split("did you mean").next()).collect();
+    let is_undeclared = |name: &str| causes.iter().any(|cause| cause.contains(&format!("'{name}'")));
     let mut absent = Vec::new();
     for item in items {
         match item {

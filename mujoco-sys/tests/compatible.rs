@@ -46,11 +46,13 @@ fn bindings_with(from: &str, to: &str) -> Result<Bindings, Refusal> {
         fs::write(folder.path().join("mujoco").join(name), text).unwrap();
     }
     assert!(is_changed, "no header has {from:?}");
+    let fields_h = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h"));
+    let command = || compiler().get_compiler().to_command();
     let headers = Headers {
         include: folder.path(),
         version: VERSION + 1,
-        compiler: &|| compiler().get_compiler().to_command(),
-        fields_h: &PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h")),
+        compiler: &command,
+        fields: &fields::table(folder.path(), &fields_h, command()).unwrap(),
         scratch: &folder.path().join("declarations.c"),
     };
     let committed = Committed { bindings: BINDINGS.to_owned(), fields: mujoco_sys::FIELDS.to_owned() };
@@ -72,6 +74,8 @@ fn new_functions_are_not_bound_and_absent_ones_are_left_out() {
     assert!(absent.is_empty() && text.contains("fn mj_version()") && !text.contains("mj_made_up"));
     let Bindings { text, absent } = bindings_with("MJAPI int mj_version(void);", "").unwrap();
     assert_eq!(absent, ["mj_version"]);
+    // The compiler suggests mju_zero4.
+    assert_eq!(bindings_with("mju_zero3(", "mju_none(").unwrap().absent, ["mju_zero3"]);
     let functions = |text: &str| text.matches("pub fn ").count();
     assert!(!text.contains("fn mj_version()") && functions(&text) + 1 == functions(BINDINGS));
 }
