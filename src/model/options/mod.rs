@@ -324,9 +324,9 @@ impl Options {
             raw.disableflags as u32 & !DisableFlags::all().bits(),
             raw.enableflags as u32 & !EnableFlags::all().bits(),
         ];
-        // Field by field: an assignment of the struct would write undefined bytes between its fields,
-        // which are part of a binary file. Fields of other versions keep their values, except those in
-        // `AdaptedOptions`.
+        // Field by field: an assignment of the struct would write undefined bytes between its
+        // fields, which are part of a binary file. Fields of other versions keep their values,
+        // except those in `AdaptedOptions`.
         raw.timestep = self.timestep;
         raw.impratio = self.impratio;
         raw.tolerance = self.tolerance;
