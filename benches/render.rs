@@ -193,13 +193,12 @@ fn threads(rounds: usize) -> Result<()> {
     const PICTURES: usize = 100;
     let gpus = [Gpu::new()?, Gpu::new()?];
     let drawing = |gpu| Drawing::new(gpu, scenes::named("humanoid"), [84; 2], RendererOptions::default());
-    let mut drawings = [drawing(&gpus[0])?, drawing(&gpus[0])?, drawing(&gpus[1])?];
+    let (mut first, mut second, mut other) = (drawing(&gpus[0])?, drawing(&gpus[0])?, drawing(&gpus[1])?);
     let (mut shared, mut separate) = (Vec::new(), Vec::new());
     for _ in 0..rounds {
-        let [first, second, other] = &mut drawings;
-        let alone = rate_of_threads([&mut *first].into_iter(), PICTURES)?;
-        shared.push(rate_of_threads([&mut *first, second].into_iter(), PICTURES)? / alone);
-        separate.push(rate_of_threads([first, other].into_iter(), PICTURES)? / alone);
+        let alone = rate_of_threads([&mut first].into_iter(), PICTURES)?;
+        shared.push(rate_of_threads([&mut first, &mut second].into_iter(), PICTURES)? / alone);
+        separate.push(rate_of_threads([&mut first, &mut other].into_iter(), PICTURES)? / alone);
     }
     for (label, ratios) in [("a shared adapter", &mut shared), ("an adapter each", &mut separate)] {
         let Spread { low, median, high } = Spread::of(ratios);

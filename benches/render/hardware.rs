@@ -136,6 +136,11 @@ fn many(
         scene.update(&mut data, &view, None, &mut camera, Categories::all())
     };
     let (mut rates, mut costs, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let before = processor_time()?;
+    for index in 0..SIMULATIONS {
+        update(index, &mut scene)?;
+    }
+    let of_scenes = 1e6 * (processor_time()? - before) / SIMULATIONS as f64;
     // The first round creates the pipelines.
     for round in 0..=rounds {
         let (start, before) = (Instant::now(), processor_time()?);
@@ -154,6 +159,9 @@ fn many(
     }
     let [rate, cost, ratio] = [&mut rates, &mut costs, &mut ratios].map(|values| Spread::of(values).median);
     let title = format!("{SIMULATIONS} × {name} {size}×{size}{label}");
-    println!("{title}: {rate:.0}, {ratio:.2} of single calls, {cost:.1} µs of processor time per image");
+    println!(
+        "{title}: {rate:.0}, {ratio:.2} of single calls, {cost:.1} µs of processor time per image, of which states and \
+         scenes {of_scenes:.1}"
+    );
     Ok(())
 }

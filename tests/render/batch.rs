@@ -4,6 +4,9 @@ use mujoco_safe::render::{GpuKind, RenderError, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, RenderFlags, Scene, SceneOptions};
 use mujoco_safe::{Data, Error, Model, sample};
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
 use crate::stage;
 
 const SIZE: [usize; 2] = [21, 30];
@@ -20,8 +23,19 @@ fn show(index: usize, data: &mut Data, scene: &mut Scene) -> mujoco_safe::Result
     scene.update(data, &SceneOptions::default(), None, &mut camera, Categories::all())
 }
 
-/// Compares the images of a batch with single images: colours, depths and ids, twice.
-fn check(renderer: &mut Renderer, count: usize, mut update: impl FnMut(usize, &mut Scene), model: &Model) {
+/// Compares the images of a batch with single images: colours, depths and ids.
+fn check(renderer: &mut Renderer, count: usize, update: impl FnMut(usize, &mut Scene), model: &Model) {
+    check_with(0.005, renderer, count, update, model);
+}
+
+/// Compares as [`check`] does. At most this share of the numbers may differ.
+fn check_with(
+    share: f64,
+    renderer: &mut Renderer,
+    count: usize,
+    mut update: impl FnMut(usize, &mut Scene),
+    model: &Model,
+) {
     let mut scene = Scene::new(model, 1000).unwrap();
     let (mut rgb, mut metres, mut ids) = (Vec::new(), Vec::new(), Vec::new());
     for index in 0..count {
@@ -34,27 +48,30 @@ fn check(renderer: &mut Renderer, count: usize, mut update: impl FnMut(usize, &m
         update(index, scene);
         Ok(())
     };
-    for _ in 0..2 {
+    // Drawn one by one, and drawn together.
+    for merges in [false, true, true] {
+        assert!(renderer.set_merging(merges) || stage::gpu().backend() == "gl");
         let mut colors = vec![1; 3 * count * AREA];
         renderer.rgb_batch_into(&mut update, &mut colors).unwrap();
-        assert_similar(&colors, &rgb, |found, expected| found.abs_diff(*expected) <= 8);
+        assert_similar(share, &colors, &rgb, |found, expected| found.abs_diff(*expected) <= 8);
         let mut depths = vec![1.0; count * AREA];
         renderer.depth_batch_into(&mut update, &mut depths).unwrap();
-        assert_similar(&depths, &metres, |found, expected| {
+        assert_similar(share, &depths, &metres, |found, expected| {
             found == expected || (found - expected).abs() < 1e-3 * expected
         });
         let mut segments = vec![1; count * AREA];
         renderer.segmentation_batch_into(&mut update, &mut segments).unwrap();
-        assert_similar(&segments, &ids, |found, expected| found == expected);
+        assert_similar(share, &segments, &ids, |found, expected| found == expected);
     }
 }
 
-/// Asserts that at most 0.5 % of the elements differ. Rounding at edges depends on the place of the
-/// image in the texture.
-fn assert_similar<T>(found: &[T], expected: &[T], is_equal: impl Fn(&T, &T) -> bool) {
+/// Asserts that at most this share of the elements differ. Rounding at edges depends on the place
+/// of the image in the texture.
+fn assert_similar<T>(share: f64, found: &[T], expected: &[T], is_equal: impl Fn(&T, &T) -> bool) {
     assert_eq!(found.len(), expected.len());
     let differences = found.iter().zip(expected).filter(|(found, expected)| !is_equal(found, expected)).count();
-    assert!(200 * differences <= expected.len(), "{differences} of {} elements differ", expected.len());
+    let limit = (share * expected.len() as f64) as usize;
+    assert!(differences <= limit, "{differences} of {} elements differ", expected.len());
 }
 
 #[test]
@@ -143,4 +160,70 @@ fn batch_after_an_error_contains_all_images() {
     let mut rgb = vec![0; 3 * 5 * AREA];
     assert!(renderer.rgb_batch_into(&mut fail, &mut rgb).is_err());
     check(&mut renderer, 3, |index, scene| show(index, &mut data, scene).unwrap(), &model);
+}
+
+/// Everything that images which are drawn together have in common or apart: a mirror, skies,
+/// textures of both kinds, lights with all features, transparent geoms, lines, a horizon.
+const MIXED: &str = "<mujoco>
+    <visual><headlight ambient='.2 .2 .2'/></visual>
+    <asset>
+      <texture name='sky' type='skybox' builtin='gradient' rgb1='.4 .6 .8' rgb2='0 0 .2' width='32' height='64'/>
+      <texture name='tiles' type='2d' builtin='checker' rgb1='.1 .2 .3' rgb2='.5 .6 .7' width='32' height='32'/>
+      <texture name='cube' type='cube' builtin='flat' mark='edge' rgb1='.8 .2 .3' markrgb='1 1 1' width='32' height='32'/>
+      <material name='floor' texture='tiles' texrepeat='3 3' texuniform='true' reflectance='.4'/>
+      <material name='ball' texture='cube' specular='.8' shininess='.6'/>
+      <mesh name='wedge' vertex='0 0 0  .3 0 0  0 .3 0  0 0 .3'/>
+    </asset>
+    <worldbody>
+      <light name='sun' directional='true' pos='0 0 4' dir='.2 .3 -1'/>
+      <light name='spot' pos='1 -1 3' dir='-.3 .3 -1' cutoff='50' exponent='3'/>
+      <light name='lamp' pos='-1 1 2' dir='0 0 -1' castshadow='false'/>
+      <geom name='floor' type='plane' size='FLOOR' material='floor'/>
+      <geom type='box' size='.2 .3 .1' pos='.7 .5 .1' rgba='.2 .7 .3 .5'/>
+      <geom type='mesh' mesh='wedge' pos='-.6 .3 .1'/>
+      <body name='ball' pos='0 0 .4'><freejoint/>
+        <geom size='.15' material='ball'/><geom type='capsule' size='.05' fromto='0 0 0 .4 0 .3' rgba='.9 .8 .1 1'/>
+        <site name='near' pos='.4 0 .3' size='.04' rgba='1 0 0 .4'/>
+      </body>
+      <site name='far' pos='-.5 -.5 .8'/>
+    </worldbody>
+    <tendon><spatial width='.01' rgba='.1 .3 .9 1'><site site='near'/><site site='far'/></spatial></tendon>
+  </mujoco>";
+
+#[test]
+fn images_with_different_cameras_lights_and_colours_equal_single_images() {
+    let flags = [RenderFlags::FOG, RenderFlags::HAZE, RenderFlags::ADDITIVE];
+    for (case, (floor, flags)) in ["0 0 .2", "2 1.5 .1", "3 0 .3"].into_iter().zip(flags).enumerate() {
+        let mut data = Data::new(Model::from_xml_str(&MIXED.replace("FLOOR", floor)).unwrap()).unwrap();
+        let model = data.model().clone();
+        let update = |index: usize, scene: &mut Scene| {
+            let mut random = Xoshiro256PlusPlus::seed_from_u64((100 * case + index) as u64);
+            let mut number = || random.random::<f32>();
+            data.qpos_mut()[..3]
+                .copy_from_slice(&[0, 1, 2].map(|axis| f64::from(number()) + 0.3 * f64::from(axis - 1)));
+            data.edit_model(|edit| {
+                for light in 0..model.nlight() {
+                    edit.light_diffuse_mut()[light] = model.light_diffuse()[light].map(|part| part * number());
+                    // With and without the feature.
+                    let mut either = |value: f32| if number() < 0.5 { value } else { 0.0 };
+                    edit.light_specular_mut()[light] = [either(0.6); 3];
+                    edit.light_ambient_mut()[light] = [either(0.1); 3];
+                    edit.light_attenuation_mut()[light] = [1.0, either(0.2), 0.0];
+                    edit.light_exponent_mut()[light] = either(model.light_exponent()[light]);
+                }
+                edit.geom_rgba_mut()[1][3] = if number() < 0.5 { 1.0 } else { 0.5 };
+            })
+            .unwrap();
+            data.forward().unwrap();
+            let [azimuth, elevation, distance] =
+                [360.0 * number(), -60.0 * number() - 2.0, 1.0 + 4.0 * number()].map(f64::from);
+            let mut camera = Camera { azimuth, elevation, distance, ..Camera::free(data.model()) };
+            scene.set_render_flags(scene.render_flags() | flags);
+            scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+        };
+        let options = RendererOptions::default().with_samples(4).with_shadow_size(512);
+        let mut renderer = Renderer::on(stage::gpu(), &model, SIZE[0], SIZE[1], options).unwrap();
+        // These small images have many edges, also of textures.
+        check_with(0.01, &mut renderer, 12, update, &model);
+    }
 }

@@ -26,6 +26,8 @@ pub(crate) struct Instance {
     pub(crate) texture_offset: [f32; 3],
     /// Index of the geom in the scene plus 1.
     pub(crate) id: u32,
+    /// Index of the image among those that are drawn together.
+    pub(crate) view: u32,
 }
 
 /// Batch key: shape, texture and cull mode. Instances with equal keys are drawn with one draw call.
@@ -44,11 +46,21 @@ pub(crate) struct BatchKey {
     pub(crate) unshadowed: bool,
 }
 
-/// Consecutive instances with equal keys and visibility.
+impl BatchKey {
+    /// Returns the key of a shape without a texture.
+    pub(super) fn untextured(shape: u32) -> Self {
+        let texture_kind = TextureKind::None;
+        Self { shape, texture_kind, texture: 0, line: false, back_faces: false, unshadowed: false }
+    }
+}
+
+/// Consecutive instances with equal keys, visibility and place in the order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Batch {
     pub(crate) key: BatchKey,
     pub(crate) visibility: Visibility,
+    /// Opaque batches are drawn in ascending order.
+    pub(crate) order: u64,
     pub(crate) instances: std::ops::Range<u32>,
 }
 
@@ -59,6 +71,11 @@ pub(crate) struct Visibility {
     pub(crate) mirror_side: MirrorSide,
     /// Lights in which the instances cast visible shadows, one bit per light.
     pub(crate) shadow_mask: u8,
+}
+
+impl Visibility {
+    /// Visibility of the mark of a mirror.
+    pub(super) const MARK: Self = Self { in_frustum: true, mirror_side: MirrorSide::Across, shadow_mask: 0 };
 }
 
 /// Position relative to the mirror.
@@ -141,7 +158,7 @@ impl Appearance {
         let TextureMap { kind: texture_kind, texture, .. } = *texture;
         let unshadowed = part.is_unshadowed;
         let key = BatchKey { shape: part.shape, texture_kind, texture, line, back_faces, unshadowed };
-        (key, Instance { rows, rgba, material, normal_scale, texgen, texture_offset, id })
+        (key, Instance { rows, rgba, material, normal_scale, texgen, texture_offset, id, view: 0 })
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod instance;
 mod level_of_detail;
+mod merge;
 mod mirror;
 mod nearest_depth;
 mod primitive;
@@ -16,6 +17,7 @@ use std::collections::HashMap;
 use self::instance::Appearance;
 pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
 use self::level_of_detail::Detail;
+pub(crate) use self::merge::merge;
 pub(crate) use self::mirror::Mirror;
 use self::nearest_depth::nearest_depth;
 use self::primitive::Part;
@@ -26,18 +28,25 @@ use super::settings::{ALL_FACES_CAST_SHADOWS, is_drawable};
 use super::view::{Lights, ViewFrustum};
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 
-/// Draw list of a scene. The memory is reused from frame to frame.
+/// Instances, and the batches of them that are drawn, of one image or of several.
 #[derive(Debug, Default)]
-pub(crate) struct DrawList {
-    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent
-    /// geoms back to front.
+pub(crate) struct DrawCalls {
     pub(crate) instances: Vec<Instance>,
     /// Batches of the reflective geom.
     pub(crate) reflector: Vec<Batch>,
     pub(crate) opaque: Vec<Batch>,
     pub(crate) transparent: Vec<Batch>,
-    /// Number of the transparent batches in front-to-back order, which come first.
+    /// Number of the transparent batches in front-to-back order, which come first. The others are
+    /// back to front.
     pub(crate) front_to_back: usize,
+    /// Batches that mark the mirror in the stencil buffer.
+    pub(crate) marks: Vec<Batch>,
+}
+
+/// Draw list of a scene. The memory is reused from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct DrawList {
+    pub(crate) calls: DrawCalls,
     pub(crate) mirror: Option<Mirror>,
     /// First infinite plane.
     pub(crate) horizon: Option<Horizon>,
@@ -145,7 +154,8 @@ impl DrawList {
                 self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
             }
             if !is_line && geom.casts_shadow() {
-                visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
+                let hides_back = !is_transparent && !is_behind && hides_back(geom, frustum, flags);
+                visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum, hides_back);
             }
             self.parts.clear();
             let detail = if inputs.aux.is_none() && flags.contains(RenderFlags::WIREFRAME) {
@@ -186,15 +196,12 @@ impl DrawList {
     }
 
     fn clear(&mut self) {
-        self.instances.clear();
-        self.reflector.clear();
-        self.opaque.clear();
-        self.transparent.clear();
+        self.calls.clear();
         self.pending.clear();
         self.opaque_order.clear();
         self.transparent_order.clear();
         self.poses.clear();
-        (self.mirror, self.horizon, self.front_to_back) = (None, None, 0);
+        (self.mirror, self.horizon) = (None, None);
         self.nearest_depth = f64::INFINITY;
     }
 
@@ -259,38 +266,59 @@ impl DrawList {
     /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key,
     /// transparent geoms by distance.
     fn sort(&mut self, reflector_instances: u32) {
-        let Self { instances, pending, opaque_order, transparent_order, .. } = self;
+        let Self { calls, pending, opaque_order, transparent_order, .. } = self;
         opaque_order.sort_unstable();
-        for (number, &(_, index)) in opaque_order.iter().enumerate() {
-            let batches = if number < reflector_instances as usize { &mut self.reflector } else { &mut self.opaque };
-            push(batches, instances, &pending[index as usize]);
+        for (number, &(order, index)) in opaque_order.iter().enumerate() {
+            let DrawCalls { instances, reflector, opaque, .. } = calls;
+            let batches = if number < reflector_instances as usize { reflector } else { opaque };
+            let PendingInstance { key, visibility, instance } = pending[index as usize];
+            push(batches, instances, (key, visibility, order), instance);
         }
         transparent_order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for &(_, first, last) in &*transparent_order {
-            for pending in &pending[first as usize..last as usize] {
-                push(&mut self.transparent, instances, pending);
+        let mut add = |batches: &mut Vec<Batch>, &(_, first, last): &(f32, u32, u32)| {
+            for &PendingInstance { key, visibility, instance } in &pending[first as usize..last as usize] {
+                push(batches, &mut calls.instances, (key, visibility, 0), instance);
             }
-        }
-        self.front_to_back = self.transparent.len();
+        };
         let mut back_to_front = Vec::new();
-        for &(_, first, last) in transparent_order.iter().rev() {
-            for pending in &pending[first as usize..last as usize] {
-                push(&mut back_to_front, instances, pending);
-            }
+        for range in &*transparent_order {
+            add(&mut calls.transparent, range);
         }
-        self.transparent.append(&mut back_to_front);
+        for range in transparent_order.iter().rev() {
+            add(&mut back_to_front, range);
+        }
+        calls.front_to_back = calls.transparent.len();
+        calls.transparent.append(&mut back_to_front);
+        if let Some((shape, instance)) = self.mirror.as_ref().and_then(|mirror| mirror.stencil_mark) {
+            push(&mut calls.marks, &mut calls.instances, (BatchKey::untextured(shape), Visibility::MARK, 0), instance);
+        }
     }
 }
 
-/// Appends an instance, to the last batch if its key and visibility are equal.
-fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, pending: &PendingInstance) {
+impl DrawCalls {
+    fn clear(&mut self) {
+        self.instances.clear();
+        for batches in [&mut self.reflector, &mut self.opaque, &mut self.transparent, &mut self.marks] {
+            batches.clear();
+        }
+        self.front_to_back = 0;
+    }
+}
+
+/// Appends an instance, to the last batch if its key, visibility and order are equal.
+fn push(
+    batches: &mut Vec<Batch>,
+    instances: &mut Vec<Instance>,
+    (key, visibility, order): (BatchKey, Visibility, u64),
+    instance: Instance,
+) {
     let index = instances.len() as u32;
-    instances.push(pending.instance);
+    instances.push(instance);
     match batches.last_mut() {
-        Some(batch) if batch.key == pending.key && batch.visibility == pending.visibility => {
+        Some(batch) if (batch.key, batch.visibility, batch.order) == (key, visibility, order) => {
             batch.instances.end = index + 1;
         }
-        _ => batches.push(Batch { key: pending.key, visibility: pending.visibility, instances: index..index + 1 }),
+        _ => batches.push(Batch { key, visibility, order, instances: index..index + 1 }),
     }
 }
 
@@ -335,7 +363,53 @@ fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
     geom.rgba()[3] < 0.995 || geom.geom_type() == SceneGeomType::Plane && is_camera_behind
 }
 
+/// Returns `true` if an opaque geom with the camera on its +z side hides everything on its -z side:
+/// an infinite plane, of which nothing is nearer than the near plane.
+fn hides_back(geom: SceneGeom<'_>, frustum: &ViewFrustum, flags: RenderFlags) -> bool {
+    if !is_infinite_plane(geom) || frustum.orthographic || flags.contains(RenderFlags::WIREFRAME) {
+        return false;
+    }
+    let mat = geom.mat();
+    let normal = [mat[2], mat[5], mat[8]].map(f64::from);
+    frustum.nearest_depth_of_plane(geom.pos().map(f64::from), normal) > frustum.range[0]
+}
+
 /// Returns `true` if a geom is a plane that is infinite in both directions.
 fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
     geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hides_back;
+    use crate::render::view::ViewFrustum;
+    use crate::scene::{Camera, CameraView, Categories, RenderFlags, Scene, SceneGeomType, SceneOptions};
+    use crate::{Data, Model};
+
+    /// Returns whether a plane of a size hides its back from a camera 1 m above it with this near
+    /// plane, m.
+    fn hides(size: &str, near: f64, flags: RenderFlags) -> bool {
+        let xml = format!(
+            "<mujoco><statistic extent='1'/><visual><map znear='{near}'/></visual>
+             <worldbody><geom type='plane' size='{size}'/></worldbody></mujoco>"
+        );
+        let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 10).unwrap();
+        let view = CameraView::Free;
+        let mut camera = Camera { view, lookat: [0.0; 3], distance: 2.0, azimuth: 10.0, elevation: -30.0 };
+        scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+        let frustum = ViewFrustum::new(&scene, &scene.viewpoint(), [64; 2]).unwrap();
+        let plane = scene.geoms().find(|geom| geom.geom_type() == SceneGeomType::Plane).unwrap();
+        hides_back(plane, &frustum, flags)
+    }
+
+    #[test]
+    fn only_an_infinite_plane_that_the_near_plane_does_not_cut_hides_its_back() {
+        let none = RenderFlags::empty();
+        assert!(hides("0 0 .1", 0.01, none));
+        assert!(!hides("5 0 .1", 0.01, none) && !hides("9 9 .1", 0.01, none), "seen beside its edges");
+        assert!(!hides("0 0 .1", 1.5, none), "seen where the near plane cuts it");
+        assert!(!hides("0 0 .1", 0.01, RenderFlags::WIREFRAME), "seen between lines");
+    }
 }

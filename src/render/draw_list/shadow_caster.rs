@@ -34,12 +34,20 @@ impl<'a> ShadowCasters<'a> {
     }
 
     /// Adds a geom. Returns the lights in which it casts a visible shadow, one bit per light.
-    pub(super) fn add(&mut self, geom: SceneGeom<'_>, volume: &BoundingVolume, in_frustum: bool) -> u8 {
+    /// `hides_back` states that the geom hides everything on its -z side.
+    pub(super) fn add(
+        &mut self,
+        geom: SceneGeom<'_>,
+        volume: &BoundingVolume,
+        in_frustum: bool,
+        hides_back: bool,
+    ) -> u8 {
         let mut shadow_mask = 0;
         for (index, light) in self.lights.iter_mut().enumerate() {
-            // With front faces culled, a plane that faces the light casts no shadow.
-            let is_culled =
-                self.culls_front_faces && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
+            // With front faces culled, a plane that faces the light casts no shadow. Otherwise its
+            // shadow may be out of sight.
+            let is_plane = geom.geom_type() == SceneGeomType::Plane;
+            let is_culled = (self.culls_front_faces && is_plane || hides_back) && light.sees_front(geom);
             let casts = match volume {
                 _ if is_culled => false,
                 BoundingVolume::Sphere(sphere) => {

@@ -65,6 +65,7 @@ impl GpuKind {
 
 /// Device features that are enabled if supported. The renderer has a fallback for each.
 const OPTIONAL_FEATURES: wgpu::Features = wgpu::Features::POLYGON_MODE_LINE
+    .union(wgpu::Features::CLIP_DISTANCES)
     .union(wgpu::Features::DEPTH32FLOAT_STENCIL8)
     .union(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
 

@@ -117,21 +117,68 @@ impl ReadBackBuffer {
         submission: wgpu::SubmissionIndex,
         read: impl FnOnce(ChunksExact<'_, u8>),
     ) -> Result<(), RenderError> {
-        let slice = self.buffer.slice(..);
-        let is_mapped = Arc::new(AtomicBool::new(false));
-        let answered = is_mapped.clone();
-        // A failure shows in the mapped range.
-        slice.map_async(wgpu::MapMode::Read, move |_| answered.store(true, Ordering::Release));
-        let waited = gpu.wait_for(submission, || is_mapped.load(Ordering::Acquire));
-        let read = waited.and_then(|()| {
-            let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
-            read(mapped.chunks_exact(self.bytes_per_row as usize));
-            Ok(())
-        });
-        // Also after a failed submission, without which the buffer would wait for its content.
-        self.buffer.unmap();
-        read
+        read_mapped(gpu, &self.buffer, submission, |bytes| read(bytes.chunks_exact(self.bytes_per_row as usize)))
     }
+}
+
+/// Buffer that shaders write, and the staging buffer to read it back.
+#[derive(Debug)]
+pub(crate) struct PackedBuffer {
+    packed: wgpu::Buffer,
+    staging: wgpu::Buffer,
+}
+
+impl PackedBuffer {
+    pub(crate) fn new(gpu: &Gpu, size: u64) -> Self {
+        use wgpu::BufferUsages as Usage;
+        let buffer = |label, usage| create_buffer(gpu, label, size.next_multiple_of(4), usage);
+        Self {
+            packed: buffer("packed images", Usage::STORAGE | Usage::COPY_SRC),
+            staging: buffer("packed images that are read back", Usage::COPY_DST | Usage::MAP_READ),
+        }
+    }
+
+    pub(crate) fn packed(&self) -> &wgpu::Buffer {
+        &self.packed
+    }
+
+    /// Encodes a copy to the staging buffer.
+    pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.copy_buffer_to_buffer(&self.packed, 0, &self.staging, 0, self.packed.size());
+    }
+
+    /// Waits for the submission with the copy and passes the bytes to `read`.
+    pub(crate) fn mapped(
+        &self,
+        gpu: &Gpu,
+        submission: wgpu::SubmissionIndex,
+        read: impl FnOnce(&[u8]),
+    ) -> Result<(), RenderError> {
+        read_mapped(gpu, &self.staging, submission, read)
+    }
+}
+
+/// Waits for the submission that fills a staging buffer and passes the bytes to `read`.
+fn read_mapped(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    submission: wgpu::SubmissionIndex,
+    read: impl FnOnce(&[u8]),
+) -> Result<(), RenderError> {
+    let slice = buffer.slice(..);
+    let is_mapped = Arc::new(AtomicBool::new(false));
+    let answered = is_mapped.clone();
+    // A failure shows in the mapped range.
+    slice.map_async(wgpu::MapMode::Read, move |_| answered.store(true, Ordering::Release));
+    let waited = gpu.wait_for(submission, || is_mapped.load(Ordering::Acquire));
+    let read = waited.and_then(|()| {
+        let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
+        read(&mapped);
+        Ok(())
+    });
+    // Also after a failed submission, without which the buffer would wait for its content.
+    buffer.unmap();
+    read
 }
 
 fn create_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {

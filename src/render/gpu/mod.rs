@@ -119,6 +119,11 @@ impl Gpu {
         self.shared.device.features().contains(feature)
     }
 
+    /// Returns `true` if several images can be drawn together, each to its part of a texture.
+    pub(crate) fn can_merge(&self) -> bool {
+        self.has(wgpu::Features::CLIP_DISTANCES) && self.limits().max_storage_buffers_per_shader_stage > 0
+    }
+
     /// Returns the format of the depth buffer with a stencil component.
     pub(crate) fn stencil_format(&self) -> wgpu::TextureFormat {
         adapter::stencil_format(self.shared.device.features())

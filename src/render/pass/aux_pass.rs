@@ -4,7 +4,7 @@
 use super::target::{create_texture, default_view, depth_format};
 use super::{DrawContext, PassKind, PipelineKey, Target};
 use crate::render::Gpu;
-use crate::render::draw_list::{Batch, DrawList};
+use crate::render::draw_list::Batch;
 
 /// Format of geom ids and depths in metres. The depth is the bit pattern of a floating-point
 /// number, because not every adapter can render to 32-bit float formats.
@@ -28,7 +28,7 @@ impl AuxTarget {
             size,
             ID_DEPTH_FORMAT,
             1,
-            usage | wgpu::TextureUsages::COPY_SRC,
+            usage | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
         );
         let depth = default_view(&create_texture(gpu, "depths behind ids", size, depth_format(gpu, false), 1, usage));
         Self { color: default_view(&texture), texture, depth, size }
@@ -50,31 +50,32 @@ pub(crate) enum AuxLayer {
     Transparent,
 }
 
-/// Draws geom ids and depths in a pass, upside down.
+/// Draws geom ids and depths in a pass, upside down. `vectors` is the size of a view in an array of
+/// views.
 pub(crate) fn draw_ids(
     pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
-    list: &DrawList,
-    view: &wgpu::BindGroup,
+    (view, vectors): (&wgpu::BindGroup, Option<u32>),
     (layer, cull): (AuxLayer, bool),
 ) {
     // The order of the transparent geoms does not matter.
+    let calls = draw.calls;
     let batches =
-        if layer == AuxLayer::Transparent { &list.transparent[..list.front_to_back] } else { &list.opaque[..] };
-    draw_batches(pass, draw, batches, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
+        if layer == AuxLayer::Transparent { &calls.transparent[..calls.front_to_back] } else { &calls.opaque[..] };
+    let key = PipelineKey { vectors, ..PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true) };
+    draw_batches(pass, draw, batches, view, &key);
 }
 
 /// Draws segmentation colours in a pass without multisampling.
 pub(crate) fn draw_segment_colors(
     pass: &mut wgpu::RenderPass<'_>,
     draw: &DrawContext<'_>,
-    list: &DrawList,
     view: &wgpu::BindGroup,
     target: &Target,
     [cull, flip_y]: [bool; 2],
 ) {
     let key = PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y);
-    draw_batches(pass, draw, &list.opaque, view, &key);
+    draw_batches(pass, draw, &draw.calls.opaque, view, &key);
 }
 
 fn draw_batches(

@@ -1,121 +1,156 @@
 //! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze,
 //! transparent geoms, and labels.
 
-use super::{DrawContext, Labels, PassKind, PipelineKey, ShadowMaps, Sky, Target, Wireframe};
-use crate::render::draw_list::{Batch, BatchKey, DrawList, MirrorSide, Visibility};
+use super::{DrawContext, Labels, PassKind, PipelineKey, Sky, Target, Wireframe};
+use crate::render::draw_list::{Batch, DrawCalls, Mirror, MirrorSide};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::settings::VisualSettings;
 use crate::render::shader::{Shading, TextureKind};
-use crate::render::view::{LightFeatures, Lights, UniformData, ViewFrustum, ViewUniforms};
+use crate::render::view::{LightFeatures, Lights, Place, ShadowRegion, UniformData, ViewFrustum, ViewUniforms};
 use crate::render::{Gpu, RenderError};
 use crate::scene::RenderFlags;
 
-/// Inputs of the main pass that change from frame to frame.
+/// Inputs of the main pass that are the same for all of its images.
 #[derive(Clone, Copy)]
 pub(crate) struct FrameInputs<'a> {
-    pub(crate) frustum: &'a ViewFrustum,
-    pub(crate) lights: &'a Lights,
     pub(crate) settings: &'a VisualSettings,
+    /// Features of the lights of every image.
+    pub(crate) features: &'a [LightFeatures],
     pub(crate) size: [u32; 2],
     pub(crate) flags: RenderFlags,
     pub(crate) shading: Shading,
 }
 
-/// Uniform buffers and bind groups of the main pass.
+/// Inputs of an image of the main pass.
+#[derive(Clone, Copy)]
+pub(crate) struct ViewInputs<'a> {
+    pub(crate) frustum: &'a ViewFrustum,
+    pub(crate) lights: &'a Lights,
+    pub(crate) mirror: Option<&'a Mirror>,
+    pub(crate) sky: &'a Sky,
+    pub(crate) regions: &'a [ShadowRegion],
+    pub(crate) place: Place,
+}
+
+/// Shadow maps of the lights.
+#[derive(Clone, Copy)]
+pub(crate) struct ShadowTextures<'a> {
+    pub(crate) views: &'a [&'a wgpu::TextureView],
+    /// Width and height of a full map, texels.
+    pub(crate) size: u32,
+    /// Number of allocations of these textures.
+    pub(crate) version: u64,
+}
+
+/// Buffers of the views of the main pass, and their bind groups.
 #[derive(Debug)]
 pub(crate) struct MainPass {
-    uniform: GrowableBuffer,
-    mirror_uniform: GrowableBuffer,
-    /// View with shadow maps.
+    views: GrowableBuffer,
+    mirror_views: GrowableBuffer,
+    /// Views with shadow maps.
     shadowed: Option<wgpu::BindGroup>,
-    /// View without shadow maps.
+    /// Views without shadow maps.
     unshadowed: Option<wgpu::BindGroup>,
-    /// Mirrored view.
+    /// Mirrored views.
     mirrored: Option<wgpu::BindGroup>,
     /// Number and version of the shadow maps in `shadowed`.
     shadow_maps: (usize, u64),
+    /// Size of a view and of a mirrored view, vectors of four numbers.
+    vectors: [u32; 2],
+    is_array: bool,
 }
 
 impl MainPass {
-    pub(crate) fn new(gpu: &Gpu) -> Self {
-        let uniform = || GrowableBuffer::new(gpu, "uniforms of a view", wgpu::BufferUsages::UNIFORM);
+    /// Creates a pass of one image, or of an array of images.
+    pub(crate) fn new(gpu: &Gpu, is_array: bool) -> Self {
+        let usage = if is_array { wgpu::BufferUsages::STORAGE } else { wgpu::BufferUsages::UNIFORM };
+        let buffer = || GrowableBuffer::new(gpu, "views", usage);
         Self {
-            uniform: uniform(),
-            mirror_uniform: uniform(),
+            views: buffer(),
+            mirror_views: buffer(),
             shadowed: None,
             unshadowed: None,
             mirrored: None,
             shadow_maps: (0, 0),
+            vectors: [0; 2],
+            is_array,
         }
     }
 
-    /// Writes the uniform buffers and invalidates stale bind groups.
+    /// Writes the views and invalidates stale bind groups. Either all views have a mirror or none.
     pub(crate) fn prepare(
         &mut self,
         gpu: &Gpu,
         frame: &FrameInputs<'_>,
-        list: &DrawList,
-        shadows: &ShadowMaps,
+        views: &[ViewInputs<'_>],
+        shadows: &ShadowTextures<'_>,
     ) -> Result<(), RenderError> {
-        let FrameInputs { frustum, lights, settings, size, flags, .. } = *frame;
-        let has_fog = flags.contains(RenderFlags::FOG);
-        let view = ViewUniforms::new(frustum, settings, size, has_fog);
-        let shadow_maps = (shadows.regions().len(), shadows.version());
-        if self.uniform.write(gpu, UniformData::lit(&view, lights, shadows.regions(), shadows.size()).bytes())? {
+        let has_fog = frame.flags.contains(RenderFlags::FOG);
+        let (mut data, mut mirrored) = (UniformData::default(), UniformData::default());
+        for ViewInputs { frustum, lights, mirror, regions, place, .. } in views {
+            let view =
+                ViewUniforms { place: *place, ..ViewUniforms::new(frustum, frame.settings, frame.size, has_fog) };
+            data.push_lit(&view, lights, regions, shadows.size);
+            if let Some(mirror) = mirror {
+                let frustum = frustum.mirrored(&mirror.reflection);
+                let mut view = ViewUniforms::new(&frustum, frame.settings, frame.size, has_fog);
+                view.camera[3] = mirror.reflectance;
+                (view.plane, view.place) = (mirror.plane, *place);
+                mirrored.push_lit(&view, lights, &[], 0);
+            }
+        }
+        self.vectors = [&data, &mirrored].map(|data| (data.bytes().len() / 16 / views.len().max(1)) as u32);
+        if self.views.write(gpu, data.bytes())? {
             (self.shadowed, self.unshadowed) = (None, None);
         }
+        let shadow_maps = (shadows.views.len(), shadows.version);
         if self.shadow_maps != shadow_maps {
             (self.shadowed, self.shadow_maps) = (None, shadow_maps);
         }
-        if let Some(mirror) = &list.mirror {
-            let mut view = ViewUniforms::new(&frustum.mirrored(&mirror.reflection), settings, size, has_fog);
-            view.camera[3] = mirror.reflectance;
-            view.plane = mirror.plane;
-            if self.mirror_uniform.write(gpu, UniformData::lit(&view, lights, &[], 0).bytes())? {
-                self.mirrored = None;
-            }
+        if self.mirror_views.write(gpu, mirrored.bytes())? {
+            self.mirrored = None;
         }
         Ok(())
     }
 
-    /// Requests an upload of the uniforms. Required if commands may not have been executed.
+    /// Requests an upload of the views. Required if commands may not have been executed.
     pub(crate) fn invalidate(&mut self) {
-        self.uniform.invalidate();
-        self.mirror_uniform.invalidate();
+        self.views.invalidate();
+        self.mirror_views.invalidate();
     }
 
     /// Creates the missing bind groups.
-    fn create_bind_groups(&mut self, draw: &DrawContext<'_>, shadows: &ShadowMaps) {
-        let Self { uniform, mirror_uniform, shadowed, unshadowed, mirrored, .. } = self;
-        let group = |uniform: &GrowableBuffer, maps: &[&wgpu::TextureView]| {
-            draw.gpu.pipelines().view_bind_group(draw.gpu, uniform, maps)
-        };
-        shadowed.get_or_insert_with(|| group(uniform, &shadows.views().collect::<Vec<_>>()));
-        unshadowed.get_or_insert_with(|| group(uniform, &[]));
-        mirrored.get_or_insert_with(|| group(mirror_uniform, &[]));
+    fn create_bind_groups(&mut self, gpu: &Gpu, shadow_maps: &[&wgpu::TextureView]) {
+        let Self { views, mirror_views, shadowed, unshadowed, mirrored, .. } = self;
+        let group = |views: &GrowableBuffer, maps| gpu.pipelines().view_bind_group(gpu, views, maps);
+        shadowed.get_or_insert_with(|| group(views, shadow_maps));
+        unshadowed.get_or_insert_with(|| group(views, &[]));
+        mirrored.get_or_insert_with(|| group(mirror_views, &[]));
     }
 
-    /// Draws all geoms, the sky and the labels in a pass.
+    /// Draws all geoms, the skies and the labels in a pass.
     pub(crate) fn draw(
         &mut self,
         pass: &mut wgpu::RenderPass<'_>,
         draw: &DrawContext<'_>,
         frame: &FrameInputs<'_>,
-        list: &DrawList,
-        (shadows, sky, labels): (&ShadowMaps, &Sky, &Labels),
+        views: &[ViewInputs<'_>],
+        (shadow_maps, labels): (&[&wgpu::TextureView], &Labels),
         target: &Target,
     ) {
-        self.create_bind_groups(draw, shadows);
+        self.create_bind_groups(draw.gpu, shadow_maps);
         let (Some(shadowed), Some(unshadowed), Some(mirrored)) = (&self.shadowed, &self.unshadowed, &self.mirrored)
         else {
             return;
         };
+        let (Some(first), calls) = (views.first(), draw.calls) else { return };
         let flags = frame.flags;
         // Transparent geoms and mirror images receive no shadows.
         let pipelines = draw.gpu.pipelines();
-        let light_set = pipelines.light_set(frame.lights.features());
-        let unshadowed_light_set =
-            pipelines.light_set(frame.lights.features().map(|features| LightFeatures { shadow: false, ..features }));
+        let light_set = pipelines.light_set(frame.features.iter().copied());
+        let unlit_shadows = frame.features.iter().map(|&features| LightFeatures { shadow: false, ..features });
+        let unshadowed_light_set = pipelines.light_set(unlit_shadows);
+        let [vectors, mirror_vectors] = self.vectors.map(|vectors| self.is_array.then_some(vectors));
         let key = PipelineKey {
             pass_kind: PassKind::Opaque,
             texture_kind: TextureKind::D2,
@@ -130,28 +165,34 @@ impl MainPass {
             format: target.format,
             samples: target.samples,
             stencil: target.stencil,
-            flip_y: frame.frustum.flip_y,
+            flip_y: first.frustum.flip_y,
+            vectors,
         };
-        if let Some(mirror) = &list.mirror {
-            pass.set_bind_group(0, mirrored, &[]);
-            let key = PipelineKey { light_set: unshadowed_light_set, ..key };
-            if let Some([left, top, width, height]) = mirror.bounds(frame.frustum, frame.size) {
-                // A part of a larger target has a scissor rectangle already.
-                let is_whole = frame.size == target.size;
-                if is_whole {
+        if let Some(mirror) = first.mirror {
+            // A part of a larger target has a scissor rectangle already.
+            let is_whole = frame.size == target.size;
+            let bounds = mirror.bounds(first.frustum, frame.size);
+            if views.len() > 1 || bounds.is_some() {
+                if let Some([left, top, width, height]) = bounds.filter(|_| is_whole) {
                     pass.set_scissor_rect(left, top, width, height);
                 }
-                draw_mirror_images(pass, draw, list, unshadowed, mirrored, &key);
+                let mark = PipelineKey { fog: false, ..unlit_key(PassKind::MirrorStencil, &key) };
+                pass.set_bind_group(0, unshadowed, &[]);
+                pass.set_stencil_reference(1);
+                calls.marks.iter().for_each(|batch| draw.batch(pass, batch, &mark));
+                pass.set_bind_group(0, mirrored, &[]);
+                let key = PipelineKey { light_set: unshadowed_light_set, vectors: mirror_vectors, ..key };
+                draw_mirror_images(pass, draw, &key);
                 if is_whole {
                     pass.set_scissor_rect(0, 0, target.size[0], target.size[1]);
                 }
             }
         }
         pass.set_bind_group(0, shadowed, &[]);
-        for batch in list.reflector.iter().filter(|batch| batch.visibility.in_frustum) {
+        for batch in calls.reflector.iter().filter(|batch| batch.visibility.in_frustum) {
             draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::Reflector, ..key });
         }
-        for batch in list.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
+        for batch in calls.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
             if batch.key.unshadowed {
                 pass.set_bind_group(0, unshadowed, &[]);
                 draw.batch(pass, batch, &PipelineKey { light_set: unshadowed_light_set, ..key });
@@ -161,11 +202,11 @@ impl MainPass {
             }
         }
         pass.set_bind_group(0, unshadowed, &[]);
-        if flags.contains(RenderFlags::SKYBOX) && sky.is_visible {
-            draw_sky(pass, draw, sky, frame.frustum, &key);
+        if flags.contains(RenderFlags::SKYBOX) {
+            draw_skies(pass, draw, views, &key);
         }
         let transparent_key = PipelineKey { pass_kind: PassKind::Transparent, light_set: unshadowed_light_set, ..key };
-        for batch in transparent_batches(list, &key).iter().filter(|batch| batch.visibility.in_frustum) {
+        for batch in transparent_batches(calls, &key).iter().filter(|batch| batch.visibility.in_frustum) {
             draw.batch(pass, batch, &transparent_key);
         }
         if let Some(atlas) = labels.atlas.as_ref().filter(|_| labels.count > 0) {
@@ -222,35 +263,7 @@ fn unlit_key(pass_kind: PassKind, key: &PipelineKey) -> PipelineKey {
 
 /// Draws the mirror images of all geoms except the reflector, where the stencil buffer marks the
 /// mirror.
-fn draw_mirror_images(
-    pass: &mut wgpu::RenderPass<'_>,
-    draw: &DrawContext<'_>,
-    list: &DrawList,
-    unshadowed: &wgpu::BindGroup,
-    mirrored: &wgpu::BindGroup,
-    key: &PipelineKey,
-) {
-    let Some(mirror) = &list.mirror else { return };
-    pass.set_stencil_reference(1);
-    if let Some((shape, _)) = mirror.stencil_mark {
-        // The mark is rendered in the unmirrored view. Its instance is the last one.
-        let index = list.instances.len() as u32 - 1;
-        let batch = Batch {
-            key: BatchKey {
-                shape,
-                texture_kind: TextureKind::None,
-                texture: 0,
-                line: false,
-                back_faces: false,
-                unshadowed: false,
-            },
-            visibility: Visibility { in_frustum: true, mirror_side: MirrorSide::Across, shadow_mask: 0 },
-            instances: index..index + 1,
-        };
-        pass.set_bind_group(0, unshadowed, &[]);
-        draw.batch(pass, &batch, &PipelineKey { fog: false, ..unlit_key(PassKind::MirrorStencil, key) });
-        pass.set_bind_group(0, mirrored, &[]);
-    }
+fn draw_mirror_images(pass: &mut wgpu::RenderPass<'_>, draw: &DrawContext<'_>, key: &PipelineKey) {
     // Tiles outside of the frustum may be visible in the mirror.
     let draw = DrawContext { tiles: None, ..*draw };
     let clip = |batch: &Batch| match batch.visibility.mirror_side {
@@ -258,12 +271,12 @@ fn draw_mirror_images(
         MirrorSide::Across => Some(true),
         MirrorSide::Behind => None,
     };
-    for batch in &list.opaque {
+    for batch in &draw.calls.opaque {
         if let Some(clip) = clip(batch) {
             draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::MirrorOpaque { clip }, ..*key });
         }
     }
-    for batch in transparent_batches(list, key) {
+    for batch in transparent_batches(draw.calls, key) {
         if let Some(clip) = clip(batch) {
             draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::MirrorTransparent { clip }, ..*key });
         }
@@ -272,24 +285,30 @@ fn draw_mirror_images(
 
 /// Returns the transparent batches: only front to back if blending is additive, otherwise also back
 /// to front.
-fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch] {
-    if key.additive { &list.transparent[..list.front_to_back] } else { &list.transparent }
+fn transparent_batches<'c>(calls: &'c DrawCalls, key: &PipelineKey) -> &'c [Batch] {
+    if key.additive { &calls.transparent[..calls.front_to_back] } else { &calls.transparent }
 }
 
-fn draw_sky(
-    pass: &mut wgpu::RenderPass<'_>,
-    draw: &DrawContext<'_>,
-    sky: &Sky,
-    frustum: &ViewFrustum,
-    key: &PipelineKey,
-) {
+/// Draws the visible skies. Consecutive images with equal skies share a draw call.
+fn draw_skies(pass: &mut wgpu::RenderPass<'_>, draw: &DrawContext<'_>, views: &[ViewInputs<'_>], key: &PipelineKey) {
     let Some(texture) = draw.textures.sky() else { return };
-    let pass_kind = PassKind::Sky { haze: sky.has_haze() };
-    pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(pass_kind, key)));
     // The image of an orthographic camera shows a small part of the sky, on which the texture is
     // magnified.
-    let pixels_per_radian = if frustum.orthographic { f64::INFINITY } else { frustum.pixels_per_metre };
-    pass.set_bind_group(1, texture.bind_group(pixels_per_radian), &[]);
-    pass.set_vertex_buffer(0, sky.buffer.buffer().slice(..));
-    pass.draw(0..sky.vertex_count(), 0..1);
+    let pixels_per_radian =
+        |view: &ViewInputs<'_>| if view.frustum.orthographic { f64::INFINITY } else { view.frustum.pixels_per_metre };
+    let mut first = 0;
+    let is_same = |a: &ViewInputs<'_>, b: &ViewInputs<'_>| {
+        a.sky.is_equal(b.sky) && pixels_per_radian(a).total_cmp(&pixels_per_radian(b)).is_eq()
+    };
+    for images in views.chunk_by(is_same) {
+        let (view, range) = (&images[0], first..first + images.len() as u32);
+        first = range.end;
+        if view.sky.is_visible {
+            let pass_kind = PassKind::Sky { haze: view.sky.has_haze() };
+            pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(pass_kind, key)));
+            pass.set_bind_group(1, texture.bind_group(pixels_per_radian(view)), &[]);
+            pass.set_vertex_buffer(0, view.sky.buffer.buffer().slice(..));
+            pass.draw(0..view.sky.vertex_count(), range);
+        }
+    }
 }

@@ -3,9 +3,11 @@
 mod aux_pass;
 mod label;
 mod main_pass;
+mod pack;
 mod pipeline;
 mod pipeline_state;
 mod screen_pipeline;
+mod shadow_atlas;
 mod shadow_map;
 mod sky;
 mod target;
@@ -13,16 +15,18 @@ mod tiles;
 
 pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, begin_ids, draw_ids, draw_segment_colors};
 pub(crate) use self::label::Labels;
-pub(crate) use self::main_pass::{FrameInputs, MainPass, begin_main};
+pub(crate) use self::main_pass::{FrameInputs, MainPass, ShadowTextures, ViewInputs, begin_main};
+pub(crate) use self::pack::{Pack, PackedImages, Packing};
 pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines, Wireframe};
 pub(crate) use self::screen_pipeline::screen_pipeline;
+pub(crate) use self::shadow_atlas::ShadowAtlas;
 pub(crate) use self::shadow_map::ShadowMaps;
 pub(crate) use self::sky::Sky;
 pub(crate) use self::target::{COLOR_FORMAT, Target, check_size, create_texture, default_view, too_large};
-pub(crate) use self::tiles::{TileDetail, TileSelection};
+pub(crate) use self::tiles::{TileDetail, TileView};
 use super::Gpu;
 use super::assets::{Shapes, Textures};
-use super::draw_list::Batch;
+use super::draw_list::{Batch, DrawCalls};
 use super::shader::TextureKind;
 use crate::scene::RenderFlags;
 
@@ -32,9 +36,11 @@ pub(crate) struct DrawContext<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) shapes: &'a Shapes,
     pub(crate) textures: &'a Textures,
+    pub(crate) calls: &'a DrawCalls,
+    /// Buffer with the instances of `calls`.
     pub(crate) instances: &'a wgpu::Buffer,
-    /// Selection of the tiles of large planes; `None` selects all with all cells.
-    pub(crate) tiles: Option<TileSelection<'a>>,
+    /// Views of the images, to select the tiles of large planes; `None` selects all with all cells.
+    pub(crate) tiles: Option<&'a [TileView<'a>]>,
 }
 
 impl DrawContext<'_> {
@@ -72,9 +78,11 @@ impl DrawContext<'_> {
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(shape.indices.slice(..), wgpu::IndexFormat::Uint32);
         match self.tiles {
-            Some(selection) if !shape.tiles.is_empty() && batch.instances.len() == 1 => {
-                for range in selection.ranges(&shape.tiles, batch.instances.start) {
-                    pass.draw_indexed(range, 0, batch.instances.clone());
+            Some(views) if !shape.tiles.is_empty() => {
+                for (ranges, instances) in tiles::draws(views, &shape.tiles, self.calls, batch.instances.clone()) {
+                    for range in ranges {
+                        pass.draw_indexed(range, 0, instances.clone());
+                    }
                 }
             }
             _ => {

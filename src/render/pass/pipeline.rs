@@ -95,6 +95,9 @@ pub(crate) struct PipelineKey {
     pub(crate) stencil: bool,
     /// The frame is rendered upside down.
     pub(crate) flip_y: bool,
+    /// Several images are drawn together, whose views are in an array: number of vectors of four
+    /// numbers in a view.
+    pub(crate) vectors: Option<u32>,
 }
 
 impl PipelineKey {
@@ -122,6 +125,7 @@ impl PipelineKey {
             samples: 1,
             stencil: false,
             flip_y,
+            vectors: None,
         }
     }
 }
@@ -130,8 +134,8 @@ impl PipelineKey {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) textures: TextureBindings,
-    /// Bind group layouts of views, by the number of shadow maps.
-    view_layouts: Vec<wgpu::BindGroupLayout>,
+    /// Bind group layouts of a view and of an array of views, by the number of shadow maps.
+    view_layouts: [Vec<wgpu::BindGroupLayout>; 2],
     cache: RwLock<Cache>,
 }
 
@@ -147,7 +151,10 @@ const MAX_PIPELINES: usize = 1024;
 
 impl Pipelines {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let view_layouts = (0..=MAX_SHADOWS).map(|shadows| view_layout(gpu, shadows)).collect();
+        let layouts = |ty| (0..=MAX_SHADOWS).map(|shadows| view_layout(gpu, ty, shadows)).collect();
+        // Not every adapter has storage buffers.
+        let arrays = gpu.can_merge().then(|| layouts(wgpu::BufferBindingType::Storage { read_only: true }));
+        let view_layouts = [layouts(wgpu::BufferBindingType::Uniform), arrays.unwrap_or_default()];
         Self { textures: TextureBindings::new(gpu), view_layouts, cache: RwLock::default() }
     }
 
@@ -165,21 +172,23 @@ impl Pipelines {
         cache.light_sets.len() as u32 - 1
     }
 
-    /// Creates the bind group of a view: its uniform buffer and shadow maps.
+    /// Creates the bind group of a view, or of an array of views: its buffer and shadow maps.
     pub(crate) fn view_bind_group(
         &self,
         gpu: &Gpu,
-        uniform: &GrowableBuffer,
+        views: &GrowableBuffer,
         shadow_maps: &[&wgpu::TextureView],
     ) -> wgpu::BindGroup {
-        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.buffer().as_entire_binding() }];
+        let buffer = views.buffer();
+        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }];
         entries.extend(
             shadow_maps.iter().zip(1..).map(|(map, binding)| wgpu::BindGroupEntry {
                 binding,
                 resource: wgpu::BindingResource::TextureView(map),
             }),
         );
-        let layout = &self.view_layouts[shadow_maps.len()];
+        let is_array = buffer.usage().contains(wgpu::BufferUsages::STORAGE);
+        let layout = &self.view_layouts[usize::from(is_array)][shadow_maps.len()];
         let label = Some("uniforms and shadow maps of a view");
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
@@ -236,6 +245,7 @@ impl Pipelines {
                 PassKind::MirrorOpaque { clip: true } | PassKind::MirrorTransparent { clip: true }
             ),
             aliased: key.samples == 1,
+            vectors: key.vectors,
         };
         if !shader.has_lights() {
             shader.lights = &[];
@@ -254,7 +264,7 @@ impl Pipelines {
             (_, TextureKind::None) => None,
             (_, TextureKind::Cube) => Some(&self.textures.cube),
         };
-        let layouts = [Some(&self.view_layouts[shadows]), texture_layout];
+        let layouts = [Some(&self.view_layouts[usize::from(key.vectors.is_some())][shadows]), texture_layout];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &layouts[..=usize::from(texture_layout.is_some())],

@@ -129,13 +129,9 @@ fn depth_stencil(gpu: &Gpu, key: &PipelineKey) -> wgpu::DepthStencilState {
     }
 }
 
-/// Creates the bind group layout of a view: its uniform buffer and shadow maps.
-pub(super) fn view_layout(gpu: &Gpu, shadow_maps: usize) -> wgpu::BindGroupLayout {
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
+/// Creates the bind group layout of a view, or of an array of views: its buffer and shadow maps.
+pub(super) fn view_layout(gpu: &Gpu, ty: wgpu::BufferBindingType, shadow_maps: usize) -> wgpu::BindGroupLayout {
+    let views = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     // No comparison sampler: the shader compares depths itself, in the same way on every adapter.
     let map = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
@@ -148,9 +144,9 @@ pub(super) fn view_layout(gpu: &Gpu, shadow_maps: usize) -> wgpu::BindGroupLayou
         ty,
         count: None,
     };
-    let mut entries = vec![entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform)];
+    let mut entries = vec![entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, views)];
     entries.extend((1..=shadow_maps).map(|binding| entry(binding, wgpu::ShaderStages::FRAGMENT, map)));
-    let label = Some("uniforms and shadow maps of a view");
+    let label = Some("views and shadow maps");
     gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries })
 }
 
@@ -163,7 +159,7 @@ pub(super) const VERTEX_ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
         attribute(2, Float32x2, offset_of!(Vertex, texcoord)),
         attribute(11, Float32, offset_of!(Vertex, parity)),
     ];
-    const INSTANCE: [wgpu::VertexAttribute; 9] = [
+    const INSTANCE: [wgpu::VertexAttribute; 10] = [
         attribute(3, Float32x4, offset_of!(Instance, rows)),
         attribute(4, Float32x4, offset_of!(Instance, rows) + 16),
         attribute(5, Float32x4, offset_of!(Instance, rows) + 32),
@@ -173,6 +169,7 @@ pub(super) const VERTEX_ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
         attribute(9, Uint32, offset_of!(Instance, id)),
         attribute(10, Float32x3, offset_of!(Instance, normal_scale)),
         attribute(12, Float32x3, offset_of!(Instance, texture_offset)),
+        attribute(13, Uint32, offset_of!(Instance, view)),
     ];
     [&VERTEX, &INSTANCE]
 };

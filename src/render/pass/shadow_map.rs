@@ -14,7 +14,7 @@ use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
 use crate::render::draw_list::{Batch, BatchKey, DrawList};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::view::matrix::product;
-use crate::render::view::{Lights, ShadowRegion, UniformData, ViewFrustum, ViewUniforms, reduction};
+use crate::render::view::{Lights, Place, ShadowRegion, UniformData, ViewFrustum, ViewUniforms, reduction};
 use crate::render::{Gpu, GpuKind, RenderError};
 use crate::scene::RenderFlags;
 
@@ -43,6 +43,9 @@ pub(crate) struct ShadowMaps {
 
 /// Granularity of the size of regions, texels. It reduces reallocations when geoms move.
 const GRANULARITY: u32 = 128;
+
+/// Smallest width and height of a region, texels.
+const SMALLEST: u32 = 4;
 
 /// Number of frames after which a map is cleared, long before its depth range underflows.
 const CLEAR_INTERVAL: u32 = 64;
@@ -80,18 +83,33 @@ impl ShadowMaps {
         self.maps[..self.regions.len()].iter().map(|map| &map.view)
     }
 
+    /// Returns the regions for the casters of a draw list, each with an empty texel around it.
+    pub(crate) fn required_regions(
+        &self,
+        frustum: &ViewFrustum,
+        lights: &Lights,
+        list: &DrawList,
+    ) -> impl Iterator<Item = ShadowRegion> {
+        lights.shadows().zip(&list.shadow_bounds).map(|(matrix, bounds)| {
+            self.required_region(*bounds, reduction(matrix, self.size, frustum, list.nearest_depth))
+        })
+    }
+
     /// Allocates the regions for the casters of a draw list, and writes the uniform buffers.
     pub(crate) fn prepare(
         &mut self,
         gpu: &Gpu,
-        frustum: &ViewFrustum,
         lights: &Lights,
         list: &DrawList,
+        required: &[ShadowRegion],
     ) -> Result<(), RenderError> {
         self.regions.clear();
         let clears_every_frame = gpu.kind() != GpuKind::Software;
-        for (index, (matrix, bounds)) in lights.shadows().zip(&list.shadow_bounds).enumerate() {
-            let required = self.required_region(*bounds, reduction(matrix, self.size, frustum, list.nearest_depth));
+        let casters = list.shadow_bounds.iter().map(Option::is_some);
+        for (index, ((matrix, required), has_casters)) in lights.shadows().zip(required).zip(casters).enumerate() {
+            let reduced = self.size.div_ceil(required.reduction);
+            let size = required.size.map(|length| length.next_multiple_of(GRANULARITY).min(reduced));
+            let required = ShadowRegion { size, ..*required };
             if index == self.maps.len() {
                 self.maps.push(ShadowMap::new(gpu, required));
                 self.version += 1;
@@ -110,9 +128,9 @@ impl ShadowMaps {
                 self.version += 1;
             }
             map.needs_clear |= map.region.frames_since_clear == 0;
-            map.has_casters = bounds.is_some();
+            map.has_casters = has_casters;
             let clip = product(&map.region.clip_to_region(self.size), matrix);
-            if map.uniform.write(gpu, UniformData::unlit(&ViewUniforms::of_shadow_map(&clip)).bytes())? {
+            if map.uniform.write(gpu, UniformData::unlit(&ViewUniforms::of_shadow_map(&clip, Place::WHOLE)).bytes())? {
                 map.bind_group = None;
             }
             self.regions.push(map.region);
@@ -120,23 +138,19 @@ impl ShadowMaps {
         Ok(())
     }
 
-    /// Returns the region for bounds in the clip space of a light, with an empty texel around it.
+    /// Returns the region for bounds in the clip space of a light.
     fn required_region(&self, bounds: Option<[[f64; 2]; 2]>, reduction: u32) -> ShadowRegion {
         let reduced = self.size.div_ceil(reduction);
         let Some([low, high]) = bounds else {
-            return ShadowRegion {
-                reduction,
-                origin: [0; 2],
-                size: [GRANULARITY.min(reduced); 2],
-                frames_since_clear: 0,
-            };
+            let size = [SMALLEST.min(reduced); 2];
+            return ShadowRegion { reduction, origin: [0; 2], size, place: [0; 2], frames_since_clear: 0 };
         };
         let inner = f64::from(self.size) - 2.0;
         let texel = |coordinate: f64| (1.0 + (0.5 + 0.5 * coordinate) * inner) / f64::from(reduction);
         let origin = low.map(|low| (texel(low).floor() as u32).saturating_sub(2));
         let end = high.map(|high| (texel(high).ceil() as u32 + 2).min(reduced));
-        let size = [0, 1].map(|axis| (end[axis] - origin[axis]).next_multiple_of(GRANULARITY).min(reduced));
-        ShadowRegion { reduction, origin, size, frames_since_clear: 0 }
+        let size = [0, 1].map(|axis| end[axis].saturating_sub(origin[axis]).max(SMALLEST).min(reduced));
+        ShadowRegion { reduction, origin, size, place: [0; 2], frames_since_clear: 0 }
     }
 
     /// Requests a clear of all maps, and the upload of their uniforms. Required if commands may not
@@ -149,19 +163,8 @@ impl ShadowMaps {
     }
 
     /// Encodes the shadow passes.
-    pub(crate) fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        draw: &DrawContext<'_>,
-        list: &DrawList,
-        flags: RenderFlags,
-    ) {
-        // Rendered upside down, so that the texels are in OpenGL's order. The colour format is
-        // unused.
-        let cull = flags.contains(RenderFlags::CULL_FACE);
-        let key = PipelineKey::untextured(PassKind::Shadow, COLOR_FORMAT, cull, true);
-        // As in the engine's renderer, lines cast shadows in wireframe mode.
-        let key = PipelineKey { wireframe: draw.wireframe(flags), ..key };
+    pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, draw: &DrawContext<'_>, flags: RenderFlags) {
+        let key = shadow_key(draw, flags);
         for (light, map) in self.maps[..self.regions.len()].iter_mut().enumerate() {
             if !map.has_casters && !map.needs_clear {
                 continue;
@@ -188,15 +191,30 @@ impl ShadowMaps {
             pass.set_viewport(0.0, 0.0, width, height, near, far);
             pass.set_scissor_rect(left, top, right - left, bottom - top);
             pass.set_bind_group(0, &*bind_group, &[]);
-            let opaque = list.reflector.iter().chain(&list.opaque);
-            let casts = |batch: &&Batch| batch.visibility.shadow_mask & 1 << light != 0;
-            for batch in opaque.chain(&list.transparent[..list.front_to_back]).filter(casts) {
-                // The side of a plane that the camera sees does not matter for the light.
-                let shape = draw.shapes.unlit(batch.key.shape);
-                let batch = Batch { key: BatchKey { shape, back_faces: false, ..batch.key }, ..batch.clone() };
-                draw.batch(&mut pass, &batch, &key);
-            }
+            draw_casters(&mut pass, draw, light, &key);
         }
+    }
+}
+
+/// Returns the key of the pipelines of shadow maps, which are rendered upside down, so that the
+/// texels are in OpenGL's order.
+pub(super) fn shadow_key(draw: &DrawContext<'_>, flags: RenderFlags) -> PipelineKey {
+    // The colour format is unused.
+    let key = PipelineKey::untextured(PassKind::Shadow, COLOR_FORMAT, flags.contains(RenderFlags::CULL_FACE), true);
+    // As in the engine's renderer, lines cast shadows in wireframe mode.
+    PipelineKey { wireframe: draw.wireframe(flags), ..key }
+}
+
+/// Draws the casters of a light to its shadow maps.
+pub(super) fn draw_casters(pass: &mut wgpu::RenderPass<'_>, draw: &DrawContext<'_>, light: usize, key: &PipelineKey) {
+    let calls = draw.calls;
+    let opaque = calls.reflector.iter().chain(&calls.opaque);
+    let casts = |batch: &&Batch| batch.visibility.shadow_mask & 1 << light != 0;
+    for batch in opaque.chain(&calls.transparent[..calls.front_to_back]).filter(casts) {
+        // The side of a plane that the camera sees does not matter for the light.
+        let shape = draw.shapes.unlit(batch.key.shape);
+        let batch = Batch { key: BatchKey { shape, back_faces: false, ..batch.key }, ..batch.clone() };
+        draw.batch(pass, &batch, key);
     }
 }
 
@@ -213,14 +231,14 @@ impl ShadowMap {
     }
 }
 
-fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
+pub(super) fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     default_view(&create_texture(gpu, "shadow map", size, wgpu::TextureFormat::Depth32Float, 1, usage))
 }
 
 /// Returns the part of a region inside the border of a map of `size` texels, as ranges in x and y;
 /// `None` if it is empty. The border is one texel of the region wide.
-fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
+pub(super) fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
     let size = size.div_ceil(region.reduction);
     let range = [0, 1].map(|axis| {
         let origin = region.origin[axis];
@@ -236,7 +254,7 @@ mod tests {
     use super::{ShadowMaps, ShadowRegion, inside_border};
 
     fn region(origin: [u32; 2], size: [u32; 2]) -> ShadowRegion {
-        ShadowRegion { reduction: 1, origin, size, frames_since_clear: 0 }
+        ShadowRegion { reduction: 1, origin, size, place: [0; 2], frames_since_clear: 0 }
     }
 
     #[test]

@@ -57,6 +57,12 @@ impl Sky {
         self.vertices.len() > self.skybox_vertices
     }
 
+    /// Returns `true` if both skies look the same from their cameras.
+    pub(super) fn is_equal(&self, other: &Self) -> bool {
+        let of = |sky: &Self| (sky.is_visible, sky.slices, sky.haze);
+        of(self) == of(other)
+    }
+
     pub(crate) fn vertex_count(&self) -> u32 {
         self.vertices.len() as u32
     }

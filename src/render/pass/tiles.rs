@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use crate::numerics::spatial::dot;
 use crate::render::assets::Tile;
-use crate::render::bounding_volume::signed_distance;
-use crate::render::draw_list::Instance;
+use crate::render::draw_list::{DrawCalls, Instance};
 use crate::render::view::matrix::unit;
 use crate::render::view::{ActiveLight, Lights};
 
@@ -17,12 +16,10 @@ use crate::render::view::{ActiveLight, Lights};
 /// levels.
 const TOLERANCE: f64 = 1.0 / 255.0;
 
-/// Inputs of the selection of tiles.
-#[derive(Clone, Copy)]
-pub(crate) struct TileSelection<'a> {
+/// View in which tiles are visible.
+pub(crate) struct TileView<'a> {
     /// Planes of the view frustum.
-    pub(crate) planes: &'a [[f32; 4]; 6],
-    pub(crate) instances: &'a [Instance],
+    pub(crate) planes: [[f32; 4]; 6],
     pub(crate) detail: TileDetail<'a>,
 }
 
@@ -38,21 +35,44 @@ pub(crate) enum TileDetail<'a> {
     Lighting(&'a Lights, [f64; 3]),
 }
 
-impl TileSelection<'_> {
+/// Returns the index ranges of the tiles to draw, for consecutive instances of a plane of which the
+/// same tiles are drawn.
+pub(super) fn draws(
+    views: &[TileView<'_>],
+    tiles: &[Tile],
+    calls: &DrawCalls,
+    instances: Range<u32>,
+) -> Vec<(Vec<Range<u32>>, Range<u32>)> {
+    let mut draws: Vec<(Vec<Range<u32>>, Range<u32>)> = Vec::new();
+    for index in instances {
+        let instance = &calls.instances[index as usize];
+        let ranges = views[instance.view as usize].ranges(tiles, instance);
+        match draws.last_mut() {
+            Some((last, instances)) if *last == ranges => instances.end += 1,
+            _ => draws.push((ranges, index..index + 1)),
+        }
+    }
+    draws
+}
+
+impl TileView<'_> {
     /// Returns the index ranges of the tiles inside the frustum, with adjacent ranges merged.
-    /// `instance` is the index of the plane.
-    pub(super) fn ranges(&self, tiles: &[Tile], instance: u32) -> Vec<Range<u32>> {
-        let instance = &self.instances[instance as usize];
+    fn ranges(&self, tiles: &[Tile], instance: &Instance) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
         let mut push = |next: &Range<u32>| match ranges.last_mut() {
             Some(last) if last.end == next.start => last.end = next.end,
             _ => ranges.push(next.clone()),
         };
+        // The planes of the frustum, in the plane's own coordinates x and y.
+        let edges = self.planes.map(|plane| {
+            let along = |axis: usize| (0..3).map(|row| plane[row] * instance.rows[row][axis]).sum::<f32>();
+            [along(0), along(1), along(3) + plane[3]]
+        });
+        let plane = PlacedPlane::new(instance);
         let visible: Vec<(&Tile, bool)> = tiles
             .iter()
-            .map(|tile| (tile, tile_in_world(tile, instance)))
-            .filter(|(_, placed)| !placed.is_outside(self.planes))
-            .map(|(tile, placed)| (tile, self.needs_cells(&placed, instance)))
+            .filter(|tile| !is_outside(tile, &edges))
+            .map(|tile| (tile, self.needs_cells(&plane.tile(tile), instance)))
             .collect();
         // The ranges of each level of detail are adjacent.
         visible.iter().filter(|(_, needs_cells)| *needs_cells).for_each(|(tile, _)| push(&tile.cells));
@@ -71,9 +91,25 @@ impl TileSelection<'_> {
     }
 }
 
+/// Returns `true` if all corners of a tile are on the outer side of one of these lines: a line is
+/// given by its factors of x and y, and a constant.
+fn is_outside(tile: &Tile, lines: &[[f32; 3]; 6]) -> bool {
+    let [low, high] = tile.bounds;
+    let largest = |factor: f32, axis: usize| (factor * low[axis]).max(factor * high[axis]);
+    lines.iter().any(|&[x, y, constant]| largest(x, 0) + largest(y, 1) + constant < 0.0)
+}
+
+/// Plane in world space.
+struct PlacedPlane {
+    /// Axes x and y, which are orthogonal, and the origin.
+    axes: [[f64; 3]; 3],
+    /// Squared lengths of the axes.
+    squared: [f64; 2],
+    normal: [f64; 3],
+}
+
 /// Tile in world space.
 struct PlacedTile {
-    corners: [[f32; 3]; 4],
     centre: [f64; 3],
     radius: f64,
     normal: [f64; 3],
@@ -81,28 +117,28 @@ struct PlacedTile {
     block: f64,
 }
 
-fn tile_in_world(tile: &Tile, instance: &Instance) -> PlacedTile {
-    let at = |[x, y]: [f32; 2]| instance.rows.map(|row| row[0] * x + row[1] * y + row[3]);
-    let [low, high] = tile.bounds;
-    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(at);
-    let centre = at([low[0].midpoint(high[0]), low[1].midpoint(high[1])]).map(f64::from);
-    let axis = |axis: usize| instance.rows.map(|row| f64::from(row[axis]));
-    let squared = |vector: [f64; 3]| dot(&vector, &vector);
-    let distance = |corner: [f32; 3]| squared(difference(corner.map(f64::from), centre)).sqrt();
-    PlacedTile {
-        corners,
-        centre,
-        radius: corners.map(distance).into_iter().fold(0.0, f64::max),
-        normal: unit(axis(2)),
-        block: (0..2).map(|side| squared(axis(side)) * f64::from(tile.block[side]).powi(2)).sum(),
+impl PlacedPlane {
+    fn new(instance: &Instance) -> Self {
+        let axes = [0, 1, 3].map(|column| instance.rows.map(|row| f64::from(row[column])));
+        let normal = unit(instance.rows.map(|row| f64::from(row[2])));
+        Self { axes, squared: [dot(&axes[0], &axes[0]), dot(&axes[1], &axes[1])], normal }
+    }
+
+    fn tile(&self, tile: &Tile) -> PlacedTile {
+        let Self { axes: [x, y, origin], squared, normal } = self;
+        let [low, high] = tile.bounds.map(|corner| corner.map(f64::from));
+        let middle = [0, 1].map(|axis| low[axis].midpoint(high[axis]));
+        let diagonal = |sides: [f64; 2]| squared[0] * sides[0] * sides[0] + squared[1] * sides[1] * sides[1];
+        PlacedTile {
+            centre: [0, 1, 2].map(|k| x[k] * middle[0] + y[k] * middle[1] + origin[k]),
+            radius: 0.5 * diagonal([high[0] - low[0], high[1] - low[1]]).sqrt(),
+            normal: *normal,
+            block: diagonal(tile.block.map(f64::from)),
+        }
     }
 }
 
 impl PlacedTile {
-    fn is_outside(&self, planes: &[[f32; 4]; 6]) -> bool {
-        planes.iter().any(|plane| self.corners.iter().all(|&corner| signed_distance(corner, plane) < 0.0))
-    }
-
     /// Returns `true` if the light on each block of the tile is linear up to [`TOLERANCE`].
     ///
     /// The diffuse light of a source at the height h above the plane and at the distance s is h /
@@ -169,7 +205,7 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::{ActiveLight, PlacedTile, TOLERANCE, difference, dot, tile_in_world, unit};
+    use super::{ActiveLight, PlacedPlane, PlacedTile, TOLERANCE, difference, dot, unit};
     use crate::render::assets::Tile;
     use crate::render::draw_list::Instance;
     use crate::render::view::LightFeatures;
@@ -188,9 +224,10 @@ mod tests {
             texgen: [0.0; 4],
             texture_offset: [0.0; 3],
             id: 1,
+            view: 0,
         };
         let tile = Tile { cells: 0..0, blocks: 0..0, block: [2.0; 2], bounds: [[-1.0; 2], [1.0; 2]] };
-        (tile_in_world(&tile, &instance), instance)
+        (PlacedPlane::new(&instance).tile(&tile), instance)
     }
 
     fn light(pos: [f32; 3], dir: [f32; 3], directional: bool, cutoff: f32) -> ActiveLight {
@@ -246,8 +283,8 @@ mod tests {
             }
             evenly_lit += 1;
             let at = |x: f64, y: f64| {
-                let [low, _, high, _] = placed.corners.map(|corner| corner.map(f64::from));
-                let point = [low[0] + x * (high[0] - low[0]), low[1] + y * (high[1] - low[1]), low[2]];
+                let [low, high] = [-2.0, 2.0].map(|side| [0, 1].map(|axis| placed.centre[axis] + side));
+                let point = [low[0] + x * (high[0] - low[0]), low[1] + y * (high[1] - low[1]), placed.centre[2]];
                 brightness(&active, camera, &instance, point)
             };
             for (column, row) in (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row))) {

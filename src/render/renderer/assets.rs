@@ -3,6 +3,7 @@
 use crate::id::Lineage;
 use crate::render::assets::{Shapes, Textures};
 use crate::render::bounding_volume::AssetBounds;
+use crate::render::draw_list::DrawCalls;
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::pass::DrawContext;
 use crate::render::settings::VisualSettings;
@@ -17,12 +18,14 @@ pub(super) struct Assets {
     pub(super) bounds: AssetBounds,
     pub(super) shapes: Shapes,
     pub(super) textures: Textures,
+    /// The images of a batch are drawn together.
+    pub(super) merges: bool,
 }
 
 impl Assets {
     /// Returns the resources of draw calls, without a selection of tiles.
-    pub(super) fn draw_context<'a>(&'a self, instances: &'a GrowableBuffer) -> DrawContext<'a> {
+    pub(super) fn draw_context<'a>(&'a self, calls: &'a DrawCalls, instances: &'a GrowableBuffer) -> DrawContext<'a> {
         let Self { gpu, shapes, textures, .. } = self;
-        DrawContext { gpu, shapes, textures, instances: instances.buffer(), tiles: None }
+        DrawContext { gpu, shapes, textures, calls, instances: instances.buffer(), tiles: None }
     }
 }

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::Renderer;
 use super::assets::Assets;
+use super::layout::Tiles;
 use super::read_back::drop_alpha;
-use super::tiled::{TiledImages, Tiles};
+use super::tiled::{ImageBytes, TiledImages};
 use crate::error::{Error, Result};
 use crate::render::RenderError;
 use crate::render::draw_list::AuxOutput;
@@ -22,8 +23,12 @@ impl Renderer {
     /// The images equal the results of [`rgb`](Self::rgb) up to rounding, which can change single
     /// pixels at edges.
     ///
-    /// With a graphics card, up to 64 images are drawn at once while the next ones are prepared.
-    /// The guide has [figures](crate::guide::performance#rendering).
+    /// With a graphics card, up to 64 images are drawn together, with one draw call for a shape in
+    /// all of them, and converted to the array while the next ones are prepared. Cameras, lights,
+    /// colours and additional geoms may differ from image to image. Images are drawn one by one if
+    /// they have skins or flexes, and if one of the 64 has labels or differs from the others in the
+    /// number or the types of its lights, the lights with shadows, or the flags for effects. The
+    /// guide has [figures](crate::guide::performance#rendering).
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8
@@ -110,7 +115,7 @@ impl Renderer {
 
     /// Renders images of many simulations. `convert` converts a row of the texture to a row of the
     /// array, which has `channels` numbers per pixel. `aux` is `None` for colours.
-    fn batch_into<T>(
+    fn batch_into<T: bytemuck::Pod>(
         &mut self,
         aux: Option<AuxOutput>,
         mut update: impl FnMut(usize, &mut Scene) -> Result<()>,
@@ -125,11 +130,16 @@ impl Renderer {
         Error::check_length(name, array.len(), count * image)?;
         let scene = Arc::get_mut(snapshot_scene).expect("Bug: the scene of snapshots is shared");
         let gpu = assets.gpu.clone();
-        let tiles = Tiles::new(&gpu, *size, count);
+        let tiles = Tiles::new(assets, *size, count);
         let mut images = array.chunks_exact_mut(image);
-        let mut read = |tile: &mut dyn Iterator<Item = &[u8]>| {
-            let rows = images.next().unwrap_or_default().chunks_exact_mut(row);
-            tile.zip(rows).for_each(|(from, to)| convert(from, to));
+        let mut read = |bytes: ImageBytes<'_>| {
+            let image = images.next().unwrap_or_default();
+            match bytes {
+                ImageBytes::Rows(rows) => {
+                    rows.zip(image.chunks_exact_mut(row)).for_each(|(from, to)| convert(from, to));
+                }
+                ImageBytes::Packed(bytes) => bytemuck::cast_slice_mut(image).copy_from_slice(bytes),
+            }
         };
         // While the images of one submission are rendered, the next ones are prepared.
         let [next, previous] = tiled.each_mut();

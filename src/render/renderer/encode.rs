@@ -34,11 +34,12 @@ impl Renderer {
         output: AuxOutput,
     ) -> Result<(wgpu::SubmissionIndex, bool), RenderError> {
         let gpu = self.assets.gpu.clone();
-        self.frame.prepare_aux(&mut self.assets, scene, self.size, Some(output), true)?;
+        self.frame.prepare(&mut self.assets, scene, self.size, Some(output), true)?;
+        self.frame.upload(&self.assets)?;
         if self.aux_target.as_ref().is_none_or(|target| target.size() != self.size) {
             self.aux_target = Some(AuxTarget::new(&gpu, self.size));
         }
-        let has_transparent = !self.frame.list.transparent.is_empty();
+        let has_transparent = !self.frame.list.calls.transparent.is_empty();
         let mut encoder = command_encoder(&gpu);
         if has_transparent {
             self.encode_aux(&mut encoder, AuxLayer::Opaque, ReadBack::Opaque)?;
@@ -74,7 +75,8 @@ impl Renderer {
     ) -> Result<wgpu::CommandEncoder, RenderError> {
         let Self { assets, frame, target, samples, .. } = self;
         check_size(&assets.gpu, size.map(|length| length as usize))?;
-        frame.prepare_color(assets, scene, size, flip_y)?;
+        frame.prepare(assets, scene, size, None, flip_y)?;
+        frame.upload(assets)?;
         let needs = frame.target_needs(*samples);
         let target = matching_target(&assets.gpu, target, size, format, needs)?;
         let mut encoder = command_encoder(&assets.gpu);
@@ -96,7 +98,8 @@ pub(super) fn color_texture(
 ) -> (wgpu::Texture, wgpu::TextureView) {
     let existing = color.take().filter(|(texture, _)| [texture.width(), texture.height()] == size);
     let (texture, view) = existing.unwrap_or_else(|| {
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        use wgpu::TextureUsages as Usage;
+        let usage = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC | Usage::TEXTURE_BINDING;
         let texture = create_texture(gpu, "image to read back", size, COLOR_FORMAT, 1, usage);
         let view = default_view(&texture);
         (texture, view)

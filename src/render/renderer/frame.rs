@@ -6,11 +6,11 @@ use crate::render::assets::glyph_atlas;
 use crate::render::draw_list::{AuxOutput, DrawList, DrawListInputs};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::pass::{
-    AuxLayer, DrawContext, FrameInputs, Labels, MainPass, ShadowMaps, Sky, Target, TileDetail, TileSelection, draw_ids,
-    draw_segment_colors,
+    AuxLayer, DrawContext, FrameInputs, Labels, MainPass, ShadowMaps, ShadowTextures, Sky, Target, TileDetail,
+    TileView, ViewInputs, draw_ids, draw_segment_colors,
 };
 use crate::render::shader::Shading;
-use crate::render::view::{Lights, UniformData, ViewFrustum, ViewUniforms};
+use crate::render::view::{LightFeatures, Lights, Place, ShadowRegion, UniformData, ViewFrustum, ViewUniforms};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::{RenderFlags, Scene};
 
@@ -20,21 +20,24 @@ pub(super) struct Frame {
     pub(super) shadow_maps: ShadowMaps,
     instances: GrowableBuffer,
     main_pass: MainPass,
-    sky: Sky,
-    labels: Labels,
+    pub(super) sky: Sky,
+    pub(super) labels: Labels,
     /// Uniform buffer and bind group of the view for auxiliary output.
     aux_uniform: GrowableBuffer,
     aux_view: Option<wgpu::BindGroup>,
     /// Set by the last preparation.
-    view: Option<FrameView>,
+    pub(super) view: Option<FrameView>,
 }
 
 /// View of a prepared frame.
-struct FrameView {
-    frustum: ViewFrustum,
-    lights: Lights,
-    flags: RenderFlags,
-    aux: Option<AuxOutput>,
+pub(super) struct FrameView {
+    pub(super) frustum: ViewFrustum,
+    pub(super) lights: Lights,
+    pub(super) features: Vec<LightFeatures>,
+    /// Regions that the shadow maps must have.
+    pub(super) regions: Vec<ShadowRegion>,
+    pub(super) flags: RenderFlags,
+    pub(super) aux: Option<AuxOutput>,
     size: [u32; 2],
 }
 
@@ -52,7 +55,7 @@ impl Frame {
             list: DrawList::default(),
             shadow_maps: ShadowMaps::new(shadow_size),
             instances: GrowableBuffer::new(gpu, "instances", wgpu::BufferUsages::VERTEX),
-            main_pass: MainPass::new(gpu),
+            main_pass: MainPass::new(gpu, false),
             sky: Sky::new(gpu),
             labels: Labels::new(gpu),
             aux_uniform: GrowableBuffer::new(gpu, "uniforms of ids and depths", wgpu::BufferUsages::UNIFORM),
@@ -61,38 +64,35 @@ impl Frame {
         }
     }
 
-    /// Prepares a colour image: the draw list, and uploads of instances and uniforms.
-    pub(super) fn prepare_color(
+    /// Prepares an image: its view, draw list and sky. `aux` is `None` for colours, which are those
+    /// of segments if the scene asks for them.
+    pub(super) fn prepare(
         &mut self,
         assets: &mut Assets,
         scene: &Scene,
         size: [u32; 2],
+        aux: Option<AuxOutput>,
         flip_y: bool,
     ) -> Result<(), RenderError> {
         let flags = scene.render_flags();
-        let aux = flags.contains(RenderFlags::SEGMENT).then_some(if flags.contains(RenderFlags::IDCOLOR) {
-            AuxOutput::IdColors
-        } else {
-            AuxOutput::SegmentColors
-        });
-        if aux.is_some() {
-            return self.prepare_aux(assets, scene, size, aux, flip_y);
+        let colors = if flags.contains(RenderFlags::IDCOLOR) { AuxOutput::IdColors } else { AuxOutput::SegmentColors };
+        let aux = aux.or(flags.contains(RenderFlags::SEGMENT).then_some(colors));
+        self.update(assets, scene, size, aux, flip_y)?;
+        let (Assets { gpu, settings, .. }, Self { list, sky, labels, view: Some(view), .. }) = (&*assets, self) else {
+            return Ok(());
+        };
+        if aux.is_none() {
+            sky.prepare(gpu, list, &view.frustum, settings, flags.contains(RenderFlags::HAZE))?;
+            labels.prepare(gpu, scene, &view.frustum, size)?;
+            if labels.count > 0 && labels.atlas.is_none() {
+                labels.atlas = Some(glyph_atlas(gpu));
+            }
         }
-        let (frustum, lights) = self.update_draw_list(assets, scene, size, None, flip_y)?;
-        let Assets { gpu, settings, .. } = &*assets;
-        let Self { list, shadow_maps, sky, labels, main_pass, .. } = self;
-        shadow_maps.prepare(gpu, &frustum, &lights, list)?;
-        sky.prepare(gpu, list, &frustum, settings, flags.contains(RenderFlags::HAZE))?;
-        labels.prepare(gpu, scene, &frustum, size)?;
-        if labels.count > 0 && labels.atlas.is_none() {
-            labels.atlas = Some(glyph_atlas(gpu));
-        }
-        let view = self.view.insert(FrameView { frustum, lights, flags, aux, size });
-        main_pass.prepare(gpu, &view.inputs(assets), list, shadow_maps)
+        Ok(())
     }
 
-    /// Prepares auxiliary output: the draw list, and uploads of instances and uniforms.
-    pub(super) fn prepare_aux(
+    /// Updates the view and the draw list.
+    fn update(
         &mut self,
         assets: &mut Assets,
         scene: &Scene,
@@ -100,26 +100,6 @@ impl Frame {
         aux: Option<AuxOutput>,
         flip_y: bool,
     ) -> Result<(), RenderError> {
-        let (frustum, lights) = self.update_draw_list(assets, scene, size, aux, flip_y)?;
-        let Assets { gpu, settings, .. } = &*assets;
-        let view = ViewUniforms::new(&frustum, settings, size, false);
-        let is_stale = self.aux_uniform.write(gpu, UniformData::unlit(&view).bytes())?;
-        if is_stale || self.aux_view.is_none() {
-            self.aux_view = Some(gpu.pipelines().view_bind_group(gpu, &self.aux_uniform, &[]));
-        }
-        self.view = Some(FrameView { frustum, lights, flags: scene.render_flags(), aux, size });
-        Ok(())
-    }
-
-    /// Updates the draw list and uploads its instances.
-    fn update_draw_list(
-        &mut self,
-        assets: &mut Assets,
-        scene: &Scene,
-        size: [u32; 2],
-        aux: Option<AuxOutput>,
-        flip_y: bool,
-    ) -> Result<(ViewFrustum, Lights), RenderError> {
         if scene.lineage() != assets.lineage {
             return Err(Error::OtherModel { what: "the scene to draw" }.into());
         }
@@ -128,18 +108,36 @@ impl Frame {
         let has_shadows = aux.is_none() && self.shadow_maps.is_enabled();
         let lights = Lights::new(scene, &frustum, &assets.settings, has_shadows, assets.options.max_lights);
         let Assets { gpu, shapes, textures, bounds, .. } = assets;
-        let list = &mut self.list;
         if aux.is_some_and(AuxOutput::has_depth) {
             shapes.create_depth_levels(gpu)?;
         }
         shapes.update_flexes(gpu, scene)?;
+        let list = &mut self.list;
         list.update(scene, &DrawListInputs { frustum: &frustum, lights: &lights, shapes, textures, bounds, aux });
-        // The stencil mark of the mirror is the last instance.
-        let stencil_mark = list.mirror.as_ref().and_then(|mirror| mirror.stencil_mark);
-        list.instances.extend(stencil_mark.map(|(_, instance)| instance));
-        self.instances.write(gpu, bytemuck::cast_slice(&list.instances))?;
         shapes.update_skins(gpu, scene, &frustum.pixel_rows(size));
-        Ok((frustum, lights))
+        let regions = self.shadow_maps.required_regions(&frustum, &lights, list).collect();
+        let features = lights.features().collect();
+        self.view = Some(FrameView { frustum, lights, features, regions, flags: scene.render_flags(), aux, size });
+        Ok(())
+    }
+
+    /// Uploads the instances and the view of the prepared image, and allocates its shadow maps.
+    pub(super) fn upload(&mut self, assets: &Assets) -> Result<(), RenderError> {
+        let Self { list, shadow_maps, instances, main_pass, sky, aux_uniform, aux_view, view, .. } = self;
+        let (Assets { gpu, settings, .. }, Some(view)) = (assets, view) else { return Ok(()) };
+        instances.write(gpu, bytemuck::cast_slice(&list.calls.instances))?;
+        if view.aux.is_some() {
+            let uniforms = ViewUniforms::new(&view.frustum, settings, view.size, false);
+            if aux_uniform.write(gpu, UniformData::unlit(&uniforms).bytes())? || aux_view.is_none() {
+                *aux_view = Some(gpu.pipelines().view_bind_group(gpu, aux_uniform, &[]));
+            }
+            return Ok(());
+        }
+        shadow_maps.prepare(gpu, &view.lights, list, &view.regions)?;
+        let inputs = view.of_image(list, sky, shadow_maps.regions(), Place::WHOLE);
+        let maps: Vec<_> = shadow_maps.views().collect();
+        let shadows = ShadowTextures { views: &maps, size: shadow_maps.size(), version: shadow_maps.version() };
+        main_pass.prepare(gpu, &view.of_pass(assets, &view.features), &[inputs], &shadows)
     }
 
     /// Returns the render target that the prepared colour image needs, with multisampling of
@@ -161,18 +159,18 @@ impl Frame {
         self.aux_uniform.invalidate();
     }
 
-    /// Returns the number of texels of the allocated shadow maps.
+    /// Returns the number of texels that the shadow maps need.
     pub(super) fn shadow_texels(&self) -> u64 {
         let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        self.shadow_maps.regions().iter().map(|region| texels(region.size)).sum()
+        self.view.iter().flat_map(|view| &view.regions).map(|region| texels(region.size)).sum()
     }
 
     /// Encodes the passes that precede the main pass.
     pub(super) fn encode_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, assets: &Assets) {
         let Some(view) = &self.view else { return };
         if view.aux.is_none() {
-            let draw = assets.draw_context(&self.instances);
-            self.shadow_maps.encode(encoder, &draw, &self.list, view.flags);
+            let draw = assets.draw_context(&self.list.calls, &self.instances);
+            self.shadow_maps.encode(encoder, &draw, view.flags);
         }
     }
 
@@ -180,51 +178,64 @@ impl Frame {
     pub(super) fn draw_color(&mut self, pass: &mut wgpu::RenderPass<'_>, assets: &Assets, target: &Target) {
         let Self { list, shadow_maps, instances, main_pass, sky, labels, aux_view, view, .. } = self;
         let Some(view) = view else { return };
-        let planes = view.frustum.planes();
-        let detail = view.tile_detail(assets);
-        let tiles = Some(TileSelection { planes: &planes, instances: &list.instances, detail });
-        let draw = DrawContext { tiles, ..assets.draw_context(instances) };
+        let tile_views = [view.tiles(assets)];
+        let draw = DrawContext { tiles: Some(&tile_views), ..assets.draw_context(&list.calls, instances) };
         if view.aux.is_some() {
             let flips = [view.flags.contains(RenderFlags::CULL_FACE), view.frustum.flip_y];
             if let Some(aux_view) = aux_view {
-                draw_segment_colors(pass, &draw, list, aux_view, target, flips);
+                draw_segment_colors(pass, &draw, aux_view, target, flips);
             }
             return;
         }
-        main_pass.draw(pass, &draw, &view.inputs(assets), list, (shadow_maps, sky, labels), target);
+        let inputs = view.of_image(list, sky, shadow_maps.regions(), Place::WHOLE);
+        let maps: Vec<_> = shadow_maps.views().collect();
+        let frame = view.of_pass(assets, &view.features);
+        main_pass.draw(pass, &draw, &frame, &[inputs], (&maps, labels), target);
     }
 
     /// Draws the geom ids and depths of the prepared auxiliary output in a pass.
     pub(super) fn draw_ids(&self, pass: &mut wgpu::RenderPass<'_>, assets: &Assets, layer: AuxLayer) {
         if let (Some(view), Some(aux_view)) = (&self.view, &self.aux_view) {
-            let planes = view.frustum.planes();
-            let detail = view.tile_detail(assets);
-            let tiles = Some(TileSelection { planes: &planes, instances: &self.list.instances, detail });
-            let draw = DrawContext { tiles, ..assets.draw_context(&self.instances) };
-            draw_ids(pass, &draw, &self.list, aux_view, (layer, view.flags.contains(RenderFlags::CULL_FACE)));
+            let tile_views = [view.tiles(assets)];
+            let draw = assets.draw_context(&self.list.calls, &self.instances);
+            let draw = DrawContext { tiles: Some(&tile_views), ..draw };
+            draw_ids(pass, &draw, (aux_view, None), (layer, view.flags.contains(RenderFlags::CULL_FACE)));
         }
     }
 }
 
 impl FrameView {
-    /// Returns the level of detail of the tiles of large planes.
-    fn tile_detail(&self, assets: &Assets) -> TileDetail<'_> {
+    /// Returns the view in which tiles of large planes are visible, and their level of detail.
+    pub(super) fn tiles(&self, assets: &Assets) -> TileView<'_> {
         let is_lit_per_vertex = self.aux.is_none() && assets.options.lighting == Lighting::PerVertex;
-        if self.aux.is_none() && self.flags.contains(RenderFlags::WIREFRAME) {
+        let detail = if self.aux.is_none() && self.flags.contains(RenderFlags::WIREFRAME) {
             TileDetail::Cells
         } else if is_lit_per_vertex {
             TileDetail::Lighting(&self.lights, self.frustum.position)
         } else {
             TileDetail::Blocks
-        }
+        };
+        TileView { planes: self.frustum.planes(), detail }
     }
 
-    fn inputs<'a>(&'a self, assets: &'a Assets) -> FrameInputs<'a> {
+    /// Returns the inputs of a main pass with lights of these features.
+    pub(super) fn of_pass<'a>(&self, assets: &'a Assets, features: &'a [LightFeatures]) -> FrameInputs<'a> {
         let shading = match assets.options.lighting {
             Lighting::PerPixel => Shading::Pixel,
             Lighting::PerVertex => Shading::Vertex,
         };
-        let Self { frustum, lights, flags, size, .. } = self;
-        FrameInputs { frustum, lights, settings: &assets.settings, size: *size, flags: *flags, shading }
+        FrameInputs { settings: &assets.settings, features, size: self.size, flags: self.flags, shading }
+    }
+
+    /// Returns the inputs of its image in a main pass.
+    pub(super) fn of_image<'a>(
+        &'a self,
+        list: &'a DrawList,
+        sky: &'a Sky,
+        regions: &'a [ShadowRegion],
+        place: Place,
+    ) -> ViewInputs<'a> {
+        let Self { frustum, lights, .. } = self;
+        ViewInputs { frustum, lights, mirror: list.mirror.as_ref(), sky, regions, place }
     }
 }

@@ -5,6 +5,8 @@ mod batch;
 mod encode;
 mod frame;
 mod images;
+mod layout;
+mod merged;
 mod read_back;
 mod snapshot;
 mod tiled;
@@ -26,7 +28,7 @@ use super::gpu::buffer::ReadBackBuffer;
 use super::pass::{AuxTarget, COLOR_FORMAT, Target, check_size, too_large};
 use super::settings::VisualSettings;
 use super::support;
-use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
+use super::{DepthImage, Gpu, GpuKind, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
 use crate::id::IntoId;
 use crate::kind;
@@ -142,6 +144,8 @@ impl Renderer {
                 textures: Textures::new(gpu, model),
                 settings,
                 options,
+                // A software rasteriser takes up to 1.5 times as long to draw images together.
+                merges: gpu.can_merge() && gpu.kind() != GpuKind::Software,
             };
             Ok(Self {
                 assets,
@@ -379,6 +383,15 @@ impl Renderer {
             Ok(())
         })
         .inspect_err(|_| self.frame.invalidate())
+    }
+
+    /// Has the images of batches drawn together, or one by one, for tests. By default hardware
+    /// draws them together. Returns `false` if the adapter cannot.
+    #[doc(hidden)]
+    pub fn set_merging(&mut self, merges: bool) -> bool {
+        let can_merge = self.assets.gpu.can_merge();
+        self.assets.merges = merges && can_merge;
+        can_merge
     }
 
     /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on

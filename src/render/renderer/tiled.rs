@@ -4,69 +4,26 @@
 use super::assets::Assets;
 use super::encode::{color_texture, command_encoder, matching_target};
 use super::frame::{Frame, TargetNeeds};
+use super::layout::Tiles;
+use super::merged::Merged;
 use crate::render::draw_list::AuxOutput;
 use crate::render::gpu::buffer::ReadBackBuffer;
-use crate::render::pass::{AuxLayer, AuxTarget, COLOR_FORMAT, Target, begin_ids, begin_main};
-use crate::render::{Gpu, GpuKind, RenderError};
+use crate::render::pass::{
+    AuxLayer, AuxTarget, COLOR_FORMAT, Pack, PackedImages, Packing, Target, begin_ids, begin_main,
+};
+use crate::render::{Gpu, RenderError};
 use crate::scene::{Scene, SceneGeomType};
-
-/// Largest number of images in a submission to a software rasteriser. With 16, depth images took
-/// longer than with single calls.
-const MAX_IMAGES_SOFTWARE: usize = 4;
-
-/// Largest number of images in a submission to hardware.
-const MAX_IMAGES_HARDWARE: usize = 64;
-
-/// Largest number of pixels in a submission, unless one image has more.
-const MAX_PIXELS: usize = 1 << 19;
 
 /// Number of texels of shadow maps from which a submission takes no further image, to limit the
 /// memory.
 const MAX_SHADOW_TEXELS: u64 = 1 << 24;
 
-/// Layout of the tiles in the texture.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tiles {
-    /// Width and height of a tile, pixels.
-    tile: [u32; 2],
-    columns: u32,
-    count: u32,
-}
-
-impl Tiles {
-    /// Computes the layout for a number of images.
-    pub(super) fn new(gpu: &Gpu, tile: [u32; 2], images: usize) -> Self {
-        let pixels = tile[0] as usize * tile[1] as usize;
-        let most = if gpu.kind() == GpuKind::Software { MAX_IMAGES_SOFTWARE } else { MAX_IMAGES_HARDWARE };
-        let count = images.min(most).min(MAX_PIXELS / pixels).max(1) as u32;
-        let [most_columns, most_rows] = tile.map(|length| (gpu.limits().max_texture_dimension_2d / length).max(1));
-        let columns = (f64::from(count).sqrt().ceil() as u32).min(most_columns);
-        Self { tile, columns, count: count.min(columns.saturating_mul(most_rows)) }
-    }
-
-    /// Returns the width and height of the texture, pixels.
-    fn size(&self) -> [u32; 2] {
-        [self.columns * self.tile[0], self.count.div_ceil(self.columns) * self.tile[1]]
-    }
-
-    /// Returns the first pixel of a tile.
-    fn origin(&self, index: usize) -> [u32; 2] {
-        let index = index as u32;
-        [index % self.columns * self.tile[0], index / self.columns * self.tile[1]]
-    }
-
-    /// Limits a pass to a tile.
-    fn select(&self, pass: &mut wgpu::RenderPass<'_>, index: usize) {
-        let ([x, y], [width, height]) = (self.origin(index), self.tile);
-        pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
-        pass.set_scissor_rect(x, y, width, height);
-    }
-}
-
 /// Frames of the images of a submission, and its render targets.
 #[derive(Default)]
 pub(super) struct TiledImages {
     frames: Vec<Frame>,
+    /// Resources to draw the images together.
+    merged: Option<Box<Merged>>,
     /// Number of prepared frames, whose images have not been submitted.
     pending: usize,
     /// Properties of the render target of the pending frames.
@@ -75,6 +32,7 @@ pub(super) struct TiledImages {
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     aux_target: Option<AuxTarget>,
     read_back: Option<ReadBackBuffer>,
+    pack: Option<Pack>,
     submitted: Option<Submitted>,
 }
 
@@ -82,11 +40,27 @@ pub(super) struct TiledImages {
 struct Submitted {
     submission: wgpu::SubmissionIndex,
     images: usize,
-    bytes_per_pixel: usize,
+    content: Content,
 }
 
-/// Receives the rows of the next image, from the upper left.
-type Read<'r> = dyn FnMut(&mut dyn Iterator<Item = &[u8]>) + 'r;
+/// Content of the buffer that is read back.
+enum Content {
+    /// The texture, whose pixels have this number of bytes.
+    Texture { bytes_per_pixel: usize },
+    /// The numbers of the images.
+    Packed(Packing),
+}
+
+/// Bytes of an image.
+pub(super) enum ImageBytes<'a> {
+    /// Rows of pixels of the texture, from the upper left.
+    Rows(&'a mut dyn Iterator<Item = &'a [u8]>),
+    /// The numbers of the image.
+    Packed(&'a [u8]),
+}
+
+/// Receives the next image.
+type Read<'r> = dyn FnMut(ImageBytes<'_>) + 'r;
 
 impl TiledImages {
     /// Discards the images of a call that has failed.
@@ -101,6 +75,7 @@ impl TiledImages {
     /// executed.
     pub(super) fn invalidate(&mut self) {
         self.frames.iter_mut().for_each(Frame::invalidate);
+        self.merged.iter_mut().for_each(|merged| merged.invalidate());
     }
 
     /// Prepares the image of a scene. Returns `false`, and leaves the images as they were, if it
@@ -116,10 +91,7 @@ impl TiledImages {
             self.frames.push(Frame::new(&assets.gpu, shadow_size));
         }
         let frame = &mut self.frames[self.pending];
-        match aux {
-            None => frame.prepare_color(assets, scene, tiles.tile, true)?,
-            Some(_) => frame.prepare_aux(assets, scene, tiles.tile, aux, true)?,
-        }
+        frame.prepare(assets, scene, tiles.tile, aux, true)?;
         let needs = Some(frame.target_needs(samples));
         if self.pending > 0 && needs != self.needs {
             return Ok(false);
@@ -141,56 +113,102 @@ impl TiledImages {
 
     /// Submits the commands that render the pending images and copy them to the read-back buffer.
     pub(super) fn submit(&mut self, assets: &Assets, tiles: &Tiles, aux: Option<AuxOutput>) -> Result<(), RenderError> {
-        let Self { frames, pending, needs, target, color, aux_target, read_back, submitted } = self;
+        let Self { frames, merged, pending, needs, target, color, aux_target, read_back, pack, submitted } = self;
         let (gpu, size) = (&assets.gpu, tiles.size());
         let Some(needs) = *needs else { return Ok(()) };
         let frames = &mut frames[..*pending];
+        let shadow_size = frames.first().map_or(0, |frame| frame.shadow_maps.size());
+        let mut merged = (frames.len() > 1 && assets.merges)
+            .then(|| merged.get_or_insert_with(|| Box::new(Merged::new(gpu, shadow_size))));
+        if let Some(resources) = &mut merged
+            && !resources.prepare(assets, frames, tiles)?
+        {
+            merged = None;
+        }
+        if merged.is_none() {
+            frames.iter_mut().try_for_each(|frame| frame.upload(assets))?;
+        }
         let mut encoder = command_encoder(gpu);
         let (texture, bytes_per_pixel) = if aux.is_none() {
             let (texture, view) = color_texture(gpu, color, size);
             let target = matching_target(gpu, target, size, COLOR_FORMAT, needs)?;
-            for frame in frames.iter_mut() {
-                frame.encode_shadows(&mut encoder, assets);
-            }
-            let mut pass = begin_main(&mut encoder, target, &view);
-            for (index, frame) in frames.iter_mut().enumerate() {
-                tiles.select(&mut pass, index);
-                frame.draw_color(&mut pass, assets, target);
+            if let Some(merged) = merged {
+                merged.encode_shadows(&mut encoder, assets, frames);
+                merged.draw_color(&mut begin_main(&mut encoder, target, &view), assets, frames, tiles, target);
+            } else {
+                for frame in &mut *frames {
+                    frame.encode_shadows(&mut encoder, assets);
+                }
+                let mut pass = begin_main(&mut encoder, target, &view);
+                for (index, frame) in frames.iter_mut().enumerate() {
+                    tiles.select(&mut pass, index);
+                    frame.draw_color(&mut pass, assets, target);
+                }
             }
             (texture, 4)
         } else {
             let existing = aux_target.take().filter(|target| target.size() == size);
             let target = aux_target.insert(existing.unwrap_or_else(|| AuxTarget::new(gpu, size)));
             let mut pass = begin_ids(&mut encoder, target, AuxLayer::Only);
-            for (index, frame) in frames.iter().enumerate() {
-                tiles.select(&mut pass, index);
-                frame.draw_ids(&mut pass, assets, AuxLayer::Only);
+            if let Some(merged) = merged {
+                merged.draw_ids(&mut pass, assets, frames);
+            } else {
+                for (index, frame) in frames.iter().enumerate() {
+                    tiles.select(&mut pass, index);
+                    frame.draw_ids(&mut pass, assets, AuxLayer::Only);
+                }
             }
+            drop(pass);
             (target.texture.clone(), 8)
         };
-        let existing = read_back.take().filter(|buffer| buffer.matches(size, bytes_per_pixel));
-        let buffer = match existing {
-            Some(buffer) => buffer,
-            None => ReadBackBuffer::new(gpu, size, bytes_per_pixel)?,
+        // An image that fills a submission by itself may exceed the limits of a compute pass.
+        let content = if let Some(packing) = packing(aux).filter(|_| assets.merges && tiles.count > 1) {
+            let images = PackedImages { size: tiles.tile, columns: tiles.columns, count: tiles.count };
+            let existing = pack.take().filter(|pack| pack.matches(packing, images, &texture));
+            pack.insert(existing.unwrap_or_else(|| Pack::new(gpu, packing, images, &texture))).encode(&mut encoder);
+            Content::Packed(packing)
+        } else {
+            let existing = read_back.take().filter(|buffer| buffer.matches(size, bytes_per_pixel));
+            let buffer = match existing {
+                Some(buffer) => buffer,
+                None => ReadBackBuffer::new(gpu, size, bytes_per_pixel)?,
+            };
+            read_back.insert(buffer).encode(&mut encoder, &texture);
+            Content::Texture { bytes_per_pixel: bytes_per_pixel as usize }
         };
-        read_back.insert(buffer).encode(&mut encoder, &texture);
-        let (images, bytes_per_pixel) = (std::mem::take(pending), bytes_per_pixel as usize);
-        *submitted = Some(Submitted { submission: gpu.submit(encoder), images, bytes_per_pixel });
+        *submitted = Some(Submitted { submission: gpu.submit(encoder), images: std::mem::take(pending), content });
         Ok(())
     }
 
     /// Waits for the submitted images, if there are any, and passes them to `read`.
     pub(super) fn finish(&mut self, gpu: &Gpu, tiles: &Tiles, read: &mut Read<'_>) -> Result<(), RenderError> {
-        let (Some(submitted), Some(buffer)) = (self.submitted.take(), &self.read_back) else { return Ok(()) };
-        let Submitted { submission, images, bytes_per_pixel } = submitted;
+        let Some(Submitted { submission, images, content }) = self.submitted.take() else { return Ok(()) };
         let [width, height] = tiles.tile.map(|length| length as usize);
-        buffer.mapped(gpu, submission, |rows| {
-            for index in 0..images {
-                let [x, y] = tiles.origin(index).map(|place| place as usize);
-                let columns = x * bytes_per_pixel..(x + width) * bytes_per_pixel;
-                // Images are rendered upside down.
-                read(&mut rows.clone().skip(y).take(height).rev().map(|row| &row[columns.clone()]));
-            }
-        })
+        match (content, &self.read_back, &self.pack) {
+            (Content::Texture { bytes_per_pixel }, Some(buffer), _) => buffer.mapped(gpu, submission, |rows| {
+                for index in 0..images {
+                    let [x, y] = tiles.origin(index).map(|place| place as usize);
+                    let columns = x * bytes_per_pixel..(x + width) * bytes_per_pixel;
+                    // Images are rendered upside down.
+                    let mut rows = rows.clone().skip(y).take(height).rev().map(|row| &row[columns.clone()]);
+                    read(ImageBytes::Rows(&mut rows));
+                }
+            }),
+            (Content::Packed(packing), _, Some(pack)) => pack.mapped(gpu, submission, |bytes| {
+                let image = width * height * packing.bytes_per_pixel() as usize;
+                bytes.chunks_exact(image).take(images).for_each(|bytes| read(ImageBytes::Packed(bytes)));
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Returns the numbers of an image with this auxiliary output, or of colours.
+fn packing(aux: Option<AuxOutput>) -> Option<Packing> {
+    match aux {
+        None => Some(Packing::Rgb),
+        Some(AuxOutput::Ids) => Some(Packing::Ids),
+        Some(AuxOutput::Depth) => Some(Packing::Depths),
+        Some(_) => None,
     }
 }

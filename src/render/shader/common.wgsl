@@ -18,8 +18,10 @@ struct Light {
 struct Shadow {
     // Projection from world space to texels and depths.
     texels: mat4x4f,
-    // Coordinates of the last texel; farthest depth.
-    last: vec4f,
+    // Coordinates of the first and of the last texel.
+    bounds: vec4f,
+    // Farthest depth.
+    farthest: vec4f,
 }
 
 // Point of a surface.
@@ -56,6 +58,14 @@ fn power_of_square(square: f32, exponent: f32) -> f32 {
 }
 //#end
 
+// Place of an image in a texture of several images. `view/uniform.rs` declares the same structure.
+struct Place {
+    // Scale and offset along x and y from the clip coordinates of the image to those of the texture.
+    tile: vec4f,
+    // Smallest x and y, and largest x and y, that are drawn, in clip coordinates of the image.
+    edges: vec4f,
+}
+
 // Per-view uniforms. `view/uniform.rs` declares the same structure.
 struct View {
     clip: mat4x4f,
@@ -74,15 +84,38 @@ struct View {
     pixels: vec4f,
     // Colour of the haze; distance of the skybox.
     sky: vec4f,
+    place: Place,
 //#if LIGHTS
     lights: array<Light, LIGHT_COUNT>,
 //#end
 //#if SHADOWS
     shadows: array<Shadow, SHADOW_COUNT>,
 //#end
+//#if PADDED
+    unread: array<vec4f, UNREAD_COUNT>,
+//#end
 }
 
+//#if SINGLE
 @group(0) @binding(0) var<uniform> view: View;
+//#end
+//#if MERGED
+// The views of all images. In the code, `view` is replaced by the element for the image.
+@group(0) @binding(0) var<storage, read> views: array<View>;
+var<private> view_index: u32;
+
+// Returns the distances of a point from the edges of its image, in clip coordinates of the image.
+fn edge_distances(point: vec4f) -> array<f32, 4> {
+    let edges = view.place.edges * point.w;
+    return array<f32, 4>(point.x - edges.x, point.y - edges.y, edges.z - point.x, edges.w - point.y);
+}
+
+// Returns the clip coordinates in the texture of all images.
+fn placed(point: vec4f) -> vec4f {
+    let tile = view.place.tile;
+    return vec4f(point.xy * tile.xy + point.w * tile.zw, point.zw);
+}
+//#end
 
 //#if FOG
 fn apply_fog(color: vec3f, depth: f32) -> vec3f {
@@ -131,6 +164,9 @@ struct Instance {
 //#end
 //#if INSTANCE_ID
     @location(9) id: u32,
+//#end
+//#if MERGED
+    @location(13) view: u32,
 //#end
 }
 

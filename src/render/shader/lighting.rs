@@ -124,8 +124,9 @@ impl LightingCode {
         let _ = write!(
             self.fragment_shadow,
             "    let at_{index} = shadow_{index}.{divided};\n    \
-             let texel_{index} = vec2i(clamp(at_{index}.xy, vec2f(0.0), view.shadows[{index}].last.xy));\n    \
-             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r{condition} {{\n        \
+             let bounds_{index} = view.shadows[{index}].bounds;\n    \
+             let texel_{index} = vec2i(clamp(at_{index}.xy, bounds_{index}.xy, bounds_{index}.zw));\n    \
+             if min(at_{index}.z, view.shadows[{index}].farthest.x) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r{condition} {{\n        \
              color += {lit};\n    }}\n"
         );
     }

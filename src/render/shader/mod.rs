@@ -6,6 +6,7 @@
 //! remain if the flag is set, and a line `//#name` is replaced by generated code.
 
 mod lighting;
+mod merged;
 
 use std::fmt::Write;
 
@@ -71,6 +72,9 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) clip: bool,
     /// The image has one sample per pixel.
     pub(crate) aliased: bool,
+    /// Several images are drawn together, whose views are in an array: number of vectors of four
+    /// numbers in a view.
+    pub(crate) vectors: Option<u32>,
 }
 
 impl ShaderVariant<'_> {
@@ -111,6 +115,7 @@ impl ShaderVariant<'_> {
             11 => self.quad_edges,
             6 => self.reads_instance(Output::Color),
             9 => self.reads_instance(Output::Ids),
+            13 => self.vectors.is_some(),
             _ => true,
         }
     }
@@ -128,7 +133,12 @@ impl ShaderVariant<'_> {
             ShaderKind::Sky { .. } => include_str!("sky.wgsl"),
             ShaderKind::Label => include_str!("label.wgsl"),
         };
+        let lights = if has_lights { self.lights.len() } else { 0 };
+        let unread = merged::unread_vectors(self.vectors, lights, shadows);
         let flags = [
+            ("SINGLE", self.vectors.is_none()),
+            ("MERGED", self.vectors.is_some()),
+            ("PADDED", unread > 0),
             ("COLOR", self.output == Output::Color),
             ("IDS", self.output == Output::Ids),
             ("INSTANCED", !matches!(self.kind, ShaderKind::Sky { .. } | ShaderKind::Label)),
@@ -164,7 +174,10 @@ impl ShaderVariant<'_> {
         };
         let mut source = preprocess(&[include_str!("common.wgsl"), file], &flags, &lighting.inserts());
         source.push_str(&lighting.functions);
-        source.replace("LIGHT_COUNT", &self.lights.len().to_string()).replace("SHADOW_COUNT", &shadows.to_string())
+        for (name, count) in [("LIGHT_COUNT", lights), ("SHADOW_COUNT", shadows), ("UNREAD_COUNT", unread)] {
+            source = source.replace(name, &count.to_string());
+        }
+        if self.vectors.is_some() { merged::of_single_view(&source) } else { source }
     }
 }
 

@@ -20,7 +20,7 @@ struct Varyings {
 // Vertices of the skybox are relative to the camera, vertices of the haze in world space. The w
 // component of the vertex is 1 for the haze.
 @vertex
-fn vs_main(@location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
+fn vs_main(@builtin(instance_index) image: u32, @location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
     var out: Varyings;
     let world = select(view.camera.xyz + vertex.xyz * view.sky.w, vertex.xyz, vertex.w > 0.5);
     out.position = view.clip * vec4f(world, 1.0);

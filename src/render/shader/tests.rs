@@ -4,13 +4,22 @@ use wgpu::naga::front::wgsl;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::{Output, ShaderKind, ShaderVariant, Shading, TextureKind, preprocess};
-use crate::render::view::LightFeatures;
+use crate::render::view::{LightFeatures, UniformData};
 
+/// Checks the shader of one image and, unless it is of labels, that of several.
 fn check(variant: &ShaderVariant<'_>) {
-    let source = variant.source();
-    let module = wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(&source)));
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-    validator.validate(&module).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(&source)));
+    check_source(&variant.source());
+    if variant.kind != ShaderKind::Label {
+        let [view, light, shadow] = UniformData::VECTORS;
+        let vectors = view + (light + shadow) * variant.lights.len();
+        check_source(&ShaderVariant { vectors: Some(vectors as u32), ..*variant }.source());
+    }
+}
+
+fn check_source(source: &str) {
+    let module = wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(source)));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::CLIP_DISTANCES);
+    validator.validate(&module).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(source)));
 }
 
 /// Decodes light features from the bits of a number.
@@ -39,6 +48,7 @@ const SURFACE: ShaderVariant<'static> = ShaderVariant {
     quad_edges: false,
     clip: false,
     aliased: false,
+    vectors: None,
 };
 
 #[test]
@@ -99,6 +109,7 @@ fn every_shader_is_valid_with_every_option() {
                             quad_edges,
                             clip,
                             aliased,
+                            vectors: None,
                         });
                     }
                 }

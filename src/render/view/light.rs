@@ -31,6 +31,23 @@ pub(crate) struct LightFeatures {
     pub(crate) shadow: bool,
 }
 
+impl LightFeatures {
+    /// Returns the features of either of two lights, whose code serves both; `None` if no code
+    /// does.
+    pub(crate) fn union(self, other: Self) -> Option<Self> {
+        let Self { directional, attenuated, spot, focused, ambient, specular, shadow } = self;
+        ((directional, shadow) == (other.directional, other.shadow)).then_some(Self {
+            directional,
+            attenuated: attenuated || other.attenuated,
+            spot: spot || other.spot,
+            focused: focused || other.focused,
+            ambient: ambient || other.ambient,
+            specular: specular || other.specular,
+            shadow,
+        })
+    }
+}
+
 /// Light of the scene, validated.
 #[derive(Debug, Clone)]
 pub(crate) struct ActiveLight {

@@ -8,7 +8,7 @@ mod uniform;
 pub(crate) use self::light::{ActiveLight, LightFeatures, Lights, MAX_SHADOWS};
 use self::matrix::{Matrix4, apply, look_to, orthographic, perspective, product, row, similarity};
 pub(crate) use self::shadow_region::{ShadowRegion, reduction};
-pub(crate) use self::uniform::{UniformData, ViewUniforms};
+pub(crate) use self::uniform::{Place, UniformData, ViewUniforms};
 use super::settings::is_drawable;
 use crate::error::{Error, Result};
 use crate::numerics::spatial::dot;

@@ -13,11 +13,16 @@ pub(crate) struct ShadowRegion {
     pub(crate) reduction: u32,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
+    /// First texel of the region in its texture.
+    pub(crate) place: [u32; 2],
     /// Number of frames since the map was cleared; see [`depth_range`](Self::depth_range).
     pub(crate) frames_since_clear: u32,
 }
 
 impl ShadowRegion {
+    /// Depth range of the frame in which the map is cleared.
+    pub(crate) const CLEARED_RANGE: [f32; 2] = [0.5, 1.0];
+
     /// Returns the transformation from the clip space of the light to the clip space of the region,
     /// for a full map of `size` texels. The full map has a border of one texel, to which nothing is
     /// rendered.
@@ -51,9 +56,9 @@ impl ShadowRegion {
         let [near, far] = self.depth_range().map(f64::from);
         (matrix[2][2], matrix[3][2]) = (far - near, near);
         let half = f64::from(size) / 2.0 / f64::from(self.reduction);
-        for (axis, origin) in self.origin.into_iter().enumerate() {
+        for (axis, (origin, place)) in self.origin.into_iter().zip(self.place).enumerate() {
             matrix[axis][axis] = half;
-            matrix[3][axis] = half - f64::from(origin);
+            matrix[3][axis] = half - f64::from(origin) + f64::from(place);
         }
         matrix
     }

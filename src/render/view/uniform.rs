@@ -25,6 +25,39 @@ pub(crate) struct ViewUniforms {
     pub(crate) pixels: [f32; 4],
     /// Colour of the haze; distance of the skybox.
     pub(crate) sky: [f32; 4],
+    pub(crate) place: Place,
+}
+
+/// Place of an image in a texture of several images. The image has clip coordinates of its own.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Place {
+    /// Scale and offset along x and y from the clip coordinates of the image to those of the
+    /// texture.
+    tile: [f32; 4],
+    /// Smallest x and y, and largest x and y, that are drawn, in clip coordinates of the image.
+    edges: [f32; 4],
+}
+
+impl Place {
+    /// The whole texture.
+    pub(crate) const WHOLE: Self = Self { tile: [1.0, 1.0, 0.0, 0.0], edges: [-1.0, -1.0, 1.0, 1.0] };
+
+    /// Returns the place of an image of `size` whose upper left pixel is `origin` in a texture of
+    /// the size `of`.
+    pub(crate) fn new(origin: [u32; 2], size: [u32; 2], of: [u32; 2]) -> Self {
+        let [scale_x, scale_y] = [0, 1].map(|axis| f64::from(size[axis]) / f64::from(of[axis]));
+        let [x, y] = [0, 1].map(|axis| 2.0 * f64::from(origin[axis]) / f64::from(of[axis]) - 1.0);
+        Self { tile: [scale_x, scale_y, x + scale_x, -y - scale_y].map(|number| number as f32), ..Self::WHOLE }
+    }
+
+    /// Limits the drawn part of the image of `size` to ranges of pixels in x and y, of which the
+    /// first row is the upper one. `None` is an empty part.
+    pub(crate) fn limited(self, part: Option<[[u32; 2]; 2]>, size: [u32; 2]) -> Self {
+        let Some([x, y]) = part else { return Self { edges: [1.0, 1.0, -1.0, -1.0], ..self } };
+        let clip = |pixel: u32, axis: usize| 2.0 * pixel as f32 / size[axis] as f32 - 1.0;
+        Self { edges: [clip(x[0], 0), -clip(y[1], 1), clip(x[1], 0), -clip(y[0], 1)], ..self }
+    }
 }
 
 /// Light in the uniform buffer. `common.wgsl` declares the same structure.
@@ -48,8 +81,10 @@ struct LightUniforms {
 struct ShadowUniforms {
     /// Projection from world space to texels and depths.
     texels: [[f32; 4]; 4],
-    /// Coordinates of the last texel; farthest depth.
-    last: [f32; 4],
+    /// Coordinates of the first and of the last texel.
+    bounds: [f32; 4],
+    /// Farthest depth.
+    farthest: [f32; 4],
 }
 
 impl ViewUniforms {
@@ -78,44 +113,63 @@ impl ViewUniforms {
             plane: [0.0, 0.0, 0.0, 1.0],
             pixels: [width as f32, height as f32, settings.line_width, frustum.range[0] as f32],
             sky: [red, green, blue, frustum.sky_distance() as f32],
+            place: Place::WHOLE,
         }
     }
 
-    /// Returns the uniforms of a shadow map, of which only the projection is used.
-    pub(crate) fn of_shadow_map(clip: &Matrix4) -> Self {
-        Self { clip: to_f32(clip), ..bytemuck::Zeroable::zeroed() }
+    /// Returns the uniforms of a shadow map, of which only the projection and the place are used.
+    pub(crate) fn of_shadow_map(clip: &Matrix4, place: Place) -> Self {
+        Self { clip: to_f32(clip), place, ..bytemuck::Zeroable::zeroed() }
     }
 }
 
-/// Contents of the uniform buffer of a view.
+/// Contents of the uniform buffer of a view, or of the storage buffer of several views.
 #[derive(Debug, Default)]
 pub(crate) struct UniformData {
     bytes: Vec<u8>,
 }
 
 impl UniformData {
+    /// Vectors of four numbers in a view without lights, in a light, and in a shadow map.
+    pub(crate) const VECTORS: [usize; 3] =
+        [size_of::<ViewUniforms>() / 16, size_of::<LightUniforms>() / 16, size_of::<ShadowUniforms>() / 16];
+
     /// Creates the uniforms of a view without lights.
     pub(crate) fn unlit(view: &ViewUniforms) -> Self {
         Self { bytes: bytemuck::bytes_of(view).to_vec() }
     }
 
-    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels
-    /// unless `regions` is empty.
-    pub(crate) fn lit(view: &ViewUniforms, lights: &Lights, regions: &[ShadowRegion], shadow_size: u32) -> Self {
+    /// Appends a view without lights.
+    pub(crate) fn push_unlit(&mut self, view: &ViewUniforms) {
+        self.push(view);
+    }
+
+    /// Appends a view with lights, and with shadow maps of `shadow_size` texels unless `regions` is
+    /// empty.
+    pub(crate) fn push_lit(
+        &mut self,
+        view: &ViewUniforms,
+        lights: &Lights,
+        regions: &[ShadowRegion],
+        shadow_size: u32,
+    ) {
         let mut view = *view;
         if lights.ambient_only {
             view.ambient = [0.3, 0.3, 0.3, 1.0];
         }
-        let mut uniforms = Self::unlit(&view);
+        self.push(&view);
         for active in &lights.active {
             let light = &active.light;
             let dir = unit(light.dir.map(f64::from)).map(|part| part as f32);
             let vec4 = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
             let position = if active.features.directional { dir.map(|part| -part) } else { light.pos };
-            uniforms.push(&LightUniforms {
+            // Code for a spotlight has no effect on other lights.
+            let exponent = if active.features.focused { light.exponent } else { 0.0 };
+            let cutoff = if active.features.spot { light.cutoff.to_radians().cos() } else { -2.0 };
+            self.push(&LightUniforms {
                 position: vec4(position, 0.0),
-                axis: vec4(dir, light.exponent),
-                attenuation: vec4(light.attenuation, light.cutoff.to_radians().cos()),
+                axis: vec4(dir, exponent),
+                attenuation: vec4(light.attenuation, cutoff),
                 ambient: vec4(light.ambient, 0.0),
                 diffuse: vec4(light.diffuse, 0.0),
                 specular: vec4(light.specular, 0.0),
@@ -124,13 +178,14 @@ impl UniformData {
         for (matrix, region) in lights.shadows().zip(regions) {
             let clip_to_texels = region.clip_to_texels(shadow_size);
             debug_assert_eq!(row(&clip_to_texels, 3), [0.0, 0.0, 0.0, 1.0], "w must be unchanged");
-            let last = region.size.map(|length| length as f32 - 1.0);
-            uniforms.push(&ShadowUniforms {
+            let [first, last] =
+                [[0, 0], region.size.map(|length| length - 1)].map(|[x, y]| [region.place[0] + x, region.place[1] + y]);
+            self.push(&ShadowUniforms {
                 texels: to_f32(&product(&clip_to_texels, matrix)),
-                last: [last[0], last[1], region.depth_range()[1], 0.0],
+                bounds: [first[0], first[1], last[0], last[1]].map(|texel| texel as f32),
+                farthest: [region.depth_range()[1], 0.0, 0.0, 0.0],
             });
         }
-        uniforms
     }
 
     pub(crate) fn bytes(&self) -> &[u8] {
@@ -149,7 +204,7 @@ mod tests {
     use wgpu::naga::TypeInner;
     use wgpu::naga::front::wgsl;
 
-    use super::{LightUniforms, ShadowUniforms, ViewUniforms};
+    use super::{LightUniforms, Place, ShadowUniforms, ViewUniforms};
     use crate::render::shader::{Output, ShaderKind, ShaderVariant, Shading, TextureKind};
     use crate::render::view::LightFeatures;
 
@@ -185,6 +240,7 @@ mod tests {
             quad_edges: false,
             clip: true,
             aliased: false,
+            vectors: None,
         };
         let module = wgsl::parse_str(&variant.source()).unwrap();
         let layout_of = |name: &str| -> Layout {
@@ -194,11 +250,12 @@ mod tests {
         };
         let light = layout!(LightUniforms { position, axis, attenuation, ambient, diffuse, specular });
         assert_eq!(layout_of("Light"), light);
-        let shadow = layout!(ShadowUniforms { texels, last });
+        let shadow = layout!(ShadowUniforms { texels, bounds, farthest });
         assert_eq!(layout_of("Shadow"), shadow);
         // The lights and the shadow maps follow.
         let (mut fields, size) =
-            layout!(ViewUniforms { clip, camera, depth, ambient, fog_color, fog, plane, pixels, sky });
+            layout!(ViewUniforms { clip, camera, depth, ambient, fog_color, fog, plane, pixels, sky, place });
+        assert_eq!(layout_of("Place"), layout!(Place { tile, edges }));
         fields.extend([("lights".to_owned(), size), ("shadows".to_owned(), size + light.1)]);
         assert_eq!(layout_of("View"), (fields, size + light.1 + shadow.1));
     }
