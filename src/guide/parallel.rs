@@ -177,6 +177,10 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! A [`BatchCamera`](crate::render::BatchCamera) draws all simulations of a batch or an
+//! environment: observations for policies that see, with colours, lights and cameras that differ
+//! between the images if the caller wants.
+//!
 //! The example `learn_gait` learns to run in a vector environment, by augmented random search: each
 //! simulation tries other weights of a linear policy. It plots the learning curves of three
 //! searches, records a film of the best policy, and saves it.
@@ -189,6 +193,8 @@
 //! |---|---|---|
 //! | [`Batch::states`] | `(n, nstate)`, [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) | `(nstate, 1)` |
 //! | [`Batch::observations`], [`VectorEnvironment::observations`], [`final_observations`](VectorEnvironment::final_observations) | `(n, nobs)` | `(nobs, 1)` |
+//! | [`BatchCamera::rgb`](crate::render::BatchCamera::rgb) (`u8`) | `(n, height, width, 3)` | `(3 · width · height, 3 · width, 3, 1)` |
+//! | [`depth`](crate::render::BatchCamera::depth) (`f32`), [`segmentation`](crate::render::BatchCamera::segmentation) (`u32`) | `(n, height, width)` | `(width · height, width, 1)` |
 //! | controls, and the actions of [`VectorEnvironment::step`] | `(n, nu)` | `(nu, 1)` |
 //! | [`Batch::parameters`] | `(n, nparameter)` | `(nparameter, 1)` |
 //! | [`rewards`](VectorEnvironment::rewards) (`f64`), [`terminated`](VectorEnvironment::terminated) and [`truncated`](VectorEnvironment::truncated) (`bool`) | `(n)` | `(1)` |

@@ -180,7 +180,7 @@ pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
 #[cfg(feature = "viewer")]
 pub(crate) use self::pass::{create_texture, screen_pipeline};
-pub use self::renderer::{Images, Snapshot};
+pub use self::renderer::{BatchCamera, Images, Snapshot};
 pub use self::settings::{Lighting, RendererOptions};
 use crate::macros::with_aliases;
 

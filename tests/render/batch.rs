@@ -1,8 +1,9 @@
 //! Images of many simulations in one array. Single images are the reference.
 
-use mujoco_safe::render::{GpuKind, RenderError, Renderer, RendererOptions};
+use mujoco_safe::environment::{Hopper, VectorEnvironment};
+use mujoco_safe::render::{BatchCamera, GpuKind, RenderError, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, RenderFlags, Scene, SceneOptions};
-use mujoco_safe::{Data, Error, Model, sample};
+use mujoco_safe::{Batch, Data, Error, Model, sample};
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -226,4 +227,47 @@ fn images_with_different_cameras_lights_and_colours_equal_single_images() {
         // These small images have many edges, also of textures.
         check_with(0.01, &mut renderer, 12, update, &model);
     }
+}
+
+#[test]
+fn camera_of_a_batch_sees_each_simulation_with_its_edits() {
+    let mut hoppers = VectorEnvironment::new(Hopper::model(), Hopper, 5, 3).unwrap();
+    for _ in 0..20 {
+        hoppers.step(&[0.3, -0.2, 0.1].repeat(5)).unwrap();
+    }
+    let (batch, model) = (hoppers.batch(), hoppers.batch().model().clone());
+    // The second geom is red in the third simulation only, and the batch remains as it is.
+    let edit = |index: usize, data: &mut Data| {
+        data.edit_model(|edit| {
+            if index == 2 {
+                edit.geom_rgba_mut()[1] = [1.0, 0.0, 0.0, 1.0];
+            }
+        })
+    };
+    let mut free = Camera { azimuth: 90.0, distance: 4.0, ..Camera::free(&model) };
+    let mut camera = BatchCamera::new(renderer(&model, 4), &model, &mut free).unwrap().with_edits(edit);
+    let mut single = renderer(&model, 4);
+    let (mut rgb, mut metres, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    let mut data = Data::new(&model).unwrap();
+    for index in 0..batch.len() {
+        batch.load(index, &mut data).unwrap();
+        edit(index, &mut data).unwrap();
+        data.forward().unwrap();
+        let mut free = free;
+        let images = single.snapshot(&mut data, &mut free).unwrap().images().unwrap();
+        rgb.extend(images.rgb.into_bytes());
+        metres.extend(images.depth.into_vec());
+        ids.extend_from_slice(images.segmentation.as_slice());
+    }
+    assert_similar(0.005, camera.rgb(batch).unwrap(), &rgb, |found, expected| found.abs_diff(*expected) <= 8);
+    assert_similar(0.005, camera.depth(batch).unwrap(), &metres, |found, expected| {
+        found == expected || (found - expected).abs() < 1e-3 * expected
+    });
+    assert_similar(0.005, camera.segmentation(batch).unwrap(), &ids, |found, expected| found == expected);
+    let red = |image: &[u8]| image.as_chunks::<3>().0.iter().filter(|[r, g, b]| *r > 100 && *g < 20 && *b < 20).count();
+    let counts: Vec<usize> = camera.rgb(batch).unwrap().chunks(3 * AREA).map(red).collect();
+    assert!(counts[2] > 0 && [0, 1, 3, 4].iter().all(|&index| counts[index] == 0), "{counts:?}");
+    let other = Batch::new(sample::cartpole(), 1).unwrap();
+    let error = camera.rgb(&other).unwrap_err();
+    assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");
 }

@@ -2,6 +2,7 @@
 
 mod assets;
 mod batch;
+mod batch_camera;
 mod encode;
 mod frame;
 mod images;
@@ -15,6 +16,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use self::assets::Assets;
+pub use self::batch_camera::BatchCamera;
 use self::frame::Frame;
 pub use self::images::Images;
 use self::read_back::{ReadBack, depth_rows, id_rows, rgb_rows};
