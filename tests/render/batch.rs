@@ -51,7 +51,10 @@ fn check_with(
     };
     // Drawn one by one, and drawn together.
     for merges in [false, true, true] {
-        assert!(renderer.set_merging(merges) || stage::gpu().backend() == "gl");
+        // Vulkan's adapters can; not every other can.
+        if !renderer.set_merging(merges) {
+            assert_ne!(stage::gpu().backend(), "vulkan");
+        }
         let mut colors = vec![1; 3 * count * AREA];
         renderer.rgb_batch_into(&mut update, &mut colors).unwrap();
         assert_similar(share, &colors, &rgb, |found, expected| found.abs_diff(*expected) <= 8);

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use mujoco_safe::render::{GpuKind, Renderer, RendererOptions, RgbImage};
+use mujoco_safe::{Data, Scene};
 use serde_json::Value;
 
 use crate::difference::{Difference, side_by_side};
@@ -108,6 +109,9 @@ fn compare(folder: &Path, row: &Value) -> Shares {
     let expected = read("ids");
     let expected = expected.as_chunks::<4>().0.iter().map(|&bytes| i32::from_ne_bytes(bytes));
     let wrong = ids.as_slice().iter().zip(expected).filter(|&(&ours, theirs)| i64::from(ours) - 1 != i64::from(theirs));
+    // Drawn together with another image of a batch, it is the same.
+    let together = drawn_together(&data, scene, [width, height]);
+    let colours = together.iter().map(|image| Difference::of(image, &ours).outliers).fold(colours, f64::max);
     let shares = [colours, far, wrong.count() as f64 / pixels];
     if shares.iter().any(|&share| share > LIMIT) || std::env::var_os("MUJOCO_SAFE_SHEETS").is_some() {
         save_sheet(name, &theirs, &ours);
@@ -150,6 +154,9 @@ fn recorded_pictures_are_drawn() {
         let share = Difference::of(&theirs, &ours).outliers;
         // The headlight and seven lamps: the last one is seen.
         assert!(name != "light_shadows_7" || Difference::of(&theirs, &draw(7)).outliers > limit);
+        let together = drawn_together(&data, scene, [width, height]);
+        let apart = together.each_ref().map(|image| Difference::of(image, &ours).outliers);
+        assert!(apart.iter().all(|&share| share <= limit), "{name} drawn together with another image: {apart:?}");
         println!("{name}: {:.2} %", 100.0 * share);
         if share > limit {
             save_sheet(name, &theirs, &ours);
@@ -157,6 +164,24 @@ fn recorded_pictures_are_drawn() {
         }
     }
     assert!(wrong.is_empty(), "pixels differ from the images of MuJoCo {version}: {wrong:?}");
+}
+
+/// Returns the images of a batch that shows a scene twice.
+fn drawn_together(data: &Data, mut scene: Scene, [width, height]: [usize; 2]) -> [RgbImage; 2] {
+    let options = RendererOptions::default().with_max_lights(8);
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap();
+    renderer.set_merging(true);
+    let mut rgb = vec![0; 2 * 3 * width * height];
+    let update = |index: usize, shown: &mut Scene| {
+        // The scene of the first image remains.
+        if index == 0 {
+            std::mem::swap(shown, &mut scene);
+        }
+        Ok(())
+    };
+    renderer.rgb_batch_into(update, &mut rgb).unwrap();
+    let second = rgb.split_off(rgb.len() / 2);
+    [rgb, second].map(|rgb| RgbImage::from_rgb(width, height, rgb).unwrap())
 }
 
 fn read_png(file: &Path) -> RgbImage {

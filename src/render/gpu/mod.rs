@@ -121,7 +121,10 @@ impl Gpu {
 
     /// Returns `true` if several images can be drawn together, each to its part of a texture.
     pub(crate) fn can_merge(&self) -> bool {
-        self.has(wgpu::Features::CLIP_DISTANCES) && self.limits().max_storage_buffers_per_shader_stage > 0
+        // OpenGL may have storage buffers in fragment shaders only.
+        self.shared.info.backend != wgpu::Backend::Gl
+            && self.has(wgpu::Features::CLIP_DISTANCES)
+            && self.limits().max_storage_buffers_per_shader_stage > 0
     }
 
     /// Returns the format of the depth buffer with a stencil component.

@@ -26,9 +26,9 @@ impl Renderer {
     /// With a graphics card, up to 64 images are drawn together, with one draw call for a shape in
     /// all of them, and converted to the array while the next ones are prepared. Cameras, lights,
     /// colours and additional geoms may differ from image to image. Images are drawn one by one if
-    /// they have skins or flexes, and if one of the 64 has labels or differs from the others in the
-    /// number or the types of its lights, the lights with shadows, or the flags for effects. The
-    /// guide has [figures](crate::guide::performance#rendering).
+    /// they have skins or flexes or are wireframes, and if one of the 64 has labels or differs from
+    /// the others in the number or the types of its lights, the lights with shadows, or the flags
+    /// for effects. The guide has [figures](crate::guide::performance#rendering).
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8

@@ -153,7 +153,9 @@ fn common_features(frames: &[Frame], views: &[&FrameView]) -> Option<Vec<LightFe
     let has_mirror = |frame: &Frame| frame.list.mirror.is_some();
     let is_alone = |frame: &Frame| frame.labels.count > 0 || has_mirror(frame) != has_mirror(&frames[0]);
     let is_of_segments = matches!(first.aux, Some(AuxOutput::SegmentColors | AuxOutput::IdColors));
-    if frames.len() != views.len() || frames.iter().any(is_alone) || is_of_segments {
+    // Clipping at the edges of an image adds lines to a wireframe.
+    let is_wireframe = first.aux.is_none() && first.flags.contains(RenderFlags::WIREFRAME);
+    if frames.len() != views.len() || frames.iter().any(is_alone) || is_of_segments || is_wireframe {
         return None;
     }
     for view in rest {
