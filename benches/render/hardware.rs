@@ -135,7 +135,7 @@ fn many(
         data.fwd_position()?;
         scene.update(&mut data, &view, None, &mut camera, Categories::all())
     };
-    let (mut rates, mut costs, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rates, mut costs, mut ratios, mut apart) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let before = processor_time()?;
     for index in 0..SIMULATIONS {
         update(index, &mut scene)?;
@@ -146,6 +146,11 @@ fn many(
         let (start, before) = (Instant::now(), processor_time()?);
         renderer.rgb_batch_into(&mut update, &mut rgb)?;
         let (time, cost) = (start.elapsed().as_secs_f64(), processor_time()? - before);
+        renderer.set_merging(false);
+        let start = Instant::now();
+        renderer.rgb_batch_into(&mut update, &mut rgb)?;
+        let time_apart = start.elapsed().as_secs_f64();
+        renderer.set_merging(true);
         let start = Instant::now();
         for index in 0..SIMULATIONS {
             update(index, &mut scene)?;
@@ -153,14 +158,16 @@ fn many(
         }
         if round > 0 {
             rates.push(SIMULATIONS as f64 / time);
+            apart.push(SIMULATIONS as f64 / time_apart);
             costs.push(1e6 * cost / SIMULATIONS as f64);
             ratios.push(start.elapsed().as_secs_f64() / time);
         }
     }
-    let [rate, cost, ratio] = [&mut rates, &mut costs, &mut ratios].map(|values| Spread::of(values).median);
+    let medians = [&mut rates, &mut apart, &mut costs, &mut ratios].map(|values| Spread::of(values).median);
+    let [rate, apart, cost, ratio] = medians;
     let title = format!("{SIMULATIONS} × {name} {size}×{size}{label}");
     println!(
-        "{title}: {rate:.0}, {ratio:.2} of single calls, {cost:.1} µs of processor time per image, of which states and \
+        "{title}: {rate:.0} together, {apart:.0} one by one, {ratio:.2} of single calls, {cost:.1} µs of processor time per image, of which states and \
          scenes {of_scenes:.1}"
     );
     Ok(())

@@ -204,9 +204,18 @@
 //! Of the humanoid at 84×84, one thread draws 2,100 images per second and several 3,200, at which
 //! the card is busy; with one sample and without shadows one thread draws 6,300, four 15,200 and
 //! sixteen 18,500. One call for 1,024 simulations (`rgb_batch_into`), in other poses and from the
-//! side of the free camera, draws 21,500 with one sample and without shadows, and 91,000 of the
-//! cart-pole at 64×64 (with MuJoCo 4.0.1; medians of 9). These images are drawn together; one by
-//! one the same card drew 19,000 and 47,600.
+//! side of the free camera, draws, on another machine with such a card and MuJoCo 4.0.1 (`many` of
+//! `scripts/gpu-bench`, one run; medians):
+//!
+//! | scene | together | one by one |
+//! |---|---|---|
+//! | humanoid 84×84 | 3,500 | 4,100 |
+//! | humanoid 84×84, 1 sample, no shadows | 21,500 | 19,000 |
+//! | cart-pole 64×64 | 30,400 | 25,300 |
+//! | cart-pole 64×64, 1 sample, no shadows | 91,200 | 47,600 |
+//!
+//! In the first row each shadow map had a million texels, which the infinite floor filled; now the
+//! floor casts no shadow that is out of sight. No card was at hand afterwards.
 
 #[cfg(doc)]
 use crate::{Data, Matrix, Model};

@@ -2,7 +2,7 @@
 
 use mujoco_safe::environment::{Hopper, VectorEnvironment};
 use mujoco_safe::render::{BatchCamera, GpuKind, RenderError, Renderer, RendererOptions};
-use mujoco_safe::scene::{Camera, Categories, NewGeom, RenderFlags, Scene, SceneOptions};
+use mujoco_safe::scene::{Camera, Categories, NewGeom, RenderFlags, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Batch, Data, Error, Model, sample};
 
 use rand::{RngExt, SeedableRng};
@@ -51,10 +51,8 @@ fn check_with(
     };
     // Drawn one by one, and drawn together.
     for merges in [false, true, true] {
-        // Vulkan's adapters can; not every other can.
-        if !renderer.set_merging(merges) {
-            assert_ne!(stage::gpu().backend(), "vulkan");
-        }
+        let can_merge = renderer.set_merging(merges);
+        assert!(can_merge || stage::gpu().kind() != GpuKind::Software || stage::gpu().backend() != "vulkan");
         let mut colors = vec![1; 3 * count * AREA];
         renderer.rgb_batch_into(&mut update, &mut colors).unwrap();
         assert_similar(share, &colors, &rgb, |found, expected| found.abs_diff(*expected) <= 8);
@@ -67,6 +65,13 @@ fn check_with(
         renderer.segmentation_batch_into(&mut update, &mut segments).unwrap();
         assert_similar(share, &segments, &ids, |found, expected| found == expected);
     }
+}
+
+/// Asserts that the images of a comparison, of three kinds, were drawn together twice, if the adapter
+/// can.
+fn assert_together(renderer: &mut Renderer, count: usize) {
+    let expected = if renderer.set_merging(true) { 6 * count } else { 0 };
+    assert_eq!(renderer.images_drawn_together(), expected);
 }
 
 /// Asserts that at most this share of the elements differ. Rounding at edges depends on the place
@@ -94,7 +99,9 @@ fn batch_contains_the_single_images_in_order() {
     // More images than two submissions contain: they have up to 4 for a software rasteriser, and 64
     // for hardware.
     let count = if stage::gpu().kind() == GpuKind::Software { 13 } else { 150 };
-    check(&mut renderer(&model, 4), count, &mut update, &model);
+    let mut of_many = renderer(&model, 4);
+    check(&mut of_many, count, &mut update, &model);
+    assert_together(&mut of_many, count);
     check(&mut renderer(&model, 1), 2, &mut update, &model);
 }
 
@@ -166,8 +173,8 @@ fn batch_after_an_error_contains_all_images() {
     check(&mut renderer, 3, |index, scene| show(index, &mut data, scene).unwrap(), &model);
 }
 
-/// Everything that images which are drawn together have in common or apart: a mirror, skies,
-/// textures of both kinds, lights with all features, transparent geoms, lines, a horizon.
+/// A mirror, a sky, textures of both kinds, lights with all features, transparent geoms, lines and a
+/// horizon.
 const MIXED: &str = "<mujoco>
     <visual><headlight ambient='.2 .2 .2'/></visual>
     <asset>
@@ -229,6 +236,7 @@ fn images_with_different_cameras_lights_and_colours_equal_single_images() {
         let mut renderer = Renderer::on(stage::gpu(), &model, SIZE[0], SIZE[1], options).unwrap();
         // These small images have many edges, also of textures.
         check_with(0.01, &mut renderer, 12, update, &model);
+        assert_together(&mut renderer, 12);
     }
 }
 
@@ -270,6 +278,12 @@ fn camera_of_a_batch_sees_each_simulation_with_its_edits() {
     let red = |image: &[u8]| image.as_chunks::<3>().0.iter().filter(|[r, g, b]| *r > 100 && *g < 20 && *b < 20).count();
     let counts: Vec<usize> = camera.rgb(batch).unwrap().chunks(3 * AREA).map(red).collect();
     assert!(counts[2] > 0 && [0, 1, 3, 4].iter().all(|&index| counts[index] == 0), "{counts:?}");
+    let contacts = SceneOptions::default().with_flags(VisualFlags::CONTACTPOINT | VisualFlags::CONTACTFORCE);
+    let with_contacts = camera.with_scene_options(contacts).rgb(batch).map(<[u8]>::to_vec).unwrap();
+    assert_ne!(with_contacts, rgb);
+    let error = BatchCamera::new(renderer(&sample::cartpole(), 1), &model, &mut free).unwrap_err();
+    assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");
+    let mut camera = BatchCamera::new(renderer(&model, 1), &model, &mut free).unwrap();
     let other = Batch::new(sample::cartpole(), 1).unwrap();
     let error = camera.rgb(&other).unwrap_err();
     assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");

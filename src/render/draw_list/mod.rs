@@ -154,7 +154,7 @@ impl DrawList {
                 self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
             }
             if !is_line && geom.casts_shadow() {
-                let hides_back = !is_transparent && !is_behind && hides_back(geom, frustum, flags);
+                let hides_back = !is_transparent && hides_back(geom, scene, inputs);
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum, hides_back);
             }
             self.parts.clear();
@@ -363,15 +363,34 @@ fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
     geom.rgba()[3] < 0.995 || geom.geom_type() == SceneGeomType::Plane && is_camera_behind
 }
 
-/// Returns `true` if an opaque geom with the camera on its +z side hides everything on its -z side:
-/// an infinite plane, of which nothing is nearer than the near plane.
-fn hides_back(geom: SceneGeom<'_>, frustum: &ViewFrustum, flags: RenderFlags) -> bool {
-    if !is_infinite_plane(geom) || frustum.orthographic || flags.contains(RenderFlags::WIREFRAME) {
+/// Returns `true` if an opaque geom hides every part of the scene that is on its -z side: an
+/// infinite plane with the camera on its +z side, which the near plane does not cut, and beside
+/// whose drawn square nothing is on the -z side.
+fn hides_back(geom: SceneGeom<'_>, scene: &Scene, inputs: &DrawListInputs<'_>) -> bool {
+    let frustum = inputs.frustum;
+    if !is_infinite_plane(geom) || frustum.orthographic || scene.render_flags().contains(RenderFlags::WIREFRAME) {
         return false;
     }
-    let mat = geom.mat();
-    let normal = [mat[2], mat[5], mat[8]].map(f64::from);
-    frustum.nearest_depth_of_plane(geom.pos().map(f64::from), normal) > frustum.range[0]
+    let (pos, mat) = (geom.pos().map(f64::from), geom.mat().map(f64::from));
+    // Coordinates of a point in the frame of the plane.
+    let local = |point: [f64; 3]| {
+        let offset = [0, 1, 2].map(|axis| point[axis] - pos[axis]);
+        [0, 1, 2].map(|axis| (0..3).map(|row| mat[3 * row + axis] * offset[row]).sum::<f64>())
+    };
+    let is_cut = frustum.nearest_depth_of_plane(pos, [mat[2], mat[5], mat[8]]) <= frustum.range[0];
+    if is_cut || local(frustum.position)[2] <= 0.0 {
+        return false;
+    }
+    let half = primitive::half_lengths(geom, inputs.shapes).map(f64::from);
+    scene.geoms().all(|other| match inputs.bounds.volume(scene, other) {
+        BoundingVolume::Sphere(sphere) => {
+            let ([x, y, z], radius) = (local(sphere.centre.map(f64::from)), f64::from(sphere.radius));
+            z - radius >= 0.0 || (x.abs() + radius <= half[0] && y.abs() + radius <= half[1])
+        }
+        // No other plane may be behind this one.
+        BoundingVolume::Unbounded => other.pos() == geom.pos() && other.mat() == geom.mat(),
+        BoundingVolume::Empty => true,
+    })
 }
 
 /// Returns `true` if a geom is a plane that is infinite in both directions.
@@ -381,35 +400,61 @@ fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::hides_back;
-    use crate::render::view::ViewFrustum;
+    use super::{DrawListInputs, hides_back};
+    use crate::render::assets::{Shapes, Textures};
+    use crate::render::bounding_volume::AssetBounds;
+    use crate::render::settings::VisualSettings;
+    use crate::render::view::{Lights, ViewFrustum};
+    use crate::render::{Gpu, Lighting};
     use crate::scene::{Camera, CameraView, Categories, RenderFlags, Scene, SceneGeomType, SceneOptions};
     use crate::{Data, Model};
 
-    /// Returns whether a plane of a size hides its back from a camera 1 m above it with this near
-    /// plane, m.
-    fn hides(size: &str, near: f64, flags: RenderFlags) -> bool {
+    /// Returns whether a plane hides its back from a camera at this elevation, degrees, 2 m from
+    /// the origin, with other geoms and the flags.
+    fn hides(gpu: &Gpu, [size, near, others]: [&str; 3], elevation: f64, flags: RenderFlags) -> bool {
         let xml = format!(
-            "<mujoco><statistic extent='1'/><visual><map znear='{near}'/></visual>
-             <worldbody><geom type='plane' size='{size}'/></worldbody></mujoco>"
+            "<mujoco><statistic extent='1'/><visual><map znear='{near}' zfar='20'/></visual>
+             <worldbody><geom type='plane' size='{size}'/>{others}</worldbody></mujoco>"
         );
         let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
         data.forward().unwrap();
         let mut scene = Scene::new(data.model(), 10).unwrap();
         let view = CameraView::Free;
-        let mut camera = Camera { view, lookat: [0.0; 3], distance: 2.0, azimuth: 10.0, elevation: -30.0 };
+        let mut camera = Camera { view, lookat: [0.0; 3], distance: 2.0, azimuth: 10.0, elevation };
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
-        let frustum = ViewFrustum::new(&scene, &scene.viewpoint(), [64; 2]).unwrap();
+        scene.set_render_flags(flags);
+        let model = data.model();
+        let settings = VisualSettings::new(model);
+        let inputs = DrawListInputs {
+            frustum: &ViewFrustum::new(&scene, &scene.viewpoint(), [64; 2]).unwrap(),
+            lights: &Lights::default(),
+            shapes: &Shapes::new(gpu, model, &settings, Lighting::PerVertex).unwrap(),
+            textures: &Textures::new(gpu, model),
+            bounds: &AssetBounds::new(model),
+            aux: None,
+        };
         let plane = scene.geoms().find(|geom| geom.geom_type() == SceneGeomType::Plane).unwrap();
-        hides_back(plane, &frustum, flags)
+        hides_back(plane, &scene, &inputs)
     }
 
     #[test]
-    fn only_an_infinite_plane_that_the_near_plane_does_not_cut_hides_its_back() {
+    fn an_infinite_plane_hides_its_back_only_if_nothing_there_can_be_seen() {
+        let gpu = Gpu::new().unwrap();
+        let infinite = ["0 0 .1", ".01", "<geom size='.1' pos='3 0 -1'/>"];
         let none = RenderFlags::empty();
-        assert!(hides("0 0 .1", 0.01, none));
-        assert!(!hides("5 0 .1", 0.01, none) && !hides("9 9 .1", 0.01, none), "seen beside its edges");
-        assert!(!hides("0 0 .1", 1.5, none), "seen where the near plane cuts it");
-        assert!(!hides("0 0 .1", 0.01, RenderFlags::WIREFRAME), "seen between lines");
+        assert!(hides(&gpu, infinite, -30.0, none));
+        assert!(!hides(&gpu, infinite, 0.0, none), "the camera is in the plane");
+        assert!(!hides(&gpu, infinite, 30.0, none), "the camera is behind it");
+        assert!(!hides(&gpu, infinite, -30.0, RenderFlags::WIREFRAME), "seen between lines");
+        let changed = |index: usize, text| {
+            let mut changed = infinite;
+            changed[index] = text;
+            hides(&gpu, changed, -30.0, none)
+        };
+        assert!(!changed(0, "5 0 .1") && !changed(0, "9 9 .1"), "seen beside its edges");
+        assert!(!changed(1, "1.5"), "seen where the near plane cuts it");
+        assert!(!changed(2, "<geom size='.1' pos='40 0 -1'/>"), "beside the square that is drawn");
+        assert!(!changed(2, "<geom type='plane' size='0 0 .1' pos='0 0 -1'/>"), "another infinite plane");
+        assert!(changed(2, "<geom size='.1' pos='40 0 1'/>"));
     }
 }

@@ -164,12 +164,7 @@ fn plane(geom: SceneGeom<'_>, shapes: &Shapes) -> Part {
     let [x, y, _] = geom.size();
     let of_model = shapes.plane(geom.plane());
     let infinite = shapes.infinite_plane();
-    let half = |axis: usize, length: f32| match of_model {
-        Some(plane) => plane.half[axis],
-        None if length > 0.0 => length,
-        None => infinite.half[axis],
-    };
-    let half = [half(0, x), half(1, y)];
+    let half = half_lengths(geom, shapes);
     let shape = match of_model {
         Some(plane) => plane.shape,
         None if x > 0.0 && y > 0.0 => shapes.square(),
@@ -182,6 +177,16 @@ fn plane(geom: SceneGeom<'_>, shapes: &Shapes) -> Part {
         part.texture_scale = [half[0], half[1], 1.0];
     }
     part
+}
+
+/// Returns the half-lengths of a plane as it is drawn, m.
+pub(super) fn half_lengths(geom: SceneGeom<'_>, shapes: &Shapes) -> [f32; 2] {
+    let (size, of_model, infinite) = (geom.size(), shapes.plane(geom.plane()), shapes.infinite_plane());
+    [0, 1].map(|axis| match of_model {
+        Some(plane) => plane.half[axis],
+        None if size[axis] > 0.0 => size[axis],
+        None => infinite.half[axis],
+    })
 }
 
 /// Returns the lateral surface of a cylinder, with more stacks if it is long.

@@ -47,7 +47,8 @@ impl<'a> ShadowCasters<'a> {
             // With front faces culled, a plane that faces the light casts no shadow. Otherwise its
             // shadow may be out of sight.
             let is_plane = geom.geom_type() == SceneGeomType::Plane;
-            let is_culled = (self.culls_front_faces && is_plane || hides_back) && light.sees_front(geom);
+            let is_culled =
+                (self.culls_front_faces && is_plane || hides_back && light.is_limited()) && light.sees_front(geom);
             let casts = match volume {
                 _ if is_culled => false,
                 BoundingVolume::Sphere(sphere) => {
@@ -77,6 +78,12 @@ impl<'a> CasterBounds<'a> {
         let rows = [row(matrix, 0), row(matrix, 1), row(matrix, 3)];
         let lengths = rows.map(|[x, y, z, _]| (x * x + y * y + z * z).sqrt());
         Self { light, rows, lengths, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] }
+    }
+
+    /// Returns `true` if the light lights nothing behind it, where its shadow map has mirror images
+    /// of the shadows.
+    fn is_limited(&self) -> bool {
+        self.light.directional || (0.0..=90.0).contains(&self.light.cutoff)
     }
 
     /// Returns `true` if the light is on the +z side of a geom.

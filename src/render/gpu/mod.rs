@@ -121,10 +121,15 @@ impl Gpu {
 
     /// Returns `true` if several images can be drawn together, each to its part of a texture.
     pub(crate) fn can_merge(&self) -> bool {
+        let limits = self.limits();
         // OpenGL may have storage buffers in fragment shaders only.
         self.shared.info.backend != wgpu::Backend::Gl
             && self.has(wgpu::Features::CLIP_DISTANCES)
-            && self.limits().max_storage_buffers_per_shader_stage > 0
+            && limits.max_storage_buffers_per_shader_stage > 0
+            // Locations up to 15, and one more for the four clip distances.
+            && limits.max_inter_stage_shader_variables > 16
+            && limits.max_compute_invocations_per_workgroup >= 64
+            && limits.max_compute_workgroups_per_dimension >= 1 << 13
     }
 
     /// Returns the format of the depth buffer with a stencil component.

@@ -16,6 +16,8 @@ pub(crate) enum Packing {
 }
 
 impl Packing {
+    pub(crate) const COUNT: usize = 3;
+
     pub(crate) fn bytes_per_pixel(self) -> u32 {
         match self {
             Self::Rgb => 3,

@@ -20,8 +20,8 @@ pub(crate) struct ShadowAtlas {
     views: Vec<(GrowableBuffer, Option<wgpu::BindGroup>)>,
 }
 
-/// Ratio of allocated to required texels above which a smaller texture is allocated.
-const MAX_EXCESS: u64 = 4;
+/// Largest number of texels of an atlas: 256 MiB.
+const MAX_TEXELS: u64 = 1 << 26;
 
 impl ShadowAtlas {
     /// Creates an atlas for full maps of `size` texels.
@@ -47,13 +47,10 @@ impl ShadowAtlas {
         let limit = gpu.limits().max_texture_dimension_2d;
         let mut all: Vec<&mut ShadowRegion> = regions.iter_mut().flat_map(|regions| regions.iter_mut()).collect();
         let Some([width, height]) = place(&mut all, limit) else { return false };
-        let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let fits = |&(_, size): &(_, [u32; 2])| {
-            size[0] >= width && size[1] >= height && texels(size) <= MAX_EXCESS * texels([width, height])
-        };
+        let fits = |&(_, size): &(_, [u32; 2])| size[0] >= width && size[1] >= height;
         if self.texture.as_ref().is_none_or(|texture| !fits(texture)) && height > 0 {
             // More rows than required, because the regions change from call to call.
-            let size = [width, (height + height / 4).min(limit)];
+            let size = [width, (height + height / 8).min(limit)];
             self.texture = Some((map_view(gpu, size), size));
             self.version += 1;
         }
@@ -137,7 +134,8 @@ fn place(regions: &mut [&mut ShadowRegion], limit: u32) -> Option<[u32; 2]> {
         x += region.size[0];
     }
     let height = y + shelf;
-    (widest <= limit && height <= limit).then_some([width, height])
+    let fits = widest <= limit && height <= limit && u64::from(width) * u64::from(height) <= MAX_TEXELS;
+    fits.then_some([width, height])
 }
 
 #[cfg(test)]

@@ -23,12 +23,14 @@ impl Renderer {
     /// The images equal the results of [`rgb`](Self::rgb) up to rounding, which can change single
     /// pixels at edges.
     ///
-    /// With a graphics card, up to 64 images are drawn together, with one draw call for a shape in
-    /// all of them, and converted to the array while the next ones are prepared. Cameras, lights,
-    /// colours and additional geoms may differ from image to image. Images are drawn one by one if
-    /// they have skins or flexes or are wireframes, and if one of the 64 has labels or differs from
-    /// the others in the number or the types of its lights, the lights with shadows, or the flags
-    /// for effects. The guide has [figures](crate::guide::performance#rendering).
+    /// With a graphics card and Vulkan or Metal, up to 64 images are drawn together while the next
+    /// ones are prepared: opaque geoms of the same shape, texture and visibility share a draw call,
+    /// and the card converts the images to the array. Cameras, lights, colours and additional geoms
+    /// may differ from image to image. Images are drawn one by one if they have skins or flexes or
+    /// are wireframes or images of segments, if their shadow maps are too large for one texture, and
+    /// if one of the 64 has labels or differs from the others in the number or the types of its
+    /// lights, the lights with shadows, the flags for effects, or in having a mirror. The guide has
+    /// [figures](crate::guide::performance#rendering).
     ///
     /// With a software rasteriser, rasterising dominates the cost, and a submission for several
     /// images saves nothing: the images take about as much processor time as with single calls, 0.8
@@ -164,7 +166,8 @@ impl Renderer {
                 }
                 Ok(())
             })
-            .inspect_err(|_| [&mut *next, &mut *previous].into_iter().for_each(TiledImages::invalidate))?;
+            // Textures and buffers may be invalid, for example for lack of memory.
+            .inspect_err(|_| (*next, *previous) = Default::default())?;
         }
         gpu.guarded(|| previous.finish(&gpu, &tiles, &mut read))
     }

@@ -1,10 +1,10 @@
-//! Images of all simulations of a batch: observations for policies that see.
+//! Images of all simulations of a batch: observations of policies that learn from images.
 
 use std::fmt;
 
 use super::Renderer;
 use crate::data::Data;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::model::IntoModel;
 use crate::render::RenderError;
 use crate::rollout::Batch;
@@ -55,6 +55,7 @@ impl BatchCamera {
     ///
     /// # Errors
     ///
+    /// [`Error::OtherModel`] for a renderer of another model,
     /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
     /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for a camera that the model lacks; the
     /// errors of [`Data::new`].
@@ -65,13 +66,17 @@ impl BatchCamera {
     #[track_caller]
     pub fn new(renderer: Renderer, model: impl IntoModel, camera: impl CameraSource) -> Result<Self, RenderError> {
         let data = Data::new(model)?;
+        if data.model().lineage() != renderer.assets.lineage {
+            return Err(Error::OtherModel { what: "the renderer" }.into());
+        }
         let camera = camera.with_camera(data.model(), |camera| Ok(*camera))?;
         let (rgb, metres, ids) = Default::default();
         Ok(Self { renderer, data, camera, options: SceneOptions::default(), edit: None, rgb, metres, ids })
     }
 
-    /// Sets what the images show: visible groups, frames, contacts, … Contacts and constraints need
-    /// an edit that computes them: see [`with_edits`](Self::with_edits).
+    /// Sets what the images show: visible groups, frames, contacts, … For contacts and constraints,
+    /// the camera computes [`Data::forward`] of each simulation, and otherwise
+    /// [`Data::fwd_position`].
     #[must_use]
     pub fn with_scene_options(mut self, options: SceneOptions) -> Self {
         self.options = options;
@@ -80,7 +85,8 @@ impl BatchCamera {
 
     /// Calls `edit` with each simulation before it is drawn, in the order of their indices. Edits
     /// of its model randomise colours, lights and cameras; they last for this image, and do not
-    /// change the batch.
+    /// change the batch. Edits of textures, meshes, height fields and visual settings (`vis`) have
+    /// no effect, because the renderer has its own copies of them.
     ///
     /// ```no_run
     /// use mujoco_safe::render::{BatchCamera, Renderer};
@@ -112,7 +118,7 @@ impl BatchCamera {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`](crate::Error::OtherModel) for a batch of another model; the errors of
+    /// [`Error::OtherModel`] for a batch of another model; the errors of
     /// the edits, of [`Renderer::snapshot`] and of [`Data::fwd_position`].
     pub fn rgb(&mut self, batch: &Batch<'_>) -> Result<&[u8], RenderError> {
         let Self { renderer, data, camera, options, edit, rgb, .. } = self;
@@ -171,7 +177,11 @@ fn update<'c>(
         if let Some(edit) = edit {
             edit(index, data)?;
         }
-        data.fwd_position()?;
+        if options.shows_contacts() {
+            data.forward()?;
+        } else {
+            data.fwd_position()?;
+        }
         // A tracking camera moves with each update.
         scene.update_and_grow(data, options, &mut camera.clone())
     }

@@ -145,17 +145,21 @@ fn shadow_maps<'a>(atlas: &'a ShadowAtlas, regions: &[Vec<ShadowRegion>]) -> Vec
     atlas.view().into_iter().flat_map(|view| std::iter::repeat_n(view, lights)).collect()
 }
 
-/// Returns the features that the lights of any image have: code for a feature has no effect on a
-/// light without it. `None` if the images cannot share their shaders and passes.
+/// Returns the features that the lights of any image have. The code for a feature changes the colour
+/// of a light without it by less than 1e-4. `None` if the images cannot share shaders and passes.
 fn common_features(frames: &[Frame], views: &[&FrameView]) -> Option<Vec<LightFeatures>> {
     let (first, rest) = views.split_first()?;
     let mut features = first.features.clone();
     let has_mirror = |frame: &Frame| frame.list.mirror.is_some();
+    if first.aux.is_some_and(AuxOutput::has_depth) {
+        // These images have no lights and no other effects.
+        let cull = |view: &FrameView| view.flags.contains(RenderFlags::CULL_FACE);
+        return rest.iter().all(|view| view.aux == first.aux && cull(view) == cull(first)).then(Vec::new);
+    }
     let is_alone = |frame: &Frame| frame.labels.count > 0 || has_mirror(frame) != has_mirror(&frames[0]);
-    let is_of_segments = matches!(first.aux, Some(AuxOutput::SegmentColors | AuxOutput::IdColors));
     // Clipping at the edges of an image adds lines to a wireframe.
-    let is_wireframe = first.aux.is_none() && first.flags.contains(RenderFlags::WIREFRAME);
-    if frames.len() != views.len() || frames.iter().any(is_alone) || is_of_segments || is_wireframe {
+    let is_wireframe = first.flags.contains(RenderFlags::WIREFRAME);
+    if first.aux.is_some() || frames.iter().any(is_alone) || is_wireframe {
         return None;
     }
     for view in rest {

@@ -396,6 +396,12 @@ impl Renderer {
         can_merge
     }
 
+    /// Returns the number of images of batches that were drawn together with others, for tests.
+    #[doc(hidden)]
+    pub fn images_drawn_together(&self) -> usize {
+        self.tiled.iter().map(|images| images.together).sum()
+    }
+
     /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on
     /// the CPU.
     #[doc(hidden)]

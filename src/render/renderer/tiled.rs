@@ -32,8 +32,11 @@ pub(super) struct TiledImages {
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     aux_target: Option<AuxTarget>,
     read_back: Option<ReadBackBuffer>,
-    pack: Option<Pack>,
+    /// One of each packing.
+    packs: [Option<Pack>; Packing::COUNT],
     submitted: Option<Submitted>,
+    /// Number of images that were drawn together with others so far.
+    pub(super) together: usize,
 }
 
 /// Images that have been submitted and not been read.
@@ -113,7 +116,8 @@ impl TiledImages {
 
     /// Submits the commands that render the pending images and copy them to the read-back buffer.
     pub(super) fn submit(&mut self, assets: &Assets, tiles: &Tiles, aux: Option<AuxOutput>) -> Result<(), RenderError> {
-        let Self { frames, merged, pending, needs, target, color, aux_target, read_back, pack, submitted } = self;
+        let Self { frames, merged, pending, needs, target, color, aux_target, read_back, packs, submitted, together } =
+            self;
         let (gpu, size) = (&assets.gpu, tiles.size());
         let Some(needs) = *needs else { return Ok(()) };
         let frames = &mut frames[..*pending];
@@ -125,7 +129,9 @@ impl TiledImages {
         {
             merged = None;
         }
-        if merged.is_none() {
+        if merged.is_some() {
+            *together += frames.len();
+        } else {
             frames.iter_mut().try_for_each(|frame| frame.upload(assets))?;
         }
         let mut encoder = command_encoder(gpu);
@@ -161,9 +167,10 @@ impl TiledImages {
             drop(pass);
             (target.texture.clone(), 8)
         };
-        // An image that fills a submission by itself may exceed the limits of a compute pass.
+        // A single image may need more workgroups than an adapter has in one dimension.
         let content = if let Some(packing) = packing(aux).filter(|_| assets.merges && tiles.count > 1) {
             let images = PackedImages { size: tiles.tile, columns: tiles.columns, count: tiles.count };
+            let pack = &mut packs[packing as usize];
             let existing = pack.take().filter(|pack| pack.matches(packing, images, &texture));
             pack.insert(existing.unwrap_or_else(|| Pack::new(gpu, packing, images, &texture))).encode(&mut encoder);
             Content::Packed(packing)
@@ -184,8 +191,8 @@ impl TiledImages {
     pub(super) fn finish(&mut self, gpu: &Gpu, tiles: &Tiles, read: &mut Read<'_>) -> Result<(), RenderError> {
         let Some(Submitted { submission, images, content }) = self.submitted.take() else { return Ok(()) };
         let [width, height] = tiles.tile.map(|length| length as usize);
-        match (content, &self.read_back, &self.pack) {
-            (Content::Texture { bytes_per_pixel }, Some(buffer), _) => buffer.mapped(gpu, submission, |rows| {
+        match (content, &self.read_back) {
+            (Content::Texture { bytes_per_pixel }, Some(buffer)) => buffer.mapped(gpu, submission, |rows| {
                 for index in 0..images {
                     let [x, y] = tiles.origin(index).map(|place| place as usize);
                     let columns = x * bytes_per_pixel..(x + width) * bytes_per_pixel;
@@ -194,11 +201,14 @@ impl TiledImages {
                     read(ImageBytes::Rows(&mut rows));
                 }
             }),
-            (Content::Packed(packing), _, Some(pack)) => pack.mapped(gpu, submission, |bytes| {
-                let image = width * height * packing.bytes_per_pixel() as usize;
-                bytes.chunks_exact(image).take(images).for_each(|bytes| read(ImageBytes::Packed(bytes)));
-            }),
-            _ => Ok(()),
+            (Content::Packed(packing), _) => {
+                let Some(pack) = &self.packs[packing as usize] else { return Ok(()) };
+                pack.mapped(gpu, submission, |bytes| {
+                    let image = width * height * packing.bytes_per_pixel() as usize;
+                    bytes.chunks_exact(image).take(images).for_each(|bytes| read(ImageBytes::Packed(bytes)));
+                })
+            }
+            (Content::Texture { .. }, None) => Ok(()),
         }
     }
 }

@@ -32,8 +32,8 @@ pub(crate) struct LightFeatures {
 }
 
 impl LightFeatures {
-    /// Returns the features of either of two lights, whose code serves both; `None` if no code
-    /// does.
+    /// Returns the features that one of two lights has, for a shader that draws both. `None` if
+    /// they need different shaders: directional and other lights, or with and without shadows.
     pub(crate) fn union(self, other: Self) -> Option<Self> {
         let Self { directional, attenuated, spot, focused, ambient, specular, shadow } = self;
         ((directional, shadow) == (other.directional, other.shadow)).then_some(Self {
