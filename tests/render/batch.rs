@@ -67,8 +67,8 @@ fn check_with(
     }
 }
 
-/// Asserts that the images of a comparison, of three kinds, were drawn together twice, if the adapter
-/// can.
+/// Asserts that the images of a comparison, of three kinds, were drawn together twice, if the
+/// adapter can.
 fn assert_together(renderer: &mut Renderer, count: usize) {
     let expected = if renderer.set_merging(true) { 6 * count } else { 0 };
     assert_eq!(renderer.images_drawn_together(), expected);
@@ -173,8 +173,8 @@ fn batch_after_an_error_contains_all_images() {
     check(&mut renderer, 3, |index, scene| show(index, &mut data, scene).unwrap(), &model);
 }
 
-/// A mirror, a sky, textures of both kinds, lights with all features, transparent geoms, lines and a
-/// horizon.
+/// A mirror, a sky, textures of both kinds, lights with all features, transparent geoms, lines and
+/// a horizon.
 const MIXED: &str = "<mujoco>
     <visual><headlight ambient='.2 .2 .2'/></visual>
     <asset>

@@ -27,8 +27,8 @@ impl Renderer {
     /// ones are prepared: opaque geoms of the same shape, texture and visibility share a draw call,
     /// and the card converts the images to the array. Cameras, lights, colours and additional geoms
     /// may differ from image to image. Images are drawn one by one if they have skins or flexes or
-    /// are wireframes or images of segments, if their shadow maps are too large for one texture, and
-    /// if one of the 64 has labels or differs from the others in the number or the types of its
+    /// are wireframes or images of segments, if their shadow maps are too large for one texture,
+    /// and if one of the 64 has labels or differs from the others in the number or the types of its
     /// lights, the lights with shadows, the flags for effects, or in having a mirror. The guide has
     /// [figures](crate::guide::performance#rendering).
     ///

@@ -145,8 +145,9 @@ fn shadow_maps<'a>(atlas: &'a ShadowAtlas, regions: &[Vec<ShadowRegion>]) -> Vec
     atlas.view().into_iter().flat_map(|view| std::iter::repeat_n(view, lights)).collect()
 }
 
-/// Returns the features that the lights of any image have. The code for a feature changes the colour
-/// of a light without it by less than 1e-4. `None` if the images cannot share shaders and passes.
+/// Returns the features that the lights of any image have. The code for a feature changes the
+/// colour of a light without it by less than 1e-4. `None` if the images cannot share shaders and
+/// passes.
 fn common_features(frames: &[Frame], views: &[&FrameView]) -> Option<Vec<LightFeatures>> {
     let (first, rest) = views.split_first()?;
     let mut features = first.features.clone();
