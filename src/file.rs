@@ -4,7 +4,7 @@ use std::fs::{self, File, Permissions};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
@@ -30,6 +30,9 @@ pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
 
 /// Checks that a path refers to a regular file of an ordinary file system.
 pub(crate) fn check_regular(path: &Path) -> io::Result<()> {
+    if names_device(path) {
+        return Err(io::Error::other("not a regular file, but a device"));
+    }
     check_type(&fs::metadata(path)?)?;
     #[cfg(target_os = "linux")]
     if KERNEL_FILE_SYSTEMS.contains(&(rustix::fs::statfs(path)?.f_type as u32)) {
@@ -46,6 +49,30 @@ fn check_type(metadata: &fs::Metadata) -> io::Result<()> {
         return Err(io::Error::other("not a regular file"));
     }
     Ok(())
+}
+
+/// Returns `true` for a path that Windows opens as a device or as a pipe, in every directory:
+/// `C:\models\nul.stl`.
+pub(crate) fn names_device(path: &Path) -> bool {
+    cfg!(windows) && path.to_str().is_some_and(is_device_of_windows)
+}
+
+/// Implements [`names_device`] by the rules of Windows for names.
+fn is_device_of_windows(path: &str) -> bool {
+    let path = path.replace('/', r"\");
+    let mut parts = path.strip_prefix(r"\\").unwrap_or_default().split('\\');
+    let is_device = match (parts.next(), parts.next()) {
+        (Some("."), _) => true,
+        // A path without replacements, of a drive or a server.
+        (Some("?"), Some(root)) => !root.ends_with(':') && root != "UNC",
+        (_server, share) => share.is_some_and(|share| share.eq_ignore_ascii_case("pipe")),
+    };
+    let name = path.rsplit('\\').next().unwrap_or_default();
+    let stem = name.split(['.', ':']).next().unwrap_or_default().trim_end().to_ascii_uppercase();
+    let port = stem.strip_suffix(|digit: char| digit.is_ascii_digit() || "¹²³".contains(digit));
+    is_device
+        || ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"].contains(&&*stem)
+        || port.is_some_and(|port| ["COM", "LPT"].contains(&port))
 }
 
 /// Magic numbers of the file systems whose contents the kernel generates, from `linux/magic.h`.
@@ -105,7 +132,22 @@ pub(crate) fn free_path(path: &Path) -> PathBuf {
 /// Creates a file with private permissions for data that will later be written to `path`. The file
 /// is in the directory for temporary files or, if that fails, in the directory of `path`.
 pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    NamedTempFile::new().or_else(|error| NamedTempFile::new_in(folder(path)).map_err(|_| error))
+    let builder = Builder::new();
+    create_in(&std::env::temp_dir(), &builder, 0o600).or_else(|_| create_in(&folder(path), &builder, 0o600))
+}
+
+/// Creates a file with a new name and these permissions of Unix in a directory. Unlike the errors
+/// of `tempfile`, an error does not contain the name, of which the user knows nothing.
+fn create_in(directory: &Path, builder: &Builder<'_, '_>, mode: u32) -> io::Result<NamedTempFile> {
+    builder.make_in(directory, |path| {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+        #[cfg(not(unix))]
+        let _ = mode;
+        options.open(path)
+    })
 }
 
 /// Replaces a file atomically by the data that `write` writes. If an error occurs, the previous
@@ -136,6 +178,10 @@ pub(crate) struct Replacement {
 impl Replacement {
     /// Creates the temporary file for a replacement of `path`.
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        if names_device(path) {
+            let file = File::options().write(true).open(path)?;
+            return Ok(Self { file, name: None, path: path.to_owned(), permissions: None });
+        }
         let path = resolve_links(path)?;
         let existing = fs::metadata(&path).ok();
         if let Some(existing) = &existing {
@@ -149,13 +195,9 @@ impl Replacement {
                 return Ok(Self { file, name: None, path, permissions: None });
             }
         }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".").suffix(".part");
-        // The default permissions of temporary files deny access to other users.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         // Use the directory of the target, because a file can only be renamed within a file system.
-        let (file, name) = builder.tempfile_in(folder(&path))?.into_parts();
+        let mut builder = Builder::new();
+        let (file, name) = create_in(&folder(&path), builder.prefix(".").suffix(".part"), 0o666)?.into_parts();
         Ok(Self { file, name: Some(name), path, permissions: existing.map(|existing| existing.permissions()) })
     }
 
@@ -236,6 +278,49 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         replace(folder.path(), |_| Ok(())).unwrap_err();
         assert!(folder.path().is_dir());
+    }
+
+    #[test]
+    fn an_error_does_not_name_a_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing").join("file");
+        let error = replace(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(error.contains("file: ") && error.ends_with(')') && !error.contains(".part"), "{error}");
+    }
+
+    #[test]
+    fn names_of_devices_are_those_of_windows() {
+        for device in [
+            "NUL",
+            "nul.stl",
+            "meshes/Con",
+            "C:\\models\\aux.tar.gz",
+            "prn .obj",
+            "COM1",
+            "com¹.xml",
+            "lpt9:",
+            "CONIN$",
+            r"\\.\COM56",
+            "//./pipe/name",
+            r"\\?\GLOBALROOT\Device\Null",
+            r"\\server\pipe\name",
+        ] {
+            assert!(super::is_device_of_windows(device), "{device}");
+        }
+        for file in [
+            "null.stl",
+            "model.con",
+            "con/model.xml",
+            "com.xml",
+            "com10.xml",
+            "C:\\model.xml",
+            r"\\?\C:\model.xml",
+            r"\\?\UNC\server\share\model.xml",
+            r"\\server\share\pipe.xml",
+            "",
+        ] {
+            assert!(!super::is_device_of_windows(file), "{file}");
+        }
     }
 
     #[cfg(unix)]

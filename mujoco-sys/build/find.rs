@@ -1,10 +1,9 @@
 //! Finds the engine: headers, version and library.
 
-use std::env;
 use std::path::{Path, PathBuf};
 
 use crate::headers::{self, ENVIRONMENTS, MUJOCO_DIR};
-use crate::{bindings, engines};
+use crate::{bindings, engines, target};
 
 /// An engine to compile against and to link with.
 pub(crate) struct Engine {
@@ -13,7 +12,7 @@ pub(crate) struct Engine {
     /// The directory that holds the shared library.
     pub(crate) library_dir: PathBuf,
     /// The shared library's file name: `libmujoco.so`, or `libmujoco.so.2.2.2` in the official
-    /// wheels.
+    /// wheels for Linux.
     pub(crate) library: String,
     /// `mjVERSION_HEADER`: 222 is 2.2.2.
     pub(crate) version: u32,
@@ -50,8 +49,9 @@ pub(crate) fn engine() -> Result<Engine, Missing> {
 
 fn probe(root: &Path) -> Result<Engine, String> {
     let headers::Headers { include, version } = headers::probe(root)?;
-    let triplet = triplet();
-    let places = [root.join("lib").join(&triplet), root.join("lib64"), root.join("lib"), root.to_path_buf()];
+    let triplet = target::triplet();
+    let [lib, bin] = ["lib", "bin"].map(|folder| root.join(folder)); // `bin` in archives for Windows
+    let places = [lib.join(&triplet), root.join("lib64"), lib, bin, root.to_path_buf()];
     for dir in &places {
         if let Some(library) = shared_library(dir) {
             let on_loader_path =
@@ -61,22 +61,17 @@ fn probe(root: &Path) -> Result<Engine, String> {
         }
     }
     let places = places.map(|dir| dir.display().to_string()).join(", ");
-    Err(format!("{}: headers found, but no libmujoco.so in {places}", include.display()))
+    let target = std::env::var("TARGET").unwrap_or_default();
+    Err(format!("{}: headers found, but no library for {target} in {places}", include.display()))
 }
 
-/// Returns Debian's multiarch directory name of the target: `x86_64-linux-gnu` for
-/// `x86_64-unknown-linux-gnu`.
-fn triplet() -> String {
-    let part = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default();
-    format!("{}-{}-{}", part("ARCH"), part("OS"), part("ENV"))
-}
-
-/// Returns `libmujoco.so` if the directory has it, else the first versioned name.
+/// Returns the name of the engine's library for the target in a directory: `libmujoco.so` if the
+/// directory has it, else the first versioned name.
 fn shared_library(dir: &Path) -> Option<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
         .ok()?
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name == "libmujoco.so" || name.starts_with("libmujoco.so.") || name == "libmujoco.dylib")
+        .filter(|name| target::system().is_library(name) && !target::is_foreign(&dir.join(name)))
         .collect();
     names.sort();
     names.into_iter().next()

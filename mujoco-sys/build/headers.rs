@@ -43,7 +43,9 @@ pub(crate) fn found_roots(variable: impl Fn(&str) -> Option<OsString>) -> Vec<Pa
     let [python, conda, ros] = ENVIRONMENTS.map(variable);
     let mut roots = Vec::new();
     roots.extend(python.map(PathBuf::from).iter().flat_map(|prefix| wheels(prefix)));
-    roots.extend(conda.map(PathBuf::from));
+    roots.extend(conda.iter().map(PathBuf::from));
+    // On Windows.
+    roots.extend(conda.iter().map(|prefix| Path::new(prefix).join("Library")).filter(|root| root.is_dir()));
     let ros = ros.unwrap_or_default();
     roots.extend(env::split_paths(&ros).map(|prefix| prefix.join("opt/mujoco_vendor")).filter(|root| root.is_dir()));
     roots.extend(
@@ -55,12 +57,15 @@ pub(crate) fn found_roots(variable: impl Fn(&str) -> Option<OsString>) -> Vec<Pa
     roots
 }
 
-/// Returns the package directories of the engine's wheel in a Python environment, one per version
-/// of Python.
+/// Returns the package directories of the engine's wheel in a Python environment: one per version
+/// of Python, or a single one on Windows.
 fn wheels(prefix: &Path) -> Vec<PathBuf> {
-    let pythons = std::fs::read_dir(prefix.join("lib")).into_iter().flatten().flatten();
-    let mut wheels: Vec<_> =
-        pythons.map(|python| python.path().join("site-packages/mujoco")).filter(|wheel| wheel.is_dir()).collect();
+    let pythons = std::fs::read_dir(prefix.join("lib")).into_iter().flatten().flatten().map(|python| python.path());
+    let mut wheels: Vec<_> = pythons
+        .chain([prefix.join("Lib")])
+        .map(|python| python.join("site-packages/mujoco"))
+        .filter(|wheel| wheel.is_dir())
+        .collect();
     wheels.sort();
     wheels
 }

@@ -13,7 +13,7 @@ pub(crate) fn fail(missing: &Missing) -> ! {
     }
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
     lines.push("To install it on Debian 12:  apt-get install libmujoco-dev".to_owned());
-    lines.push("To install it from PyPI, on Linux and macOS:".to_owned());
+    lines.push("To install it from PyPI:".to_owned());
     lines.push(
         "  pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2".to_owned(),
     );

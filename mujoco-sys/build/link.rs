@@ -3,12 +3,16 @@
 use std::path::Path;
 
 use crate::find::Engine;
+use crate::target::{self, System};
 
 /// Prints Cargo's link instructions and the metadata for dependants (`DEP_MUJOCO_*`).
 pub(crate) fn announce(engine: &Engine, out: &Path) {
+    let system = target::system();
     // The linker searches `out` for the shim, and must not find the engine of an earlier build
     // there.
-    let _ = std::fs::remove_file(out.join("libmujoco.so"));
+    for name in system.search_names(&engine.library) {
+        let _ = std::fs::remove_file(out.join(name));
+    }
     if engine.on_loader_path {
         println!("cargo::rustc-link-search=native={}", engine.library_dir.display());
     } else {
@@ -20,10 +24,22 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
             println!("cargo::warning=linking the MuJoCo engine in {}", engine.library_dir.display());
         }
         println!("cargo::rustc-link-search=native={}", out.display());
-        println!("cargo::rustc-link-arg=-Wl,-rpath,{}", engine.library_dir.display());
-        println!("cargo::metadata=rpath={}", engine.library_dir.display());
+        let rpath = match system {
+            // The loader searches the program's directory and PATH.
+            System::Windows => None,
+            // The library records a path that only `out` has.
+            System::MacOs => Some(out),
+            System::Elf => Some(&*engine.library_dir),
+        };
+        if let Some(rpath) = rpath {
+            println!("cargo::rustc-link-arg=-Wl,-rpath,{}", rpath.display());
+            println!("cargo::metadata=rpath={}", rpath.display());
+        }
     }
-    println!("cargo::rustc-link-lib=dylib=mujoco");
+    // On Windows the bindings name the library.
+    if system != System::Windows {
+        println!("cargo::rustc-link-lib=dylib=mujoco");
+    }
     println!("cargo::metadata=include={}", engine.include.display());
     println!("cargo::metadata=libdir={}", engine.library_dir.display());
     println!("cargo::metadata=version={}", engine.version);
@@ -45,19 +61,28 @@ pub(crate) fn announce_fields(out: &Path) {
     println!("cargo::metadata=fields={}", out.join("fields.tsv").display());
 }
 
-/// Creates links to the library in `out`: `libmujoco.so` for the linker and the library's file name
-/// for the loader.
+/// Writes the name of the library to each block of functions in the bindings for Windows. The
+/// compiler then makes the import library, which the wheels lack. It also resolves the references
+/// of the shim, and global variables need it with Microsoft's linker.
+pub(crate) fn name_library(out: &Path, bindings: &str) {
+    if target::system() == System::Windows {
+        let block = "unsafe extern \"C\" {";
+        let named = bindings.replace(block, &format!("#[link(name = \"mujoco\", kind = \"raw-dylib\")]\n{block}"));
+        std::fs::write(out.join("bindings.rs"), named).expect("OUT_DIR is writable");
+    }
+}
+
+/// Creates links to the library in `out` under the names that the linker and the loader search.
 fn stage(engine: &Engine, out: &Path) {
     let library = engine.library_dir.join(&engine.library);
-    for name in ["libmujoco.so", &engine.library] {
+    for name in target::system().search_names(&engine.library) {
         let link = out.join(name);
-        // A link from an earlier build may be outdated.
-        let _ = std::fs::remove_file(&link);
+        let folder = link.parent().expect("the link is in `out`");
         #[cfg(unix)]
-        let made = std::os::unix::fs::symlink(&library, &link);
+        let make = || std::os::unix::fs::symlink(&library, &link);
         #[cfg(not(unix))]
-        let made = std::fs::copy(&library, &link).map(|_| ());
-        if let Err(error) = made {
+        let make = || std::fs::copy(&library, &link).map(|_| ());
+        if let Err(error) = std::fs::create_dir_all(folder).and_then(|()| make()) {
             crate::help::end(&[format!("{} could not be linked to {}: {error}", link.display(), library.display())]);
         }
     }

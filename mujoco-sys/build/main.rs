@@ -17,6 +17,7 @@ mod libclang;
 mod link;
 mod rust_items;
 mod shim;
+mod target;
 
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,7 @@ fn main() {
     build(&out);
     let bindings = std::fs::read_to_string(out.join("bindings.rs")).expect("the bindings were written above");
     std::fs::write(out.join("absent.rs"), absent::definitions(&bindings)).expect("OUT_DIR is writable");
+    link::name_library(&out, &bindings);
 }
 
 fn build(out: &Path) {

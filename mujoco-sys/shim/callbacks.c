@@ -1,7 +1,13 @@
 #define _POSIX_C_SOURCE 199309L
 #include "callbacks.h"
 
+#if defined(_WIN32)
+#include <windows.h>
+#else
 #include <time.h>
+#endif
+
+#include "compiler.h"
 
 static mujoco_sys_handler_fn handler;
 
@@ -10,7 +16,7 @@ static mujoco_sys_handler_fn handler;
 static mjtNum call_handler(int callback, const mjModel* m, const mjData* d, int first, int second, mjtNum value) {
   // The engine passes `const mjData*` to actuator callbacks only; it points to the same mutable
   // data as in the other callbacks.
-  const mujoco_sys_handler_fn current = __atomic_load_n(&handler, __ATOMIC_ACQUIRE);
+  const mujoco_sys_handler_fn current = MUJOCO_SYS_ACQUIRE(mujoco_sys_handler_fn, handler);
   if (current(callback, m, (mjData*)d, first, second, &value)) {
     mju_error("a callback failed");
   }
@@ -54,39 +60,44 @@ static mjtNum gain(const mjModel* m, const mjData* d, int id) { return call_hand
 static mjtNum bias(const mjModel* m, const mjData* d, int id) { return call_handler(MUJOCO_SYS_ACTUATOR_BIAS, m, d, id, 0, 0); }
 
 // Atomic, because other threads may be simulating: they read either NULL or the callback.
-#define PUBLISH(pointer, function) __atomic_store_n(&(pointer), (function), __ATOMIC_RELEASE)
-
 void mujoco_sys_install_callback(int callback, mujoco_sys_handler_fn new_handler) {
-  PUBLISH(handler, new_handler);
+  MUJOCO_SYS_PUBLISH(handler, new_handler);
   switch (callback) {
     case MUJOCO_SYS_CONTROL:
-      PUBLISH(mjcb_control, control);
+      MUJOCO_SYS_PUBLISH(mjcb_control, control);
       break;
     case MUJOCO_SYS_PASSIVE:
-      PUBLISH(mjcb_passive, passive);
+      MUJOCO_SYS_PUBLISH(mjcb_passive, passive);
       break;
     case MUJOCO_SYS_SENSOR:
-      PUBLISH(mjcb_sensor, sensor);
+      MUJOCO_SYS_PUBLISH(mjcb_sensor, sensor);
       break;
     case MUJOCO_SYS_CONTACT_FILTER:
-      PUBLISH(mjcb_contactfilter, contact_filter);
+      MUJOCO_SYS_PUBLISH(mjcb_contactfilter, contact_filter);
       break;
     case MUJOCO_SYS_ACTUATOR_DYNAMICS:
-      PUBLISH(mjcb_act_dyn, dynamics);
+      MUJOCO_SYS_PUBLISH(mjcb_act_dyn, dynamics);
       break;
     case MUJOCO_SYS_ACTUATOR_GAIN:
-      PUBLISH(mjcb_act_gain, gain);
+      MUJOCO_SYS_PUBLISH(mjcb_act_gain, gain);
       break;
     case MUJOCO_SYS_ACTUATOR_BIAS:
-      PUBLISH(mjcb_act_bias, bias);
+      MUJOCO_SYS_PUBLISH(mjcb_act_bias, bias);
       break;
   }
 }
 
 static mjtNum seconds(void) {
+#if defined(_WIN32)
+  LARGE_INTEGER now, per_second;
+  QueryPerformanceCounter(&now);
+  QueryPerformanceFrequency(&per_second);
+  return (mjtNum)now.QuadPart / (mjtNum)per_second.QuadPart;
+#else
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (mjtNum)now.tv_sec + 1e-9 * (mjtNum)now.tv_nsec;
+#endif
 }
 
-void mujoco_sys_install_clock(void) { PUBLISH(mjcb_time, seconds); }
+void mujoco_sys_install_clock(void) { MUJOCO_SYS_PUBLISH(mjcb_time, seconds); }

@@ -1,6 +1,7 @@
 #include "collision.h"
 
 #include "compat.h"
+#include "compiler.h"
 #include "interpose.h"
 
 #include <math.h>
@@ -113,9 +114,21 @@ int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collis
 #define REMOVES_CONTACTS_OF_BOXES (mjVERSION_HEADER >= 330 && mjVERSION_HEADER < 3006000)
 
 #if REMOVES_CONTACTS_OF_BOXES
-// Private function of the engine. Returns 1 if a point is outside of the box whose size is
-// multiplied by `ratio`, -1 if it is inside of the box whose size is divided by `ratio`, else 0.
-int mju_outsideBox(const mjtNum point[3], const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3], mjtNum ratio);
+// Returns 1 if a point is outside of the box whose size is multiplied by 1.01, -1 if it is inside
+// of the box whose size is divided by 1.01, else 0. The engine's function with this rule is
+// private.
+static int is_outside(const mjtNum point[3], const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3]) {
+  static const mjtNum ratio = 1.01;
+  mjtNum offset[3], local[3];
+  mju_sub3(offset, point, pos);
+  mju_mulMatTVec3(local, mat, offset);
+  int inside = 1;
+  for (int i = 0; i < 3; i++) {
+    if (fabs(local[i]) > size[i] * ratio) return 1;
+    inside &= fabs(local[i]) < size[i] / ratio;
+  }
+  return -inside;
+}
 
 // True unless a contact is outside of one box and not inside of the other, by the engine's rule.
 static int is_at_boxes(const mjModel* m, const mjData* d, const mjContact* con, const int boxes[2], mjtNum margin) {
@@ -124,7 +137,7 @@ static int is_at_boxes(const mjModel* m, const mjData* d, const mjContact* con, 
     const int box = boxes[side];
     mjtNum size[3];
     for (int i = 0; i < 3; i++) size[i] = m->geom_size[3 * box + i] + margin;
-    outside[side] = mju_outsideBox(con->pos, d->geom_xpos + 3 * box, d->geom_xmat + 9 * box, size, 1.01);
+    outside[side] = is_outside(con->pos, d->geom_xpos + 3 * box, d->geom_xmat + 9 * box, size);
   }
   return !(outside[0] == 1 && outside[1] != -1) && !(outside[1] == 1 && outside[0] != -1);
 }
@@ -151,8 +164,8 @@ static int remove_contacts(const mjModel* m, const mjData* d, mjContact* con, in
 // True for the geom types whose collision function needs no check.
 static unsigned char unchecked_types[mjNGEOMTYPES][mjNGEOMTYPES];
 
-static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_collision_data* d, compat_contact* con,
-                                                       int g1, int g2, mjtNum margin) {
+static MUJOCO_SYS_NOINLINE int check_and_collide(const mjModel* m, compat_collision_data* d, compat_contact* con,
+                                                 int g1, int g2, mjtNum margin) {
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
   const int count = mujoco_sys_collide_by(original[type1][type2], m, d, con, g1, g2, margin);

@@ -3,24 +3,76 @@
 // reads the context of another unwinder, and crashes. The routine of this file does not read the
 // context. It reports a handler, so that the unwinder runs the destructors of the engine's frames,
 // and then jumps.
+//
+// Engines for Windows are compiled by Microsoft's compiler, whose exceptions are those of the
+// system. Code that GNU's compiler made cannot catch them either. There the handler of a frame of
+// this file jumps, which unwinds the engine's frames.
 #include "exception.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "compiler.h"
 #include "guard.h"
 
-#if defined(__linux__) && (defined(__x86_64__) || defined(__aarch64__))
+#if (defined(__linux__) && (defined(__x86_64__) || defined(__aarch64__))) || \
+    (defined(_WIN32) && defined(__GNUC__) && defined(__x86_64__))
 
 struct mujoco_sys_catcher {
   mujoco_sys_mark return_to;
   struct mujoco_sys_catcher* outer;
 };
 
-static _Thread_local struct mujoco_sys_catcher* innermost;
-static _Thread_local const char* caught;
+static MUJOCO_SYS_THREAD_LOCAL struct mujoco_sys_catcher* innermost;
+static MUJOCO_SYS_THREAD_LOCAL const char* caught;
 
 struct mujoco_sys_catcher** mujoco_sys_innermost_call(void) { return &innermost; }
+
+// Calls the function in a frame with the handler of exceptions below.
+void mujoco_sys_call_behind(void (*function)(void*), void* argument);
+
+#if defined(_WIN32)
+
+#include <windows.h>
+
+// Returns the type's name in the description of an exception of Microsoft's compiler, in which
+// addresses are relative to the library.
+static const char* type_of(const EXCEPTION_RECORD* record) {
+  const char* const base = (const char*)record->ExceptionInformation[3];
+  const int32_t* const thrown = (const int32_t*)record->ExceptionInformation[2];
+  const int32_t* const types = (const int32_t*)(base + thrown[3]);
+  const int32_t* const type = (const int32_t*)(base + types[1]);
+  return base + type[1] + 2 * sizeof(void*);
+}
+
+__attribute__((used)) EXCEPTION_DISPOSITION mujoco_sys_on_exception(EXCEPTION_RECORD* record, void* frame,
+                                                                    CONTEXT* context, void* dispatcher) {
+  (void)frame, (void)context, (void)dispatcher;
+  const int is_cpp = record->ExceptionCode == 0xe06d7363 && record->NumberParameters >= 4;
+  const int is_unwinding = (record->ExceptionFlags & (EXCEPTION_UNWINDING | EXCEPTION_EXIT_UNWIND)) != 0;
+  if (!is_cpp || is_unwinding || !innermost) return ExceptionContinueSearch;
+  caught = type_of(record);
+  MUJOCO_SYS_RETURN_TO(innermost->return_to);
+}
+
+__asm__(
+    ".text\n"
+    ".globl mujoco_sys_call_behind\n"
+    ".seh_proc mujoco_sys_call_behind\n"
+    "mujoco_sys_call_behind:\n"
+    "subq $40, %rsp\n"
+    ".seh_stackalloc 40\n"
+    ".seh_handler mujoco_sys_on_exception, @except\n"
+    ".seh_endprologue\n"
+    "movq %rcx, %rax\n"
+    "movq %rdx, %rcx\n"
+    "callq *%rax\n"
+    "nop\n"
+    "addq $40, %rsp\n"
+    "retq\n"
+    ".seh_endproc\n");
+
+#else
 
 // Constants of the Itanium C++ ABI.
 enum { SEARCH_PHASE = 1, HANDLER_FRAME = 4, HANDLER_FOUND = 6, CONTINUE_UNWIND = 8 };
@@ -41,9 +93,6 @@ __attribute__((visibility("hidden"), used)) int mujoco_sys_personality(int versi
   caught = type ? type[1] : "unknown";
   MUJOCO_SYS_RETURN_TO(innermost->return_to);
 }
-
-// Calls the function in a frame with this personality routine.
-void mujoco_sys_call_behind(void (*function)(void*), void* argument);
 
 #if defined(__x86_64__)
 __asm__(
@@ -92,6 +141,8 @@ __asm__(
     ".size mujoco_sys_call_behind, . - mujoco_sys_call_behind\n");
 #endif
 
+#endif
+
 const char* mujoco_sys_call(void (*function)(void*), void* argument) {
   struct mujoco_sys_catcher catcher;
   catcher.outer = innermost;
@@ -108,7 +159,7 @@ const char* mujoco_sys_call(void (*function)(void*), void* argument) {
 #else
 
 struct mujoco_sys_catcher** mujoco_sys_innermost_call(void) {
-  static _Thread_local struct mujoco_sys_catcher* none;
+  static MUJOCO_SYS_THREAD_LOCAL struct mujoco_sys_catcher* none;
   return &none;
 }
 

@@ -8,8 +8,9 @@ extern "C" {
 
 struct mujoco_sys_catcher;
 
-// Calls a function. Returns the mangled name of the type of an exception of LLVM's C++ library that
-// leaves it, or NULL. The frames of the function are unwound. Exceptions of GNU's library pass.
+// Calls a function. Returns the mangled name of the type of an exception that leaves it, or NULL,
+// if the exception is of LLVM's C++ library, or of Microsoft's and this file compiled by GNU's
+// compiler. The frames of the function are unwound. Other exceptions pass.
 const char* mujoco_sys_call(void (*function)(void*), void* argument);
 
 // Returns the innermost call of this thread, which a jump past a call must restore.

@@ -2,6 +2,7 @@
 
 #include "collision.h"
 #include "compat.h"
+#include "compiler.h"
 #include "step.h"
 
 #include <stdio.h>
@@ -10,10 +11,10 @@
 
 #include <mujoco/mjxmacro.h>
 
-static _Thread_local struct mujoco_sys_guard* innermost;
-static _Thread_local char message[1024];
-static _Thread_local struct mujoco_sys_full full;
-static _Thread_local char lost_constraints[128];
+static MUJOCO_SYS_THREAD_LOCAL struct mujoco_sys_guard* innermost;
+static MUJOCO_SYS_THREAD_LOCAL char message[1024];
+static MUJOCO_SYS_THREAD_LOCAL struct mujoco_sys_full full;
+static MUJOCO_SYS_THREAD_LOCAL char lost_constraints[128];
 static void (*warning_sink)(const char*);
 
 void mujoco_sys_set_message(const char* text) {
@@ -196,7 +197,7 @@ void mujoco_sys_stack_mark(const mjData* d, struct stack_mark* at) { *at = mark(
 void mujoco_sys_stack_restore(mjData* d, const struct stack_mark* at) { restore_stack(d, *at); }
 
 // Resets what the engine keeps outside of the data after an error. Keeps the error's text.
-__attribute__((noinline)) void mujoco_sys_after_error(void) {
+MUJOCO_SYS_NOINLINE void mujoco_sys_after_error(void) {
   struct mujoco_sys_guard guard;
   char text[sizeof(message)];
   memcpy(text, message, sizeof(message));

@@ -6,6 +6,7 @@
 #ifndef MUJOCO_SYS_GUARD_H_
 #define MUJOCO_SYS_GUARD_H_
 
+#include <setjmp.h>
 #include <stddef.h>
 
 #include <mujoco/mujoco.h>
@@ -16,16 +17,20 @@ extern "C" {
 
 // Jump buffer of a guard. The compiler's built-in setjmp stores three words and makes the function
 // save its registers; it takes a third of the time of the C library's. `_setjmp` is the library's
-// variant that does not save the signal mask, which would cost a system call. Local variables that
-// do not change after the setjmp keep their values across the jump (C11 7.13.2.1).
+// variant that does not save the signal mask, which would cost a system call. Windows has no such
+// mask. Local variables that do not change after the setjmp keep their values across the jump (C11
+// 7.13.2.1).
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
 typedef void* mujoco_sys_mark[5];
 #define MUJOCO_SYS_SET_MARK(mark) __builtin_setjmp(mark)
 #define MUJOCO_SYS_RETURN_TO(mark) __builtin_longjmp(mark, 1)
 #else
-#include <setjmp.h>
 typedef jmp_buf mujoco_sys_mark;
+#if defined(_WIN32)
+#define MUJOCO_SYS_SET_MARK(mark) setjmp(mark)
+#else
 #define MUJOCO_SYS_SET_MARK(mark) _setjmp(mark)
+#endif
 #define MUJOCO_SYS_RETURN_TO(mark) longjmp(mark, 1)
 #endif
 

@@ -3,7 +3,11 @@
 // not remove when they throw. These guards catch the exceptions and restore the locale and the
 // handlers. An engine error that reaches the guard's handler skips the release of the parser's
 // lock, so after MUJOCO_SYS_ERROR the next load would deadlock: the caller must not make it.
+#if defined(_WIN32)
+#include <windows.h>
+#else
 #include <dlfcn.h>
+#endif
 
 #include <clocale>
 #include <cstdio>
@@ -19,40 +23,53 @@
 #include "guard.h"
 #include "optional.h"
 
-extern "C" {
-// Private functions of the engine. Weak, because newer engines lack them.
-typedef void (*mujoco_sys_handler)(const char*);
-__attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_error_fn(void);
-__attribute__((weak)) void _mjPRIVATE__set_tls_error_fn(mujoco_sys_handler);
-__attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_warning_fn(void);
-__attribute__((weak)) void _mjPRIVATE__set_tls_warning_fn(mujoco_sys_handler);
-// Significant digits of numbers in written XML, per thread. The default is 6.
-__attribute__((weak)) int _mjPRIVATE__get_xml_precision(void);
-__attribute__((weak)) void _mjPRIVATE__set_xml_precision(int);
-}
-
 namespace {
 
-// Thread-local state that the loader may leave changed.
+// Finds a private function of the engine, which newer engines lack. A weak symbol would do for ELF
+// only: the linkers for other formats reject symbols that no library defines.
+template <typename Function>
+Function* find(const char* name) {
+#if defined(_WIN32)
+  return reinterpret_cast<Function*>(reinterpret_cast<void*>(GetProcAddress(GetModuleHandleA("mujoco.dll"), name)));
+#else
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+#endif
+}
+
+typedef void mujoco_sys_handler(const char*);
+const auto get_error_handler = find<mujoco_sys_handler*()>("_mjPRIVATE__get_tls_error_fn");
+const auto set_error_handler = find<void(mujoco_sys_handler*)>("_mjPRIVATE__set_tls_error_fn");
+const auto get_warning_handler = find<mujoco_sys_handler*()>("_mjPRIVATE__get_tls_warning_fn");
+const auto set_warning_handler = find<void(mujoco_sys_handler*)>("_mjPRIVATE__set_tls_warning_fn");
+// Significant digits of numbers in written XML, per thread. The default is 6.
+const auto get_xml_precision = find<int()>("_mjPRIVATE__get_xml_precision");
+const auto set_xml_precision = find<void(int)>("_mjPRIVATE__set_xml_precision");
+
+// Thread-local state that the loader may leave changed. On Windows the locale is not part of it:
+// the engine changes that of its C library, which Rust does not use.
 struct ThreadState {
+#if !defined(_WIN32)
   locale_t locale = uselocale(static_cast<locale_t>(0));
+#endif
   mujoco_sys_guard* guard = *mujoco_sys_innermost();
   mujoco_sys_catcher* call = *mujoco_sys_innermost_call();
-  mujoco_sys_handler error = _mjPRIVATE__get_tls_error_fn ? _mjPRIVATE__get_tls_error_fn() : nullptr;
-  mujoco_sys_handler warning = _mjPRIVATE__get_tls_warning_fn ? _mjPRIVATE__get_tls_warning_fn() : nullptr;
+  mujoco_sys_handler* error = get_error_handler ? get_error_handler() : nullptr;
+  mujoco_sys_handler* warning = get_warning_handler ? get_warning_handler() : nullptr;
 
   void restore() const {
+#if !defined(_WIN32)
     uselocale(locale);
+#endif
     *mujoco_sys_innermost() = guard;
     *mujoco_sys_innermost_call() = call;
-    if (_mjPRIVATE__set_tls_error_fn) _mjPRIVATE__set_tls_error_fn(error);
-    if (_mjPRIVATE__set_tls_warning_fn) _mjPRIVATE__set_tls_warning_fn(warning);
+    if (set_error_handler) set_error_handler(error);
+    if (set_warning_handler) set_warning_handler(warning);
   }
 };
 
-// Sets the message for an exception of LLVM's library, and returns the code.
+// Sets the message for an exception of another library than this file's, and returns the code.
 inline int caught(const char* type) {
-  if (std::strcmp(type, "St9bad_alloc") == 0) {
+  if (std::strcmp(type, "St9bad_alloc") == 0 || std::strcmp(type, ".?AVbad_alloc@std@@") == 0) {
     mujoco_sys_set_message("out of memory");
     return MUJOCO_SYS_OUT_OF_MEMORY;
   }
@@ -60,6 +77,31 @@ inline int caught(const char* type) {
   std::snprintf(message, sizeof(message), "an exception of type %s", type);
   mujoco_sys_set_message(message);
   return MUJOCO_SYS_EXCEPTION;
+}
+
+// Calls a function, and returns the code of an exception that leaves it.
+template <typename Call>
+int catching(Call& call) {
+  // The function has no object with a destructor, so that its frame needs no personality routine.
+  const auto invoke = [](void* argument) { (*static_cast<Call*>(argument))(); };
+#if !defined(__cpp_exceptions)
+  const char* type = mujoco_sys_call(invoke, &call);
+  return type ? caught(type) : MUJOCO_SYS_OK;
+#else
+  try {
+    const char* type = mujoco_sys_call(invoke, &call);
+    return type ? caught(type) : MUJOCO_SYS_OK;
+  } catch (const std::bad_alloc&) {
+    mujoco_sys_set_message("out of memory");
+    return MUJOCO_SYS_OUT_OF_MEMORY;
+  } catch (const std::exception& exception) {
+    mujoco_sys_set_message(exception.what());
+    return MUJOCO_SYS_EXCEPTION;
+  } catch (...) {
+    mujoco_sys_set_message("an exception of unknown type");
+    return MUJOCO_SYS_EXCEPTION;
+  }
+#endif
 }
 
 // Runs `call` behind a guard. The frames of this file that the jump skips hold no object with a
@@ -75,21 +117,7 @@ int run(Call call) {
     return MUJOCO_SYS_ERROR;
   }
   *mujoco_sys_innermost() = &guard;
-  int status = MUJOCO_SYS_OK;
-  try {
-    // The function has no object with a destructor, so that its frame needs no personality routine.
-    const auto invoke = [](void* argument) { (*static_cast<Call*>(argument))(); };
-    if (const char* type = mujoco_sys_call(invoke, &call)) status = caught(type);
-  } catch (const std::bad_alloc&) {
-    mujoco_sys_set_message("out of memory");
-    status = MUJOCO_SYS_OUT_OF_MEMORY;
-  } catch (const std::exception& exception) {
-    mujoco_sys_set_message(exception.what());
-    status = MUJOCO_SYS_EXCEPTION;
-  } catch (...) {
-    mujoco_sys_set_message("an exception of unknown type");
-    status = MUJOCO_SYS_EXCEPTION;
-  }
+  const int status = catching(call);
   before.restore();
   if (status != MUJOCO_SYS_OK) mujoco_sys_after_error();
   return status;
@@ -124,7 +152,11 @@ int mujoco_sys_mj_loadPluginLibrary(const char* path) {
 #elif mjVERSION_HEADER >= 230
   // These engines ignore a failure to open the library, so it is opened here first.
   return run([=] {
+#if defined(_WIN32)
+    if (!LoadLibraryA(path)) mju_error_s("Error loading plugin library: %s", path);
+#else
     if (!dlopen(path, RTLD_NOW | RTLD_LOCAL)) mju_error_s("Error loading plugin library: %s", dlerror());
+#endif
     mj_loadPluginLibrary(path);
   });
 #else
@@ -134,15 +166,14 @@ int mujoco_sys_mj_loadPluginLibrary(const char* path) {
 }
 
 int mujoco_sys_xml_digits(void) {
-  const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
-  return adjustable ? 17 : 6;
+  return get_xml_precision && set_xml_precision ? 17 : 6;
 }
 
 // Prints all digits of a double if the engine's precision is adjustable.
 int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* error, int error_size, int* result) {
-  const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
-  const int before = adjustable ? _mjPRIVATE__get_xml_precision() : 0;
-  if (adjustable) _mjPRIVATE__set_xml_precision(mujoco_sys_xml_digits());
+  const bool adjustable = get_xml_precision && set_xml_precision;
+  const int before = adjustable ? get_xml_precision() : 0;
+  if (adjustable) set_xml_precision(mujoco_sys_xml_digits());
 #if mjVERSION_HEADER >= 300
   // The engine compares these sizes with those of its tree, and does not read the arrays of these
   // lengths. They may differ if the tree is that of the same model, loaded from another directory
@@ -155,7 +186,7 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   m = &model;
 #endif
   const int status = run([=] { *result = mj_saveLastXML(filename, m, error, error_size); });
-  if (adjustable) _mjPRIVATE__set_xml_precision(before);
+  if (adjustable) set_xml_precision(before);
   return status;
 }
 

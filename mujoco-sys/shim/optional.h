@@ -31,8 +31,6 @@
 #pragma weak mju_mulMatTVec3
 #pragma weak mju_mulMatVec3
 #pragma weak mjv_connector
-// Private.
-#pragma weak mju_outsideBox
 #endif
 
 #endif  // MUJOCO_SYS_OPTIONAL_H_

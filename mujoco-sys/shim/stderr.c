@@ -11,17 +11,20 @@
 #include <stdio.h>
 #include <string.h>
 
-static _Thread_local char text[4096];
-static _Thread_local size_t length;
-static _Thread_local unsigned depth;
-// True for a thread that has printed a message of the convex hull library during a capture of
-// another thread. Newer compilers process meshes in several threads, which end with the
-// compilation.
-static _Thread_local int is_hull_thread;
+#include "compiler.h"
+
+static MUJOCO_SYS_THREAD_LOCAL char text[4096];
+static MUJOCO_SYS_THREAD_LOCAL size_t length;
+static MUJOCO_SYS_THREAD_LOCAL unsigned depth;
 
 #if defined(__GLIBC__)
 #include <pthread.h>
 #include <sys/types.h>
+
+// True for a thread that has printed a message of the convex hull library during a capture of
+// another thread. Newer compilers process meshes in several threads, which end with the
+// compilation.
+static _Thread_local int is_hull_thread;
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static unsigned captures;

@@ -13,7 +13,7 @@ use std::sync::{Barrier, OnceLock};
 use std::thread;
 
 use mujoco_sys::guard::{self, ERROR, OK};
-use mujoco_sys::{mjData, mjModel, stderr};
+use mujoco_sys::{mjData, mjModel};
 
 /// A ball on the floor, which gives the solver a contact, and a hinge with a motor. The engine's
 /// stack has fewer bytes than one test raises errors.
@@ -301,7 +301,7 @@ fn a_capture_stores_the_output_of_its_thread_and_forwards_that_of_others() {
                 let mut loads = 0;
                 while loads < 20 || lines.load(Ordering::Relaxed) < LINES as u32 {
                     let (message, printed) =
-                        stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
+                        mujoco_sys::stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
                     // Newer engines find the flat mesh before they call the library.
                     let is_from_library =
                         message.contains("qhull error") && printed.contains("Initial simplex is flat");

@@ -1,12 +1,17 @@
-//! The places in which the build script searches for an engine.
+//! The places in which the build script searches for an engine, and the names of its library.
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/headers.rs"]
 mod headers;
+#[allow(dead_code, reason = "the build script uses all of it")]
+#[path = "../build/target.rs"]
+mod target;
 
 use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
+
+use target::System;
 
 #[test]
 fn environments_come_before_the_system() {
@@ -28,6 +33,38 @@ fn environments_come_before_the_system() {
     });
     assert_eq!(roots[..3], [wheel, path("conda"), vendor]);
     assert!(roots[3..].contains(&PathBuf::from("/usr")));
+}
+
+#[test]
+fn environments_of_windows_have_other_directories() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (wheel, library) = (path("venv/Lib/site-packages/mujoco"), path("conda/Library"));
+    fs::create_dir_all(&wheel).unwrap();
+    fs::create_dir_all(&library).unwrap();
+    let roots = headers::found_roots(|name| match name {
+        "VIRTUAL_ENV" => Some(path("venv").into_os_string()),
+        "CONDA_PREFIX" => Some(path("conda").into_os_string()),
+        _ => None,
+    });
+    assert_eq!(roots[..3], [wheel, path("conda"), library]);
+}
+
+#[test]
+fn each_system_has_its_names_of_the_library() {
+    let files =
+        ["libmujoco.so", "libmujoco.so.2.2.2", "libmujoco.2.2.2.dylib", "libmujoco.dylib", "mujoco.dll", "mujoco.lib"];
+    let found = |system: System| files.into_iter().filter(|name| system.is_library(name)).collect::<Vec<_>>();
+    assert_eq!(found(System::Elf), files[..2]);
+    assert_eq!(found(System::MacOs), files[2..4]);
+    assert_eq!(found(System::Windows), files[4..5]);
+    assert_eq!(System::Elf.search_names("libmujoco.so"), ["libmujoco.so"]);
+    assert_eq!(System::Elf.search_names("libmujoco.so.2.2.2"), ["libmujoco.so", "libmujoco.so.2.2.2"]);
+    // The third is the path that the official library records.
+    assert_eq!(
+        System::MacOs.search_names("libmujoco.2.2.2.dylib"),
+        ["libmujoco.dylib", "libmujoco.2.2.2.dylib", "mujoco.framework/Versions/A/libmujoco.2.2.2.dylib"]
+    );
 }
 
 #[test]

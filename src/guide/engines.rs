@@ -80,17 +80,19 @@
 //! If `MUJOCO_DIR` is set and not empty, the build script searches only that directory. Otherwise
 //! it searches, in this order:
 //!
-//! 1. the wheel in the active Python environment, `$VIRTUAL_ENV/lib/python*/site-packages/mujoco`,
-//! 2. the active conda environment, `$CONDA_PREFIX`,
+//! 1. the wheel in the active Python environment, `$VIRTUAL_ENV/lib/python*/site-packages/mujoco`
+//!    (`Lib\site-packages\mujoco` on Windows),
+//! 2. the active conda environment, `$CONDA_PREFIX` (and its directory `Library` on Windows),
 //! 3. ROS's vendor package, `opt/mujoco_vendor` in each directory of `$AMENT_PREFIX_PATH`,
 //! 4. the prefix that `pkg-config` reports for `mujoco`,
 //! 5. `/usr`, `/usr/local` and `/opt/mujoco`.
 //!
-//! The headers are in `include/mujoco` of the directory. The library `libmujoco.so`,
-//! `libmujoco.so.*` or `libmujoco.dylib` is in `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or
-//! the directory itself. The script skips engines of other versions if one of these places has
-//! 2.2.2, so `MUJOCO_DIR` selects another version. A build of this repository prints a warning with
-//! the library's directory if the engine is in one of the first four places.
+//! The headers are in `include/mujoco` of the directory. The library for the target (`libmujoco.so`
+//! or `libmujoco.so.*`, `libmujoco.*dylib` on macOS, `mujoco.dll` on Windows) is in
+//! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, `bin`, or the directory itself. The script skips
+//! engines of other versions if one of these places has 2.2.2, so `MUJOCO_DIR` selects another
+//! version. A build of this repository prints a warning with the library's directory if the engine
+//! is in one of the first four places.
 //!
 //! A failure prints the searched places and the reason for each. An engine of a version without
 //! bindings is an error of the build. On docs.rs (`DOCS_RS` is set) a missing engine is not an
@@ -157,8 +159,33 @@
 //!
 //! # Platforms
 //!
-//! Tested: Debian 12 on x86-64. The build script has no rule for the library names of Windows.
-//! macOS is untested.
+//! | platform | `.ci/run` | `scripts/platform PLATFORM --slow` |
+//! |---|---|---|
+//! | Linux, x86-64 | runs all tests | |
+//! | Linux, aarch64 | runs `mujoco-sys`, `smoke` and the cart-pole with 2.2.2, and `mujoco-sys` and the cart-pole with 4.0.1, under qemu | runs `engine`, `linearisation`, `data` and `model` too |
+//! | Windows, x86-64, tools of GNU | runs the guard's tests, `smoke` and the cart-pole with 2.2.2, under Wine | runs the same programs as for aarch64, and with 4.0.1 |
+//! | Windows, x86-64, tools of Microsoft | compiles the shim without extensions of GNU's compiler | |
+//! | macOS, arm64 | links the library and the cart-pole with 4.0.1 | links all examples, checks the types of the viewer |
+//!
+//! The viewer and the renderer run on x86-64 Linux only, with X11 and Vulkan; elsewhere they are
+//! compiled at most. A and B of the cart-pole are the same bits on all platforms that run, and K
+//! agrees to 1e-12 (`tests/smoke/platforms.rs`).
+//!
+//! *Windows.* The build needs a C and a C++ compiler, but no import library: the Rust compiler
+//! makes it from the bindings. A program needs `mujoco.dll` in its directory or in `PATH`, which
+//! needs Microsoft's Visual C++ runtime, and no library of its own compiler. The engine opens files
+//! of models by paths in UTF-8, which its C library reads in the system's code page, so it may not
+//! find names with characters beyond ASCII. Names of devices, such as `NUL` and `com1.stl`, are
+//! special files in every directory. With Microsoft's compiler only engines with committed bindings
+//! can be used, because the comparison of headers uses extensions of GNU's.
+//!
+//! *macOS.* The official library records that it is in a framework. The build places a link to it
+//! where a program searches it, in Cargo's output directory. An installed program needs the library
+//! as `mujoco.framework/Versions/A/libmujoco.X.Y.Z.dylib` in a directory of its rpath.
+//!
+//! *Other systems than Linux.* Text that the engine prints to `stderr` is not captured, sensors of
+//! distances with engines since 3.3.0 can differ from those of C, and a program does not start with
+//! an engine that lacks a function of the headers.
 //!
 //! # Raw bindings
 //!

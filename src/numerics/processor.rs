@@ -5,7 +5,9 @@
 
 /// Instruction set that the processor has.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct InstructionSet(Instructions);
+pub(crate) struct InstructionSet(
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "read on x86 only"))] Instructions,
+);
 
 #[derive(Clone, Copy, Debug)]
 #[allow(dead_code, reason = "the last two are constructed on x86 only")]

@@ -8,7 +8,6 @@ use mujoco_safe::{Data, Model, Result, sample};
 
 use crate::cases::cases;
 use crate::child;
-use crate::installed::sample_models;
 
 /// The geoms and the distance of each contact.
 type Contacts = Vec<([usize; 2], f64)>;
@@ -17,11 +16,12 @@ fn contacts(data: &Data) -> Contacts {
     data.contacts().map(|contact| (contact.geoms().unwrap().map(|geom| geom.index()), contact.dist())).collect()
 }
 
-/// Returns the engine's sample models and our own.
+/// Returns models with contacts between bodies, with the world, and within chains of bodies.
 fn models() -> Vec<Model> {
-    let installed = sample_models().into_iter().map(|(_, model)| model);
-    let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
-    installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
+    let samples = [sample::humanoid(), sample::half_cheetah(), sample::hopper()];
+    let files = ["every_element", "colliders", "composites", "zoo"];
+    let load = |name| Model::from_xml_path(format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    samples.into_iter().chain(files.map(load)).collect()
 }
 
 /// Detects the contacts, without the constraint forces of [`Data::forward`].

@@ -8,8 +8,6 @@ mod cases;
 mod child;
 #[path = "../common/flags.rs"]
 mod flags;
-#[path = "../common/installed.rs"]
-mod installed;
 #[path = "../common/touch_all.rs"]
 mod touch_all;
 #[path = "../common/trouble.rs"]

@@ -5,7 +5,8 @@
 
 use mujoco_safe::{LoadOptions, Model};
 
-use crate::is_default;
+use crate::{DEVICE, is_default};
+
 fn integers(values: &[i32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_ne_bytes()).collect()
 }
@@ -186,7 +187,8 @@ fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
         assert_eq!(Model::from_xml_path(&path).unwrap().nmesh(), 1, "{compiler}, {file}");
     }
     // The engine's reader opens the material libraries that a mesh names.
-    let object = "mtllib /dev/zero\nv 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let object =
+        format!("mtllib {DEVICE}\nv 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     std::fs::write(dir.join("a.obj"), object).unwrap();
     std::fs::write(&path, "<mujoco><asset><mesh name='a' file='a.obj'/></asset></mujoco>").unwrap();
     assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("material file"));

@@ -266,11 +266,12 @@ fn a_degenerate_box_in_contact_with_a_sphere_or_a_capsule_is_an_error() {
     }
 }
 
-/// Returns a free body with two overlapping geoms.
+/// Returns a free body with two overlapping geoms. Its inertia is given, because an inertia frame
+/// that is computed from the geoms can differ from the body frame in the last bit.
 fn body_of_two_geoms(rest: &str) -> String {
     format!(
         r#"<mujoco><option jacobian="sparse" solver="PGS"/><size njmax="12"/><worldbody>
-             <body name="b"><freejoint/><geom name="one" size=".1" pos="0 0 .05"/><geom name="other" size=".1" pos="0 0 -.05"/></body>
+             <body name="b"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><geom name="one" size=".1" pos="0 0 .05"/><geom name="other" size=".1" pos="0 0 -.05"/></body>
            </worldbody>{rest}</mujoco>"#
     )
 }

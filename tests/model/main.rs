@@ -55,6 +55,9 @@ use std::sync::{Mutex, PoisonError};
 use assets::folder;
 use mujoco_safe::{LoadOptions, Model};
 
+/// A special file.
+const DEVICE: &str = if cfg!(windows) { "nul.png" } else { "/dev/zero" };
+
 /// Returns `true` with the default engine.
 fn is_default() -> bool {
     mujoco_safe::built_against().to_string() == "2.2.2"

@@ -283,6 +283,36 @@ fn sizes_whose_product_overflows_a_c_int_are_rejected() {
     }
 }
 
+/// Expects that each element with the name of this file is rejected.
+fn assert_special(path: &str) {
+    for element in [
+        format!("<include file='{path}'/>"),
+        format!("<asset><mesh name='m' file='{path}'/></asset>"),
+        format!("<asset><hfield name='h' file='{path}' size='1 1 1 1'/></asset>"),
+        format!("<asset><texture name='t' type='2d' file='{path}'/></asset>"),
+        format!("<asset><texture name='t' type='cube' fileup='{path}'/></asset>"),
+        format!("<asset><skin name='s' file='{path}'/></asset>"),
+    ] {
+        let error = error(&format!("<mujoco>{element}</mujoco>"), &[]);
+        assert!(error.contains("regular file"), "{element}: {error}");
+    }
+    let robot = format!(
+        "<robot name='r'><link name='l'><collision><geometry><mesh filename='{path}'/></geometry></collision></link></robot>"
+    );
+    assert!(error(&robot, &[]).contains("regular file"), "{path}");
+    for result in [Model::from_xml_path(path), Model::from_binary_path(path)] {
+        assert!(matches!(result, Err(Error::File { .. })), "{path}");
+    }
+}
+
+#[cfg(windows)]
+#[test]
+fn the_name_of_a_device_is_an_error_wherever_a_text_names_it() {
+    for path in ["nul.stl", "CON.xml", "meshes/aux", "COM1.obj", "//./pipe/name", r"\\.\COM56"] {
+        assert_special(path);
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_special_file_is_an_error_wherever_a_text_names_it() {
@@ -305,26 +335,7 @@ fn a_special_file_is_an_error_wherever_a_text_names_it() {
         pipe.to_str().unwrap(),
         socket.to_str().unwrap(),
     ];
-    for path in special.into_iter().filter(|path| std::path::Path::new(path).exists()) {
-        for element in [
-            format!("<include file='{path}'/>"),
-            format!("<asset><mesh name='m' file='{path}'/></asset>"),
-            format!("<asset><hfield name='h' file='{path}' size='1 1 1 1'/></asset>"),
-            format!("<asset><texture name='t' type='2d' file='{path}'/></asset>"),
-            format!("<asset><texture name='t' type='cube' fileup='{path}'/></asset>"),
-            format!("<asset><skin name='s' file='{path}'/></asset>"),
-        ] {
-            let error = error(&format!("<mujoco>{element}</mujoco>"), &[]);
-            assert!(error.contains("regular file"), "{element}: {error}");
-        }
-        let robot = format!(
-            "<robot name='r'><link name='l'><collision><geometry><mesh filename='{path}'/></geometry></collision></link></robot>"
-        );
-        assert!(error(&robot, &[]).contains("regular file"), "{path}");
-        for result in [Model::from_xml_path(path), Model::from_binary_path(path)] {
-            assert!(matches!(result, Err(Error::File { .. })), "{path}");
-        }
-    }
+    special.into_iter().filter(|path| std::path::Path::new(path).exists()).for_each(assert_special);
 }
 
 #[test]

@@ -1,24 +1,30 @@
 //! A saved model loads as the same model.
 
+use std::path::Path;
 use std::sync::PoisonError;
 
 use mujoco_safe::kind::Kind;
-use mujoco_safe::{Error, Model, sample};
+use mujoco_safe::model::{SaveXmlOptions, XmlCheck};
+use mujoco_safe::{Error, LoadOptions, Model, sample};
 
 use crate::installed::sample_models;
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
 /// Loads a model and saves it as XML before another test loads a model: the engine keeps the XML of
 /// the last model only.
-fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
+fn saved(load: impl Fn() -> Model, path: &Path) -> Model {
+    saved_with(load, path, &SaveXmlOptions::default())
+}
+
+fn saved_with(load: impl Fn() -> Model, path: &Path, options: &SaveXmlOptions) -> Model {
     (0..10_000)
         .find_map(|_| {
             // The library does not detect loads by raw calls.
             let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
             let model = load();
-            match model.save_xml(path) {
+            match model.save_xml_with(path, options) {
                 Err(Error::XmlReplaced) => None,
-                saved => Some(saved.map(|()| model).unwrap()),
+                saved => Some(saved.map(|_| model).unwrap()),
             }
         })
         .expect("no load between loading and saving")
@@ -146,20 +152,69 @@ fn saved_xml_has_the_current_numbers_and_names_its_files() {
 #[test]
 fn a_failed_save_leaves_the_existing_file_unchanged() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, link) = (folder.path().join("model.xml"), folder.path().join("link.xml"));
-    let load = || Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
+    let path = folder.path().join("model.xml");
     std::fs::write(&path, "before").unwrap();
     // Another load replaces the XML in between: the file stays unchanged.
-    let model = load();
+    let model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
     saved(|| Model::from_xml_str(sample::HUMANOID_XML).unwrap(), &folder.path().join("other.xml"));
     assert!(matches!(model.save_xml(&path), Err(Error::XmlReplaced)));
     assert_eq!(std::fs::read(&path).unwrap(), b"before");
-    std::os::unix::fs::symlink(&path, &link).unwrap();
-    saved(load, &link);
-    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.starts_with("<mujoco") && text.ends_with("</mujoco>\n"), "{text}");
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn a_save_replaces_the_file_and_leaves_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.xml");
+    let load = || Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
+    let assert_saved = |to: &Path| {
+        std::fs::write(&path, "before").unwrap();
+        saved(load, to);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("<mujoco") && text.trim_end().ends_with("</mujoco>"), "{text}");
+    };
+    assert_saved(&path);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    #[cfg(unix)]
+    {
+        let link = folder.path().join("link.xml");
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        assert_saved(&link);
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+}
+
+#[test]
+fn the_deepest_elements_load_and_are_saved_with_the_stack_of_a_thread() {
+    // That of the main thread of Windows, or of Rust's threads.
+    let stack = if cfg!(windows) { 1 << 20 } else { 2 << 20 };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep.xml");
+    for (section, element) in [("worldbody", "body"), ("default", "default")] {
+        // The parser accepts up to 100 elements in each other in one file.
+        let texts = (0..4).map(|file| {
+            let class =
+                |index: usize| if element == "body" { String::new() } else { format!("class='{file}-{index}'") };
+            let starts = (0..95).map(|index| format!("<{element} {}>", class(index))).collect::<Vec<_>>().concat();
+            let include = if file < 3 { format!("<include file='{}.xml'/>", file + 1) } else { String::new() };
+            let text =
+                format!("<mujoco>{starts}{include}<geom size='.1'/>{}</mujoco>", format!("</{element}>").repeat(95));
+            (format!("{file}.xml"), text)
+        });
+        let texts: Vec<(String, String)> = texts.collect();
+        let files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (&**name, text.as_bytes())).collect();
+        let main = format!("<mujoco><{section}><include file='0.xml'/></{section}></mujoco>");
+        let load = || Model::from_xml_str_with(&main, &LoadOptions::default().with_files(&files)).unwrap();
+        // The text has all elements in one file, so it does not load.
+        let options = SaveXmlOptions::default().with_check(XmlCheck::Skip);
+        let save = || drop(saved_with(load, &path, &options));
+        std::thread::scope(|scope| {
+            std::thread::Builder::new().stack_size(stack).spawn_scoped(scope, save).unwrap().join().unwrap();
+        });
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.matches(&format!("</{element}>")).count() >= 4 * 95, "{text}");
+    }
 }
 
 #[test]

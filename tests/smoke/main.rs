@@ -55,6 +55,7 @@ mod flex;
 mod history;
 mod mesh;
 mod newer;
+mod platforms;
 #[cfg(engine_since = "2.3.0")]
 mod plugin;
 // The wheels have a plugin with a state since 3.1.

@@ -3,7 +3,6 @@
 //! `cargo test --test smoke real_models -- --ignored --nocapture`.
 
 use std::ffi::{CString, c_char};
-use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 use mujoco_safe::enums::Integrator;
@@ -28,7 +27,7 @@ impl Drop for RawModel {
 
 /// Compiles a file by a direct call of the engine. Returns its message if it fails.
 fn compiled_by_engine(path: &Path) -> Result<RawModel, String> {
-    let name = CString::new(path.as_os_str().as_bytes()).unwrap();
+    let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap();
     let mut message = [0 as c_char; 1000];
     let length = message.len() as i32;
     let model = c!(mj_loadXML(name.as_ptr(), std::ptr::null(), message.as_mut_ptr(), length));

@@ -11,7 +11,7 @@ use std::ptr::{self, NonNull};
 use mujoco_sys::guard;
 
 use self::compiler::VirtualFiles;
-pub(super) use self::compiler::{XmlState, path_c_string};
+pub(super) use self::compiler::{XmlState, path_c_string, with_sufficient_stack};
 pub use self::options::LoadOptions;
 use self::package::Resolved;
 use super::xml_guard::{self, Files};

@@ -13,13 +13,14 @@ use super::{SaveXmlOptions, XmlCheck, compare};
 use crate::error::{Error, Result};
 use crate::messages::collecting_warnings;
 use crate::model::Model;
-use crate::model::load::{TEXT, XmlState, path_c_string};
+use crate::model::load::{TEXT, XmlState, path_c_string, with_sufficient_stack};
 use crate::{ffi, file};
 
-/// Message of the shim for an exception that is not a `std::exception`, such as the engine's own.
-const UNKNOWN_EXCEPTION: &str = "an exception of unknown type";
+/// Parts of the shim's messages for the engine's own exceptions: their type is not a
+/// `std::exception`, and it is known if the engine's library was made by another compiler.
+const EXCEPTIONS_OF_ENGINE: [&str; 2] = ["an exception of unknown type", "mjCError"];
 
-/// Known cause of this exception: mujoco#561, in 2.2.2.
+/// Known cause of such an exception: mujoco#561, in 2.2.2.
 const MASS_IN_MESH_DEFAULTS: &str = "the engine's writer raised an exception. MuJoCo 2.2.2 cannot write a default class of \
     geoms with a mass and type='mesh' (mujoco#561): move type='mesh' from the class to its geoms, or save the model with \
     save_binary, or read its file as a Spec and save the text of Spec::to_xml";
@@ -94,13 +95,15 @@ impl Model {
             self.with_compiled_sizes(|model| {
                 // SAFETY: a valid name and model, a buffer of the given size, and a pointer for the
                 // result.
-                unsafe {
+                with_sufficient_stack(|| unsafe {
                     guard::mj_save_last_xml(name.as_ptr(), model, message.as_mut_ptr(), MESSAGE as i32, &raw mut saved)
-                }
+                })
             })
         });
         xml.leave("mj_saveLastXML", status).map_err(|error| match error {
-            Error::Engine { message, .. } if message == UNKNOWN_EXCEPTION => failed(MASS_IN_MESH_DEFAULTS.to_owned()),
+            Error::Engine { message, .. } if EXCEPTIONS_OF_ENGINE.iter().any(|part| message.contains(part)) => {
+                failed(MASS_IN_MESH_DEFAULTS.to_owned())
+            }
             error => error,
         })?;
         if saved == 1 {

@@ -53,7 +53,7 @@ impl<'f> Files<'f> {
 /// Reads a file. Returns `None` if there is no readable file, which the compiler will report.
 pub(super) fn on_disk<'f>(path: &[u8]) -> Option<Found<'f>> {
     let path = os_path(path);
-    if path.exists() && file::check_regular(path).is_err() {
+    if (file::names_device(path) || path.exists()) && file::check_regular(path).is_err() {
         return Some(Found::Rejected("is not a regular file"));
     }
     match file::read_regular(path) {

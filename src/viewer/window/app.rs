@@ -29,6 +29,7 @@ pub(super) struct App {
 
 /// Condition on which the event loop exits.
 enum ExitCondition {
+    #[cfg(not(target_os = "macos"))]
     Never,
     /// After this window was opened and all windows are closed. Messages about previous windows may
     /// arrive before it opens.

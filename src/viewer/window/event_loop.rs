@@ -9,7 +9,7 @@
 //! windows end with an error, and later ones cannot be opened.
 
 use std::cell::RefCell;
-use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ThreadId};
 
 use winit::error::EventLoopError;
@@ -35,6 +35,7 @@ enum Owner {
     /// [`run`](crate::viewer::run) first.
     Caller(ThreadId),
     /// Background thread.
+    #[cfg_attr(target_os = "macos", allow(dead_code, reason = "only the main thread of macOS shows windows"))]
     WindowThread(EventLoopProxy<Wake>),
     /// The creation has failed, or the loop has ended for good. The library does not allow a second
     /// attempt.
@@ -129,7 +130,7 @@ pub(super) fn window_thread() -> Result<(EventLoopProxy<Wake>, OwnerLock), Viewe
         Owner::Failed(reason) => return Err(ViewerError::NoDisplay(reason.clone())),
         Owner::None => {}
     }
-    let (sender, receiver) = mpsc::channel();
+    let (sender, receiver) = std::sync::mpsc::channel();
     thread::Builder::new()
         .name("windows".to_owned())
         .spawn(move || match build() {

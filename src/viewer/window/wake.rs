@@ -53,6 +53,7 @@ pub(super) enum Wake {
     /// Closes all windows.
     CloseAll,
     /// Ends all windows after the loss of the connection to the display server.
+    #[cfg_attr(not(target_os = "linux"), allow(dead_code, reason = "only Linux has this connection"))]
     ConnectionLost,
 }
 
