@@ -2,7 +2,7 @@
 //! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
 //! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For
 //! engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
-//! table of their files.
+//! table of their files, and for those with which all tests run `cfg(tested_in_full)`.
 
 #[path = "build/accessors.rs"]
 mod accessors;
@@ -59,6 +59,10 @@ fn main() {
         generate(&fields, version);
     }
     let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
+    println!("cargo::rustc-check-cfg=cfg(tested_in_full)");
+    if is_proved {
+        println!("cargo::rustc-cfg=tested_in_full");
+    }
     let checks = support::generate(&read(&fields), include_str!("build/knowledge/derivative.tsv"), version);
     write(
         "support.rs",

@@ -24,8 +24,8 @@ use rust_items::{Item, Type};
 /// The bindings of this build: the committed ones, or with the feature `bindgen` the generated
 /// ones.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
-/// Name of the committed files of this engine; empty if it has none.
-const COMMITTED: &str = env!("MUJOCO_SYS_COMMITTED");
+/// Name of the committed files of this engine, which may not exist.
+const NAME: &str = env!("MUJOCO_SYS_NAME");
 
 /// Compiles C text, and returns the compiler's errors.
 fn compile(name: &str, text: &str) -> Result<(), String> {
@@ -110,7 +110,7 @@ fn the_bindings_have_exactly_the_functions_of_the_headers() {
     let missing: Vec<_> = declared.difference(&bound).collect();
     let unknown: Vec<_> = bound.difference(&declared).collect();
     // Bindings of another version may lack functions that are new.
-    let is_complete = missing.is_empty() || COMMITTED.is_empty() && cfg!(not(feature = "bindgen"));
+    let is_complete = missing.is_empty() || committed_bindings().is_none() && cfg!(not(feature = "bindgen"));
     assert!(is_complete && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
 }
 
@@ -168,11 +168,11 @@ fn declared_functions() -> BTreeSet<String> {
 #[test]
 fn the_committed_field_table_is_that_of_the_headers() {
     // For another engine the build script generates the table from the same headers.
-    if !COMMITTED.is_empty() {
+    if let Some(committed) = committed(&format!("fields/{NAME}.tsv")) {
         let fields_h = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h"));
         let made = fields::table(Path::new(INCLUDE), fields_h, compiler().get_compiler().to_command())
             .expect("the headers can be expanded");
-        assert_eq!(first_difference(&committed(&format!("fields/{COMMITTED}.tsv")), &made), None);
+        assert_eq!(first_difference(&committed, &made), None);
     }
 }
 
@@ -277,25 +277,28 @@ fn length(items: &[Item], length: &str) -> usize {
 
 #[test]
 fn without_bindgen_the_bindings_are_the_committed_ones() {
-    if cfg!(not(feature = "bindgen")) && !COMMITTED.is_empty() {
-        assert_eq!(first_difference(&committed(&format!("src/bindings/{COMMITTED}.rs")), BINDINGS), None);
+    if let Some(committed) = committed_bindings().filter(|_| cfg!(not(feature = "bindgen"))) {
+        assert_eq!(first_difference(&committed, BINDINGS), None);
     }
 }
 
 #[cfg(feature = "bindgen")]
 #[test]
 fn bindgen_generates_the_committed_bindings_from_the_headers_of_their_version() {
-    if !COMMITTED.is_empty() {
+    if let Some(committed) = committed_bindings() {
         // The first line contains the version of bindgen.
         let body = |text: &str| text.split_once('\n').expect("more than a line").1.to_owned();
-        let committed = committed(&format!("src/bindings/{COMMITTED}.rs"));
         assert_eq!(first_difference(&body(&committed), &body(BINDINGS)), None);
     }
 }
 
-/// Returns the text of a committed file.
-fn committed(path: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("the file is committed")
+/// Returns the text of a committed file, if this engine has it.
+fn committed(path: &str) -> Option<String> {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()
+}
+
+fn committed_bindings() -> Option<String> {
+    committed(&format!("src/bindings/{NAME}.rs"))
 }
 
 /// Returns the number of the first line that differs, and the line of each text.

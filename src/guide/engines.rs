@@ -9,25 +9,22 @@
 //! | MuJoCo | bindings | tests |
 //! |---|---|---|
 //! | 2.2.2 | committed | all |
-//! | 2.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 2.3.7` |
-//! | 3.0.1 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.0.1` |
-//! | 3.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.3.7` |
 //! | 3.5.0 | committed | all except the program `coverage`: `scripts/test --engine 3.5.0` |
 //! | 3.17.0 | committed | all except the program `coverage`: `scripts/test --engine 3.17.0` |
 //! | 4.0.1 | committed | all except the program `coverage`: `scripts/test --engine 4.0.1` |
-//! | releases whose headers declare the same as one of these, as patch releases do | those of the nearest | none |
-//! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
+//! | other releases up to 4.0.1 | those of the nearest if its headers declare the same, as of a patch release, else generated: feature `bindgen` | `mujoco-sys`, `smoke`: `scripts/releases` |
+//! | newer ones | those of the nearest if its headers declare the same, as of a patch release, else generated: feature `bindgen` | none |
 //!
 //! The crate links the engine as a shared library, compiles a small shim with a C and a C++
 //! compiler, and contains bindings, so it needs neither libclang nor Python. For another release,
 //! the build compiles the declarations of the nearest bindings as C assertions against the headers
 //! that it finds: sizes, offsets, types and lengths of fields, values of constants, types of
 //! functions. If all hold, it uses these bindings without functions that the release lacks, which a
-//! warning names, else it fails and names the first difference.
-//! With the feature `bindgen` it generates bindings (`apt-get install libclang-dev`, or
-//! `pip install libclang` in the active Python environment). In both cases it prints a warning,
-//! because no test runs with this engine: names and layout of fields are right by construction, but
-//! the meaning of a value may have changed. Versions before 2.2.2 are an error.
+//! warning names, else it fails, names the first difference, and prints the command that generates
+//! bindings: `pip install libclang && cargo build --features mujoco-safe/bindgen`, in any Python on
+//! the path. `apt-get install libclang-dev` does as well. In both cases it prints a warning,
+//! because few tests or none run with this engine: names and layout of fields are right by
+//! construction, but the meaning of a value may have changed. Versions before 2.2.2 are an error.
 //!
 //! With **4.0.0** the build warns: its Newton solver with sparse matrices may return wrong
 //! accelerations ([#3767](https://github.com/google-deepmind/mujoco/issues/3767)); 4.0.1 corrects
@@ -63,7 +60,7 @@
 //! ```
 //!
 //! On a machine whose only engine is a wheel, one command suffices in an active Python environment
-//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco==4.0.1`. In this
+//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco-core==4.0.1`. In this
 //! repository `scripts/engine VERSION` installs any released engine in `target/engines` and prints
 //! its directory: `MUJOCO_DIR=$(scripts/engine 4.0.1) cargo run --example getting_started`.
 //!

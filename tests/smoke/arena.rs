@@ -374,7 +374,7 @@ fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
     let bodies = repeat("<body><joint name='jN' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body>");
     let joints = repeat("<joint joint='jN' coef='1'/>");
     let messages: Vec<String> = (1_000..40_000)
-        .step_by(500)
+        .step_by(100)
         .filter_map(|memory| {
             let text = format!(
                 "<mujoco><size memory='{memory}'/><option solver='PGS' jacobian='dense'/><worldbody>{bodies}
@@ -385,7 +385,12 @@ fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
             Model::from_xml_str(&text).err().map(|error| error.to_string())
         })
         .collect();
-    for place in ["constraints of the initial state", "constraints in the simulation for a lengthrange"] {
+    let mut places = vec!["constraints in the simulation for a lengthrange"];
+    if cfg!(tested_in_full) {
+        // In other engines the functions before need more memory than the constraints.
+        places.push("constraints of the initial state");
+    }
+    for place in places {
         assert!(messages.iter().any(|message| message.contains(place)), "{place}: {messages:#?}");
     }
 }
