@@ -305,7 +305,8 @@ fn size(field: Field<'_>, expression: &str) -> String {
 /// Returns the number of rows of an array: that of its shape, or zero for an array in the arena
 /// that the engine has not written.
 fn rows(field: Field<'_>) -> String {
-    let rows = if field.kind == "arena" && field.name == "efc_J" {
+    // Before 2.3.3 the array has dense rows in any case.
+    let rows = if field.kind == "arena" && field.name == "efc_J" && field.columns == "1" {
         "self.jacobian_len()".to_owned()
     } else {
         size(field, field.rows)

@@ -369,12 +369,16 @@ fn constraints_without_room_leave_no_numbers() {
 /// joints reach their limits.
 #[test]
 #[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
+#[cfg_attr(
+    all(engine_since = "3.11.0", not(engine_since = "3.14.0")),
+    ignore = "with too little memory the stack of these engines overlaps the arena without an error"
+)]
 fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
     let repeat = |text: &str| (0..20).map(|number| text.replace('N', &number.to_string())).collect::<String>();
     let bodies = repeat("<body><joint name='jN' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body>");
     let joints = repeat("<joint joint='jN' coef='1'/>");
     let messages: Vec<String> = (1_000..40_000)
-        .step_by(100)
+        .step_by(500)
         .filter_map(|memory| {
             let text = format!(
                 "<mujoco><size memory='{memory}'/><option solver='PGS' jacobian='dense'/><worldbody>{bodies}

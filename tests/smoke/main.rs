@@ -54,10 +54,10 @@ mod flex;
 mod history;
 mod mesh;
 mod newer;
-#[cfg(engine_since = "2.3.0")]
+#[cfg(engine_since = "2.3.1")]
 mod plugin;
-// The wheels have a plugin with a state since 3.1.
-#[cfg(engine_since = "3.1.3")]
+// The wheels have a plugin with a state since 3.1, whose size a text can state since 3.2.
+#[cfg(engine_since = "3.2.0")]
 mod plugin_state;
 mod real_models;
 // With other engines, the compiler crashes on some of these models.

@@ -57,6 +57,10 @@ fn normals_of_the_corners_of_a_cube_are_those_of_its_sides() {
 }
 
 #[test]
+#[cfg_attr(
+    all(engine_since = "2.3.3", not(engine_since = "2.3.6")),
+    ignore = "the compiler confuses the coordinates when it flips them"
+)]
 fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_a_file() {
     check_texcoords(&model());
 }
