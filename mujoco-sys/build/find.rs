@@ -48,7 +48,8 @@ pub(crate) fn engine() -> Result<Engine, Missing> {
     committed.or(other).ok_or_else(|| Missing { requested: headers::requested(), tried })
 }
 
-fn probe(root: &Path) -> Result<Engine, String> {
+/// Returns the engine in a directory.
+pub(crate) fn probe(root: &Path) -> Result<Engine, String> {
     let headers::Headers { include, version } = headers::probe(root)?;
     let triplet = triplet();
     let places = [root.join("lib").join(&triplet), root.join("lib64"), root.join("lib"), root.to_path_buf()];

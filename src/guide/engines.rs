@@ -72,6 +72,18 @@
 //! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines
 //! without recompilation, give each a target directory (`CARGO_TARGET_DIR`).
 //!
+//! # The feature `download`
+//!
+//! With this feature, which is off by default, the build needs no installed engine: if it finds
+//! none and `MUJOCO_DIR` is not set, it installs the wheel of MuJoCo 2.2.2 for the target with pip
+//! or uv, which compares it with the SHA-256 in this crate. The folder is `mujoco-safe` in
+//! `$XDG_CACHE_HOME`, `%LOCALAPPDATA%` or `~/.cache`, and all projects of the user share it: a
+//! later build needs neither network nor pip. An installed engine always has precedence.
+//!
+//! ```sh
+//! cargo add mujoco-safe --features download && cargo run
+//! ```
+//!
 //! # Search at build time
 //!
 //! If `MUJOCO_DIR` is set and not empty, the build script searches only that directory. Otherwise
