@@ -218,7 +218,7 @@
 //! | feature | since | here |
 //! |---|---|---|
 //! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts. With 3.3.4 to 3.5 their models have no islands ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)), because the engine writes out of bounds for islands of their contacts. With 3.0 to 3.10 the Jacobian is dense if their contacts have torsional friction ([`Options::jacobian`](crate::Options::jacobian)) |
-//! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
+//! | plugins, signed distance fields | 2.3.1, 3.0 | after [`load_plugins`](crate::load_plugins). With 3.6.0 the readers of OBJ and STL files are plugins too |
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | MJCF and URDF files, which pass the checks of the main file. Other formats are rejected |
 //! | sleeping bodies (the option `sleep`) | 3.4 | simulated, except with `sleep="init"`, which is rejected. [`BodyData::is_asleep`](crate::element::BodyData::is_asleep) tells which bodies sleep. State vectors do not contain that: [`Data::set_state`](crate::Data::set_state) with positions or velocities wakes all bodies, as do changes of the model and inverse dynamics. With 3.5.0 a mocap body that touches a sleeping body does not wake it, as in C. Linearisations and [`Batch`](crate::Batch) are [`Error::Unsupported`](crate::Error::Unsupported) |
 //! | delays of actuators and sensors | 3.5 | simulated. State vectors with [`StateSpec::HISTORY`](crate::StateSpec::HISTORY) contain their buffers, which `set_state` checks. Linearisations are `Error::Unsupported`, as in C |

@@ -18,6 +18,12 @@ const PYRAMID_TEXT: &str =
     "<mesh name='pyramid' vertex='0 0 0 1 0 0 0 1 0 0 0 1' texcoord='0 0 1 0 0 1 1 1' face='0 2 1 0 1 3 0 3 2 1 2 3'/>";
 
 fn load(pyramid: &str) -> mujoco_safe::Result<Model> {
+    // In this version the readers of mesh files are plugins.
+    #[cfg(all(engine_since = "3.6.0", not(engine_since = "3.7.0")))]
+    if let Some(directory) = crate::plugin::directory() {
+        // SAFETY: the plugins of the wheel that contains the engine.
+        unsafe { mujoco_safe::load_plugins(directory) }.unwrap();
+    }
     let text = format!(
         "<mujoco>
           <asset>{pyramid}<mesh name='cube' file='cube.obj'/></asset>
