@@ -2,7 +2,7 @@
 //! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
 //! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For
 //! engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
-//! table of their files.
+//! table of their files, and for those with which all tests run `cfg(tested_in_full)`.
 
 #[path = "build/accessors.rs"]
 mod accessors;
@@ -28,9 +28,9 @@ mod writable;
 use std::path::{Path, PathBuf};
 
 /// Versions of the engine at which the source changes.
-const THRESHOLDS: [&str; 22] = [
-    "2.3.0", "2.3.3", "2.3.6", "2.3.7", "3.0.0", "3.1.2", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.0", "3.3.3",
-    "3.3.6", "3.5.0", "3.6.0", "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.12.0", "3.17.0", "4.0.0",
+const THRESHOLDS: [&str; 24] = [
+    "2.3.0", "2.3.1", "2.3.3", "2.3.6", "2.3.7", "3.0.0", "3.1.2", "3.1.3", "3.2.0", "3.2.1", "3.2.5", "3.3.0",
+    "3.3.3", "3.3.6", "3.5.0", "3.6.0", "3.7.0", "3.8.0", "3.10.0", "3.11.0", "3.12.0", "3.14.0", "3.17.0", "4.0.0",
 ];
 
 fn main() {
@@ -59,6 +59,10 @@ fn main() {
         generate(&fields, version);
     }
     let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
+    println!("cargo::rustc-check-cfg=cfg(tested_in_full)");
+    if is_proved {
+        println!("cargo::rustc-cfg=tested_in_full");
+    }
     let checks = support::generate(&read(&fields), include_str!("build/knowledge/derivative.tsv"), version);
     write(
         "support.rs",

@@ -294,6 +294,8 @@ fn size(field: Field<'_>, expression: &str) -> String {
         .map(|factor| match factor.trim() {
             "njmax" if field.owner == "Data" => "self.nefc()".to_owned(),
             count if field.owner == "Data" && field.table.counts.contains(count) => format!("self.{count}()"),
+            // 2.3.3 omits the count.
+            "nnzJ" => "self.jacobian_len()".to_owned(),
             constant if constant.starts_with("mjN") => format!("mujoco_sys::{constant} as usize"),
             number if number.parse::<usize>().is_ok() => number.to_owned(),
             name => format!("{model}.{name}()"),
@@ -305,7 +307,8 @@ fn size(field: Field<'_>, expression: &str) -> String {
 /// Returns the number of rows of an array: that of its shape, or zero for an array in the arena
 /// that the engine has not written.
 fn rows(field: Field<'_>) -> String {
-    let rows = if field.kind == "arena" && field.name == "efc_J" {
+    // Before 2.3.3 the array has dense rows in any case.
+    let rows = if field.kind == "arena" && field.name == "efc_J" && field.columns == "1" {
         "self.jacobian_len()".to_owned()
     } else {
         size(field, field.rows)

@@ -62,8 +62,8 @@ pub(crate) fn ready() -> Result<()> {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 pub unsafe fn load_plugins(path: impl AsRef<Path>) -> Result<()> {
-    if !cfg!(engine_since = "2.3.0") {
-        return Err(Error::Unsupported(format!("engine plugins with MuJoCo {}, but from 2.3", built_against())));
+    if !cfg!(engine_since = "2.3.1") {
+        return Err(Error::Unsupported(format!("engine plugins with MuJoCo {}, but from 2.3.1", built_against())));
     }
     ready()?;
     let path = path.as_ref();

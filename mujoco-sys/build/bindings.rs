@@ -11,11 +11,6 @@ use crate::find::Engine;
 /// builds use.
 pub(crate) const DEFAULT: u32 = ENGINES[0].number;
 
-/// Returns the name of the committed files of an engine, without directory and extension.
-pub(crate) fn committed(number: u32) -> Option<String> {
-    supported(number).map(|engine| format!("v{}", engine.version.replace('.', "_")))
-}
-
 /// Returns the field table of the default engine.
 pub(crate) fn default_fields() -> PathBuf {
     let [_, fields] = committed_files(DEFAULT);
@@ -39,11 +34,12 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
     } else if let Err(why) = choose_compatible(engine, out) {
         let found = format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version));
         let advice = [
-            "To generate bindings for this engine, with which no test runs, enable the feature `bindgen` of mujoco-safe or",
-            "mujoco-safe-sys. It needs libclang: apt-get install libclang-dev, or pip install libclang in the active Python",
-            "environment. Or set MUJOCO_DIR to the directory of an engine with bindings.",
+            "To generate bindings for this engine, enable the feature `bindgen`, which needs libclang:".to_owned(),
+            "  pip install libclang && cargo build --features mujoco-safe/bindgen".to_owned(),
+            "Without pip: apt-get install libclang-dev. In a program that uses only mujoco-safe-sys, that is its feature.".to_owned(),
+            format!("Or set MUJOCO_DIR to the directory of one of the engines {}.", ENGINES.map(|engine| engine.version).join(", ")),
         ];
-        let lines = [vec![found], why, advice.map(str::to_owned).into()];
+        let lines = [vec![found], why, advice.into()];
         crate::help::end(&lines.concat());
     }
     if let Some(defect) = engines::defect(engine.version) {
@@ -98,7 +94,7 @@ fn choose_compatible(engine: &Engine, out: &Path) -> Result<(), Vec<String>> {
 /// Returns the paths of the committed bindings and field table of a version.
 fn committed_files(version: u32) -> [PathBuf; 2] {
     let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let name = committed(version).expect("the caller has checked that the version is in the list");
+    let name = engines::file_name(version);
     let files = [
         crate_root.join("src/bindings").join(&name).with_extension("rs"),
         crate_root.join("fields").join(name).with_extension("tsv"),
@@ -128,7 +124,6 @@ fn generate(_: &Engine, _: &Path) {
 #[cfg(feature = "bindgen")]
 fn generate(engine: &Engine, out: &Path) {
     let compiler = || cc::Build::new().get_compiler().to_command();
-    crate::libclang::select();
     let generated = [
         ("bindings.rs", crate::bindgen::bindings(&engine.include, compiler())),
         ("fields.tsv", crate::fields::table(&engine.include, &fields_h(), compiler())),

@@ -10,8 +10,8 @@ pub(crate) struct Supported {
     pub(crate) tests: Tests,
 }
 
-/// Tests that run with an engine before a release, those of newer engines by
-/// `scripts/test --engine VERSION`.
+/// Tests that run with an engine before a release: most by `scripts/test --engine VERSION`, the
+/// smallest set by `scripts/releases`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tests {
     /// All tests.
@@ -20,26 +20,25 @@ pub(crate) enum Tests {
     Most,
     /// The program `smoke`, and the tests of `mujoco-sys`.
     Smoke,
+    None,
 }
 
 impl Tests {
-    /// Returns the value of `DEP_MUJOCO_TESTS`, which is `none` for other engines.
+    /// Returns the value of `DEP_MUJOCO_TESTS`.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::All => "all",
             Self::Most => "most",
             Self::Smoke => "smoke",
+            Self::None => "none",
         }
     }
 }
 
 /// The default engine, which a search prefers and whose bindings documentation builds use, then the
 /// others in the order of their versions.
-pub(crate) const ENGINES: [Supported; 7] = [
+pub(crate) const ENGINES: [Supported; 4] = [
     engine(222, "2.2.2", Tests::All),
-    engine(237, "2.3.7", Tests::Smoke),
-    engine(301, "3.0.1", Tests::Smoke),
-    engine(337, "3.3.7", Tests::Smoke),
     engine(3_005_000, "3.5.0", Tests::Most),
     engine(3_017_000, "3.17.0", Tests::Most),
     engine(4_000_001, "4.0.1", Tests::Most),
@@ -60,9 +59,28 @@ pub(crate) fn version(number: u32) -> String {
     parts(number).map(|part| part.to_string()).join(".")
 }
 
+/// Returns a number that grows with the version.
+fn place(number: u32) -> u32 {
+    parts(number).iter().fold(0, |place, part| 1000 * place + part)
+}
+
+/// Returns the tests that run with the engine with this `mjVERSION_HEADER`.
+pub(crate) fn tests(number: u32) -> Tests {
+    match supported(number) {
+        Some(engine) => engine.tests,
+        // All releases between the oldest and the newest.
+        None if place(number) < place(ENGINES[ENGINES.len() - 1].number) => Tests::Smoke,
+        None => Tests::None,
+    }
+}
+
+/// Returns the name of the committed files of an engine, without directory and extension.
+pub(crate) fn file_name(number: u32) -> String {
+    format!("v{}", version(number).replace('.', "_"))
+}
+
 /// Returns the engines with committed bindings, the nearest version first.
 pub(crate) fn nearest(number: u32) -> Vec<&'static Supported> {
-    let place = |number| parts(number).iter().fold(0, |place, part| 1000 * place + part);
     let mut engines: Vec<_> = ENGINES.iter().collect();
     engines.sort_by_key(|engine| place(engine.number).abs_diff(place(number)));
     engines

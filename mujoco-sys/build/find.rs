@@ -47,7 +47,8 @@ pub(crate) fn engine() -> Result<Engine, Missing> {
     committed.or(other).ok_or_else(|| Missing { requested: headers::requested(), tried })
 }
 
-fn probe(root: &Path) -> Result<Engine, String> {
+/// Returns the engine in a directory.
+pub(crate) fn probe(root: &Path) -> Result<Engine, String> {
     let headers::Headers { include, version } = headers::probe(root)?;
     let triplet = target::triplet();
     let [lib, bin] = ["lib", "bin"].map(|folder| root.join(folder)); // `bin` in archives for Windows

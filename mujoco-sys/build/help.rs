@@ -13,7 +13,8 @@ pub(crate) fn fail(missing: &Missing) -> ! {
     }
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
     lines.push("To install it on Debian 12:  apt-get install libmujoco-dev".to_owned());
-    lines.push("To install it from PyPI:".to_owned());
+    lines.push("To let the build install it from PyPI:  cargo build --features mujoco-safe/download".to_owned());
+    lines.push("To install it from PyPI yourself:".to_owned());
     lines.push(
         "  pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2".to_owned(),
     );
@@ -21,6 +22,12 @@ pub(crate) fn fail(missing: &Missing) -> ! {
     lines.push(format!("{MUJOCO_DIR} can name any directory that contains include/mujoco/mujoco.h and the library."));
     lines.push("In a bug report, please paste this message and the output of `rustc -vV`.".to_owned());
     end(&lines)
+}
+
+/// Returns the last line of a text that is not empty.
+#[cfg(feature = "download")]
+pub(crate) fn last_line(text: &str) -> &str {
+    text.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("no output")
 }
 
 /// Ends the build with an error of these lines.

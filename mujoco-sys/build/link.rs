@@ -43,15 +43,11 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
     println!("cargo::metadata=include={}", engine.include.display());
     println!("cargo::metadata=libdir={}", engine.library_dir.display());
     println!("cargo::metadata=version={}", engine.version);
-    let tests = crate::engines::supported(engine.version).map_or("none", |engine| engine.tests.name());
-    println!("cargo::metadata=tests={tests}");
+    println!("cargo::metadata=tests={}", crate::engines::tests(engine.version).name());
     announce_fields(out);
     println!("cargo::metadata=default_fields={}", crate::bindings::default_fields().display());
     // For this crate's tests, which compare the bindings with the headers.
-    println!(
-        "cargo::rustc-env=MUJOCO_SYS_COMMITTED={}",
-        crate::bindings::committed(engine.version).unwrap_or_default()
-    );
+    println!("cargo::rustc-env=MUJOCO_SYS_NAME={}", crate::engines::file_name(engine.version));
     println!("cargo::rustc-env=MUJOCO_SYS_INCLUDE={}", engine.include.display());
     println!("cargo::rustc-env=MUJOCO_SYS_TARGET={}", std::env::var("TARGET").expect("Cargo sets TARGET"));
 }

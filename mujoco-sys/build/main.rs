@@ -7,6 +7,8 @@ mod bindgen;
 mod bindings;
 mod c_checks;
 mod compatible;
+#[cfg(feature = "download")]
+mod download;
 mod engines;
 mod fields;
 mod find;
@@ -31,7 +33,10 @@ fn main() {
 }
 
 fn build(out: &Path) {
-    match find::engine() {
+    let found = find::engine();
+    #[cfg(feature = "download")]
+    let found = found.or_else(download::engine);
+    match found {
         Ok(engine) => {
             println!("cargo::rerun-if-changed={}", engine.include.join("mujoco").display());
             bindings::choose(&engine, out);

@@ -124,7 +124,7 @@ void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct muj
 }
 
 void mujoco_sys_inertiaRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row) {
-#if mjVERSION_HEADER >= 3010000
+#if mjVERSION_HEADER >= 3011000
   const int start = m->M_rowadr[dof];
   *row = (struct mujoco_sys_row){d->M + start, m->M_colind + start, m->M_rownnz[dof]};
 #else
@@ -136,7 +136,7 @@ void mujoco_sys_inertiaRow(const mjModel* m, const mjData* d, int dof, struct mu
 }
 
 const mjtNum* mujoco_sys_inertia(const mjData* d) {
-#if mjVERSION_HEADER >= 3010000
+#if mjVERSION_HEADER >= 3011000
   return d->M;
 #else
   return d->qM;
@@ -144,7 +144,7 @@ const mjtNum* mujoco_sys_inertia(const mjData* d) {
 }
 
 int mujoco_sys_inertiaLength(const mjModel* m) {
-#if mjVERSION_HEADER >= 3010000
+#if mjVERSION_HEADER >= 3011000
   return (int)m->nC;
 #else
   return (int)m->nM;
@@ -470,7 +470,7 @@ int mujoco_sys_wake(const mjModel* m, mjData* d, int recompute_static) {
 int mujoco_sys_jacobianElements(const mjData* d) {
 #if mjVERSION_HEADER >= 325
   return d->nJ;
-#elif mjVERSION_HEADER >= 230
+#elif mjVERSION_HEADER >= 233
   return d->nnzJ;
 #else
   (void)d;

@@ -221,7 +221,7 @@ void mujoco_sys_disableUnsafeIslands(mjModel* m);
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.
 size_t mujoco_sys_arenaBytes(const mjData* d);
 
-// Number of stored elements of the sparse constraint Jacobian (nnzJ, later nJ); 0 before 2.3.
+// Number of stored elements of the sparse constraint Jacobian (nnzJ, later nJ); 0 before 2.3.3.
 int mujoco_sys_jacobianElements(const mjData* d);
 
 #endif

@@ -23,9 +23,12 @@
 // Types of the parameters of a collision function.
 #if mjVERSION_HEADER >= 3009000
 typedef mjPreContact compat_contact;
-typedef mjData compat_collision_data;
 #else
 typedef mjContact compat_contact;
+#endif
+#if mjVERSION_HEADER >= 3007000
+typedef mjData compat_collision_data;
+#else
 typedef const mjData compat_collision_data;
 #endif
 

@@ -144,12 +144,12 @@ int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, i
   });
 }
 
-// Since 2.3. Raises an error if the library cannot be opened, and if it registers a plugin whose
+// Since 2.3.1. Raises an error if the library cannot be opened, and if it registers a plugin whose
 // name is in use.
 int mujoco_sys_mj_loadPluginLibrary(const char* path) {
 #if mjVERSION_HEADER >= 325
   return run([=] { mj_loadPluginLibrary(path); });
-#elif mjVERSION_HEADER >= 230
+#elif mjVERSION_HEADER >= 231
   // These engines ignore a failure to open the library, so it is opened here first.
   return run([=] {
 #if defined(_WIN32)

@@ -3,9 +3,9 @@
 //! differences between versions ([`adapted`], [`absent`]).
 //!
 //! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`.
-//! bindgen generates the bindings. Those of MuJoCo 2.2.2, 2.3.7, 3.0.1, 3.3.7, 3.5.0, 3.17.0 and
-//! 4.0.1 are committed (Debian's `libmujoco-dev` is 2.2.2), the build uses those of the installed
-//! headers, and this crate's tests compare them with the headers. For another release it uses those
+//! bindgen generates the bindings. Those of MuJoCo 2.2.2, 3.5.0, 3.17.0 and 4.0.1 are committed
+//! (Debian's `libmujoco-dev` is 2.2.2), the build uses those of the installed headers, and this
+//! crate's tests compare them with the headers. For another release it uses those
 //! of the nearest version whose headers declare the same, which it checks with the C compiler,
 //! without functions that the release lacks. The feature `bindgen` generates bindings for other
 //! versions.

@@ -24,8 +24,8 @@ use rust_items::{Item, Type};
 /// The bindings of this build: the committed ones, or with the feature `bindgen` the generated
 /// ones.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
-/// Name of the committed files of this engine; empty if it has none.
-const COMMITTED: &str = env!("MUJOCO_SYS_COMMITTED");
+/// Name of the committed files of this engine, which may not exist.
+const NAME: &str = env!("MUJOCO_SYS_NAME");
 
 /// Compiles C text, and returns the compiler's errors.
 fn compile(name: &str, text: &str) -> Result<(), String> {
@@ -110,7 +110,7 @@ fn the_bindings_have_exactly_the_functions_of_the_headers() {
     let missing: Vec<_> = declared.difference(&bound).collect();
     let unknown: Vec<_> = bound.difference(&declared).collect();
     // Bindings of another version may lack functions that are new.
-    let is_complete = missing.is_empty() || COMMITTED.is_empty() && cfg!(not(feature = "bindgen"));
+    let is_complete = missing.is_empty() || committed_bindings().is_none() && cfg!(not(feature = "bindgen"));
     assert!(is_complete && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
 }
 
@@ -168,11 +168,11 @@ fn declared_functions() -> BTreeSet<String> {
 #[test]
 fn the_committed_field_table_is_that_of_the_headers() {
     // For another engine the build script generates the table from the same headers.
-    if !COMMITTED.is_empty() {
+    if let Some(committed) = committed(&format!("fields/{NAME}.tsv")) {
         let fields_h = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h"));
         let made = fields::table(Path::new(INCLUDE), fields_h, compiler().get_compiler().to_command())
             .expect("the headers can be expanded");
-        assert_eq!(first_difference(&committed(&format!("fields/{COMMITTED}.tsv")), &made), None);
+        assert_eq!(first_difference(&committed, &made), None);
     }
 }
 
@@ -186,9 +186,19 @@ const NOT_IN_THE_TABLE: [(&str, &str, &str); 6] = [
     ("Data", "buffer", "the memory of all arrays of the data"),
 ];
 
-/// Members of newer engines without a macro in `mjxmacro.h`: flags and checks for the engine's own
-/// use.
-const INTERNAL: [&str; 5] = ["signature", "threadlock", "flg_gravcomp", "flg_surfacevel", "flg_adhesion"];
+/// Members without a macro in `mjxmacro.h`: flags and checks for the engine's own use, and sizes
+/// that 2.3.0 to 2.3.3 omit.
+const INTERNAL: [&str; 9] = [
+    "signature",
+    "threadlock",
+    "flg_gravcomp",
+    "flg_surfacevel",
+    "flg_adhesion",
+    "parena",
+    "maxuse_arena",
+    "nplugin",
+    "nnzJ",
+];
 
 /// The engine's scratch memory. Since 2.3 it also contains the arrays of contacts and constraints.
 const SCRATCH: &str = if mujoco_sys::mjVERSION_HEADER < 230 { "stack" } else { "arena" };
@@ -200,7 +210,6 @@ fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
     for owner in ["Model", "Data", "Option", "Visual", "Statistic"] {
         add_members(&items, owner, &format!("mj{owner}_"), "", &mut declared);
     }
-    declared.retain(|member| !INTERNAL.iter().any(|name| member.split(' ').nth(1) == Some(name)));
     for (owner, name, why) in NOT_IN_THE_TABLE {
         let count = declared.len();
         declared.retain(|member| !member.starts_with(&format!("{owner} {name} ")));
@@ -221,7 +230,8 @@ fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
         })
         .collect();
     assert_eq!(table.len(), lines.len(), "no line occurs twice");
-    let missing: Vec<_> = declared.difference(&table).collect();
+    let is_internal = |member: &str| INTERNAL.iter().any(|name| member.split(' ').nth(1) == Some(name));
+    let missing: Vec<_> = declared.difference(&table).filter(|member| !is_internal(member)).collect();
     let unknown: Vec<_> = table.difference(&declared).collect();
     assert!(missing.is_empty() && unknown.is_empty(), "not in the table: {missing:?}; not in the structs: {unknown:?}");
     let uncommented: Vec<_> = lines.iter().filter(|line| line[6].is_empty()).map(|line| line[3]).collect();
@@ -277,25 +287,28 @@ fn length(items: &[Item], length: &str) -> usize {
 
 #[test]
 fn without_bindgen_the_bindings_are_the_committed_ones() {
-    if cfg!(not(feature = "bindgen")) && !COMMITTED.is_empty() {
-        assert_eq!(first_difference(&committed(&format!("src/bindings/{COMMITTED}.rs")), BINDINGS), None);
+    if let Some(committed) = committed_bindings().filter(|_| cfg!(not(feature = "bindgen"))) {
+        assert_eq!(first_difference(&committed, BINDINGS), None);
     }
 }
 
 #[cfg(feature = "bindgen")]
 #[test]
 fn bindgen_generates_the_committed_bindings_from_the_headers_of_their_version() {
-    if !COMMITTED.is_empty() {
+    if let Some(committed) = committed_bindings() {
         // The first line contains the version of bindgen.
         let body = |text: &str| text.split_once('\n').expect("more than a line").1.to_owned();
-        let committed = committed(&format!("src/bindings/{COMMITTED}.rs"));
         assert_eq!(first_difference(&body(&committed), &body(BINDINGS)), None);
     }
 }
 
-/// Returns the text of a committed file.
-fn committed(path: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("the file is committed")
+/// Returns the text of a committed file, if this engine has it.
+fn committed(path: &str) -> Option<String> {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()
+}
+
+fn committed_bindings() -> Option<String> {
+    committed(&format!("src/bindings/{NAME}.rs"))
 }
 
 /// Returns the number of the first line that differs, and the line of each text.

@@ -1,8 +1,12 @@
-//! The places in which the build script searches for an engine, and the names of its library.
+//! The places in which the build script searches for an engine and for libclang, and the names of the
+//! engine's library.
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/headers.rs"]
 mod headers;
+#[allow(dead_code, reason = "the build script uses all of it")]
+#[path = "../build/libclang.rs"]
+mod libclang;
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/target.rs"]
 mod target;
@@ -86,4 +90,26 @@ fn headers_without_a_version_are_an_error_that_names_the_file() {
     assert!(error(folder.path()).contains("mjVERSION_HEADER"));
     fs::write(include.join("mujoco.h"), "#define mjVERSION_HEADER 222\n").unwrap();
     assert_eq!(headers::probe(folder.path()).map(|found| found.version), Ok(222));
+}
+
+#[cfg(unix)]
+#[test]
+fn libclang_is_found_in_a_python_that_has_the_package() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    // Not found: no program, a package without the library, a Python without the package.
+    let python = folder.path().join("python3");
+    assert_eq!(libclang::of_python(&python), None);
+    let write = |script: String| {
+        fs::write(&python, script).unwrap();
+        fs::set_permissions(&python, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    let prints_package = format!("#!/bin/sh\necho {}/clang\n", folder.path().display());
+    write(prints_package.clone());
+    assert_eq!(libclang::of_python(&python), None);
+    let native = folder.path().join("clang/native");
+    fs::create_dir_all(&native).unwrap();
+    assert_eq!(libclang::of_python(&python), Some(native));
+    write(prints_package + "exit 1\n");
+    assert_eq!(libclang::of_python(&python), None);
 }

@@ -91,8 +91,10 @@ impl Data {
         if self.model.is_sparse() { self.rows_after(results, rows) } else { 0 }
     }
 
-    /// Returns the number of stored elements of the constraint Jacobian. Allocated dense rows
+    /// Returns the number of stored elements of the constraint Jacobian, if the engine allocates no
+    /// more for a sparse one. Allocated dense rows
     /// without elements are not used.
+    #[cfg(engine_since = "2.3.3")]
     pub(crate) fn jacobian_len(&self) -> usize {
         if !self.model.is_sparse() {
             return self.nefc() * self.model.nv();

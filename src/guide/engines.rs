@@ -9,25 +9,22 @@
 //! | MuJoCo | bindings | tests |
 //! |---|---|---|
 //! | 2.2.2 | committed | all |
-//! | 2.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 2.3.7` |
-//! | 3.0.1 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.0.1` |
-//! | 3.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.3.7` |
 //! | 3.5.0 | committed | all except the program `coverage`: `scripts/test --engine 3.5.0` |
 //! | 3.17.0 | committed | all except the program `coverage`: `scripts/test --engine 3.17.0` |
 //! | 4.0.1 | committed | all except the program `coverage`: `scripts/test --engine 4.0.1` |
-//! | releases whose headers declare the same as one of these, as patch releases do | those of the nearest | none |
-//! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
+//! | other releases up to 4.0.1 | those of the nearest if its headers declare the same, as of a patch release, else generated: feature `bindgen` | `mujoco-sys`, `smoke`: `scripts/releases` |
+//! | newer ones | those of the nearest if its headers declare the same, as of a patch release, else generated: feature `bindgen` | none |
 //!
 //! The crate links the engine as a shared library, compiles a small shim with a C and a C++
 //! compiler, and contains bindings, so it needs neither libclang nor Python. For another release,
 //! the build compiles the declarations of the nearest bindings as C assertions against the headers
 //! that it finds: sizes, offsets, types and lengths of fields, values of constants, types of
 //! functions. If all hold, it uses these bindings without functions that the release lacks, which a
-//! warning names, else it fails and names the first difference.
-//! With the feature `bindgen` it generates bindings (`apt-get install libclang-dev`, or
-//! `pip install libclang` in the active Python environment). In both cases it prints a warning,
-//! because no test runs with this engine: names and layout of fields are right by construction, but
-//! the meaning of a value may have changed. Versions before 2.2.2 are an error.
+//! warning names, else it fails, names the first difference, and prints the command that generates
+//! bindings: `pip install libclang && cargo build --features mujoco-safe/bindgen`, in any Python on
+//! the path. `apt-get install libclang-dev` does as well. In both cases it prints a warning,
+//! because few tests or none run with this engine: names and layout of fields are right by
+//! construction, but the meaning of a value may have changed. Versions before 2.2.2 are an error.
 //!
 //! With **4.0.0** the build warns: its Newton solver with sparse matrices may return wrong
 //! accelerations ([#3767](https://github.com/google-deepmind/mujoco/issues/3767)); 4.0.1 corrects
@@ -63,7 +60,7 @@
 //! ```
 //!
 //! On a machine whose only engine is a wheel, one command suffices in an active Python environment
-//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco==4.0.1`. In this
+//! (`VIRTUAL_ENV`), because the build script searches it: `pip install mujoco-core==4.0.1`. In this
 //! repository `scripts/engine VERSION` installs any released engine in `target/engines` and prints
 //! its directory: `MUJOCO_DIR=$(scripts/engine 4.0.1) cargo run --example getting_started`.
 //!
@@ -74,6 +71,18 @@
 //!
 //! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines
 //! without recompilation, give each a target directory (`CARGO_TARGET_DIR`).
+//!
+//! # The feature `download`
+//!
+//! With this feature, which is off by default, the build needs no installed engine: if it finds
+//! none and `MUJOCO_DIR` is not set, it installs the wheel of MuJoCo 2.2.2 for the target with pip
+//! or uv, which compares it with the SHA-256 in this crate. The folder is `mujoco-safe` in
+//! `$XDG_CACHE_HOME`, `%LOCALAPPDATA%` or `~/.cache`, and all projects of the user share it: a
+//! later build needs neither network nor pip. An installed engine always has precedence.
+//!
+//! ```sh
+//! cargo add mujoco-safe --features download && cargo run
+//! ```
 //!
 //! # Search at build time
 //!
@@ -236,7 +245,7 @@
 //! | feature | since | here |
 //! |---|---|---|
 //! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts. With 3.3.4 to 3.5 their models have no islands ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)), because the engine writes out of bounds for islands of their contacts. With 3.0 to 3.10 the Jacobian is dense if their contacts have torsional friction ([`Options::jacobian`](crate::Options::jacobian)) |
-//! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
+//! | plugins, signed distance fields | 2.3.1, 3.0 | after [`load_plugins`](crate::load_plugins). With 3.6.0 the readers of OBJ and STL files are plugins too |
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | MJCF and URDF files, which pass the checks of the main file. Other formats are rejected |
 //! | sleeping bodies (the option `sleep`) | 3.4 | simulated, except with `sleep="init"`, which is rejected. [`BodyData::is_asleep`](crate::element::BodyData::is_asleep) tells which bodies sleep. State vectors do not contain that: [`Data::set_state`](crate::Data::set_state) with positions or velocities wakes all bodies, as do changes of the model and inverse dynamics. With 3.5.0 a mocap body that touches a sleeping body does not wake it, as in C. Linearisations and [`Batch`](crate::Batch) are [`Error::Unsupported`](crate::Error::Unsupported) |
 //! | delays of actuators and sensors | 3.5 | simulated. State vectors with [`StateSpec::HISTORY`](crate::StateSpec::HISTORY) contain their buffers, which `set_state` checks. Linearisations are `Error::Unsupported`, as in C |

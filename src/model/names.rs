@@ -16,7 +16,7 @@ impl Model {
     /// Returns the number of actuators. It is the number of controls [`nu`](Self::nu) unless
     /// actuators have several controls, as actuators of the types `pid` and `orientation` do in
     /// newer engines.
-    #[cfg(not(engine_since = "3.17.0"))]
+    #[cfg(not(engine_since = "3.11.0"))]
     #[inline]
     pub fn nactuator(&self) -> usize {
         self.nu()

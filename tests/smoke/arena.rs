@@ -369,6 +369,10 @@ fn constraints_without_room_leave_no_numbers() {
 /// joints reach their limits.
 #[test]
 #[cfg_attr(not(engine_since = "2.3.0"), ignore = "the engine has buffers of fixed numbers")]
+#[cfg_attr(
+    all(engine_since = "3.11.0", not(engine_since = "3.14.0")),
+    ignore = "with too little memory the stack of these engines overlaps the arena without an error"
+)]
 fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
     let repeat = |text: &str| (0..20).map(|number| text.replace('N', &number.to_string())).collect::<String>();
     let bodies = repeat("<body><joint name='jN' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body>");
@@ -385,7 +389,12 @@ fn constraints_without_room_in_the_simulation_of_a_muscle_are_an_error() {
             Model::from_xml_str(&text).err().map(|error| error.to_string())
         })
         .collect();
-    for place in ["constraints of the initial state", "constraints in the simulation for a lengthrange"] {
+    let mut places = vec!["constraints in the simulation for a lengthrange"];
+    if cfg!(tested_in_full) {
+        // In other engines the functions before need more memory than the constraints.
+        places.push("constraints of the initial state");
+    }
+    for place in places {
         assert!(messages.iter().any(|message| message.contains(place)), "{place}: {messages:#?}");
     }
 }

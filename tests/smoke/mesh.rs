@@ -18,6 +18,12 @@ const PYRAMID_TEXT: &str =
     "<mesh name='pyramid' vertex='0 0 0 1 0 0 0 1 0 0 0 1' texcoord='0 0 1 0 0 1 1 1' face='0 2 1 0 1 3 0 3 2 1 2 3'/>";
 
 fn load(pyramid: &str) -> mujoco_safe::Result<Model> {
+    // In this version the readers of mesh files are plugins.
+    #[cfg(all(engine_since = "3.6.0", not(engine_since = "3.7.0")))]
+    if let Some(directory) = crate::plugin::directory() {
+        // SAFETY: the plugins of the wheel that contains the engine.
+        unsafe { mujoco_safe::load_plugins(directory) }.unwrap();
+    }
     let text = format!(
         "<mujoco>
           <asset>{pyramid}<mesh name='cube' file='cube.obj'/></asset>
@@ -57,6 +63,10 @@ fn normals_of_the_corners_of_a_cube_are_those_of_its_sides() {
 }
 
 #[test]
+#[cfg_attr(
+    all(engine_since = "2.3.3", not(engine_since = "2.3.6")),
+    ignore = "the compiler confuses the coordinates when it flips them"
+)]
 fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_a_file() {
     check_texcoords(&model());
 }

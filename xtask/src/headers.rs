@@ -6,6 +6,9 @@ mod bindgen;
 mod fields;
 #[path = "../../mujoco-sys/build/headers.rs"]
 mod include;
+#[allow(unsafe_code, reason = "the build script's module sets a variable")]
+#[path = "../../mujoco-sys/build/libclang.rs"]
+mod libclang;
 #[path = "../../src/version/number.rs"]
 mod version;
 
@@ -20,9 +23,7 @@ pub(crate) fn generate(root: &Path) -> Result<Vec<Generated>, String> {
     let headers =
         include::roots().iter().map(|root| include::probe(root)).reduce(Result::or).ok_or("no place to search")??;
     let compiler = || Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
-    // bindgen panics if it cannot load libclang.
-    let bindings = std::panic::catch_unwind(|| bindgen::bindings(&headers.include, compiler()))
-        .map_err(|_| "bindgen failed; it needs libclang: apt-get install libclang-dev")??;
+    let bindings = bindgen::bindings(&headers.include, compiler())?;
     let version = version::Version::from_number(headers.version).to_string().replace('.', "_");
     Ok(vec![
         Generated { path: format!("mujoco-sys/src/bindings/v{version}.rs"), text: bindings },

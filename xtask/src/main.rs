@@ -12,7 +12,7 @@
 //! `mujoco-sys`. The tool does not depend on the library, so it also works while the library does
 //! not compile against a new engine.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[path = "../../build/accessors.rs"]
 mod accessors;

@@ -280,7 +280,7 @@ mod tests {
     /// The list has the attributes of the engines of the full tier. A new attribute may be a size:
     /// give it a limit, or add it to the list.
     #[test]
-    #[cfg(any(not(engine_since = "2.3.0"), engine_since = "3.5.0"))]
+    #[cfg(tested_in_full)]
     fn all_attributes_of_the_engine_are_known() {
         let known: Vec<&str> = ATTRIBUTES.lines().collect();
         let schema = crate::model::schema().unwrap();

@@ -1,0 +1,103 @@
+//! Gets the engine from its wheel on PyPI if no engine was found: the feature `download`.
+//!
+//! pip or uv installs the wheel of the target in a folder of the user's cache, which all projects
+//! share, and compares it with the hashes in `wheels.txt`.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::engines::ENGINES;
+use crate::find::{self, Engine, Missing};
+use crate::help;
+
+/// The version of the wheels in `wheels.txt`.
+const VERSION: &str = ENGINES[0].version;
+
+/// Python version of the wheels. The library in them does not depend on it.
+const PYTHON: &str = "3.10";
+
+/// Returns the engine in the cache, after installing it there if necessary. An engine in
+/// `MUJOCO_DIR` is never replaced.
+///
+/// # Errors
+///
+/// Adds the reason to the failed search.
+pub(crate) fn engine(mut missing: Missing) -> Result<Engine, Missing> {
+    if missing.requested.is_some() || env::var_os("DOCS_RS").is_some() {
+        return Err(missing);
+    }
+    cached().and_then(|root| find::probe(&root)).map_err(|why| {
+        missing.tried.push(format!("PyPI, by the feature `download`: {why}"));
+        missing
+    })
+}
+
+/// Returns the directory of the engine for the target.
+fn cached() -> Result<PathBuf, String> {
+    let target = env::var("TARGET").expect("Cargo sets TARGET");
+    let platform = platform(&target).ok_or_else(|| format!("it has no wheel for {target}"))?;
+    let cache = cache()?;
+    let folder = cache.join(format!("{VERSION}-{target}"));
+    let root = folder.join("mujoco");
+    if !root.is_dir() {
+        // A folder of this process, so that the folder is complete or absent also if several builds
+        // run at the same time.
+        let new = cache.join(format!("{VERSION}-{}", std::process::id()));
+        let installed = install(&new, &target, platform).and_then(|()| {
+            let moved = std::fs::rename(&new, &folder);
+            if root.is_dir() { Ok(()) } else { moved.map_err(|error| format!("{}: {error}", folder.display())) }
+        });
+        let _ = std::fs::remove_dir_all(&new);
+        installed?;
+        println!("cargo::warning=installed MuJoCo {VERSION} from PyPI in {}", folder.display());
+    }
+    Ok(root)
+}
+
+/// Installs the wheel by the first program that succeeds.
+fn install(folder: &Path, target: &str, platform: &str) -> Result<(), String> {
+    let mut why = Vec::new();
+    for program in ["python3 -m pip", "python -m pip", "uv pip"] {
+        let mut words = program.split(' ');
+        let mut command = Command::new(words.next().expect("a program"));
+        command.args(words).args(["install", "--quiet", "--no-deps", "--require-hashes", "--only-binary", ":all:"]);
+        command.args(["--python-version", PYTHON, "--target"]).arg(folder);
+        command.arg("-r").arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("build/wheels.txt"));
+        if program.starts_with("uv") {
+            // uv does not know the other name of this platform.
+            command.args(["--python-platform", &target.replace("windows-gnu", "windows-msvc")]);
+        } else {
+            command.args(["--disable-pip-version-check", "--platform", platform]);
+        }
+        match command.output() {
+            Ok(output) if output.status.success() => return Ok(()),
+            Ok(output) => {
+                let errors = String::from_utf8_lossy(&output.stderr);
+                why.push(format!("{program}: {}", help::last_line(&errors)));
+            }
+            Err(error) => why.push(format!("{program}: {error}")),
+        }
+    }
+    Err(format!("it needs pip or uv, and a network for the first build: {}", why.join("; ")))
+}
+
+/// Returns pip's name of a target that has a wheel.
+fn platform(target: &str) -> Option<&'static str> {
+    Some(match target {
+        "x86_64-unknown-linux-gnu" => "manylinux2014_x86_64",
+        "aarch64-unknown-linux-gnu" => "manylinux2014_aarch64",
+        "aarch64-apple-darwin" => "macosx_11_0_arm64",
+        "x86_64-apple-darwin" => "macosx_10_16_x86_64",
+        "x86_64-pc-windows-gnu" | "x86_64-pc-windows-msvc" => "win_amd64",
+        _ => return None,
+    })
+}
+
+/// Returns this crate's folder in the user's cache.
+fn cache() -> Result<PathBuf, String> {
+    let variable = |name| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let cache = variable("XDG_CACHE_HOME").or_else(|| variable("LOCALAPPDATA"));
+    let cache = cache.or_else(|| Some(variable("HOME")?.join(".cache")));
+    Ok(cache.ok_or("neither XDG_CACHE_HOME nor HOME names a folder for the cache")?.join("mujoco-safe"))
+}
