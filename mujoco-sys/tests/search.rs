@@ -1,5 +1,5 @@
-//! The places in which the build script searches for an engine and for libclang, and the names of the
-//! engine's library.
+//! The places in which the build script searches for an engine and for libclang, and the names of
+//! the engine's library.
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/headers.rs"]
