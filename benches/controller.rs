@@ -26,7 +26,6 @@ fn run(data: &mut Data, controller: &mut impl Controller) {
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
     let mut balance = Balance::humanoid()?;
     let solution = Lqr::solve(&balance.system()?, &balance.weights)?;
     let mut data = balance.data;
@@ -56,7 +55,6 @@ fn main() -> Result<()> {
     }
 
     common::compare(
-        &mut criterion,
         "controller",
         &mut (data, lqr),
         CALLS,
@@ -66,6 +64,5 @@ fn main() -> Result<()> {
         ],
     );
 
-    criterion.final_summary();
     Ok(())
 }

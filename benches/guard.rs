@@ -16,7 +16,6 @@ use mujoco_safe::{Data, Result, sample, sys};
 const CALLS: u32 = 1000;
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
     let mut data = Data::new(sample::cartpole())?;
 
     let guarded = |_: &mut Data| {
@@ -34,7 +33,7 @@ fn main() -> Result<()> {
         }
     };
     let variants: [common::Variant<'_, Data>; 2] = [("guarded", &guarded), ("raw", &raw)];
-    common::compare(&mut criterion, "guard/mj_version", &mut data, CALLS, &variants);
+    common::compare("guard/mj_version", &mut data, CALLS, &variants);
 
     let guarded = |data: &mut Data| {
         for _ in 0..CALLS {
@@ -49,8 +48,7 @@ fn main() -> Result<()> {
         }
     };
     let variants: [common::Variant<'_, Data>; 2] = [("guarded", &guarded), ("raw", &raw)];
-    common::compare(&mut criterion, "guard/mj_forward", &mut data, CALLS, &variants);
+    common::compare("guard/mj_forward", &mut data, CALLS, &variants);
 
-    criterion.final_summary();
     Ok(())
 }

@@ -24,7 +24,6 @@ struct Foot {
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
     let mut data = Data::new(sample::humanoid())?;
     data.forward()?;
     let (id, nv) = (data.model().body("foot_left")?.id(), data.model().nv());
@@ -51,13 +50,11 @@ fn main() -> Result<()> {
         }
     };
     common::compare(
-        &mut criterion,
         "jacobian",
         &mut foot,
         CALLS,
         &[("jac_body_com_into", &into), ("jac_body_com", &allocating), ("mj_jacBodyCom", &raw)],
     );
 
-    criterion.final_summary();
     Ok(())
 }

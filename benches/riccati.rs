@@ -20,7 +20,6 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use common::models::Balance;
-use criterion::Criterion;
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::{Lqr, LqrWeights, Result, StateSpace};
 
@@ -95,7 +94,7 @@ fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeig
     Ok(())
 }
 
-fn bench(criterion: &mut Criterion, name: &str, mut balance: Balance) -> Result<()> {
+fn bench(name: &str, mut balance: Balance) -> Result<()> {
     let system = balance.system()?;
     let weights = &balance.weights;
     let solution = Lqr::solve(&system, weights)?;
@@ -110,19 +109,16 @@ fn bench(criterion: &mut Criterion, name: &str, mut balance: Balance) -> Result<
     }
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-    criterion.bench_function(&format!("{name}/again"), |bencher| {
-        bencher
-            .iter(|| Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(&mut workspace, black_box(&mut solution)));
+    common::bench(&format!("{name}/again"), 1, &mut || {
+        let riccati = Riccati::new(&a, &b, &weights.q, &weights.r);
+        black_box(riccati.solve_into(&mut workspace, black_box(&mut solution)).is_ok());
     });
-    criterion
-        .bench_function(&format!("{name}/once"), |bencher| bencher.iter(|| Lqr::solve(black_box(&system), weights)));
+    common::bench(&format!("{name}/once"), 1, &mut || _ = black_box(Lqr::solve(black_box(&system), weights)));
     Ok(())
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
-    bench(&mut criterion, "riccati/humanoid", Balance::humanoid()?)?;
-    bench(&mut criterion, "riccati/cartpole", Balance::cartpole()?)?;
-    criterion.final_summary();
+    bench("riccati/humanoid", Balance::humanoid()?)?;
+    bench("riccati/cartpole", Balance::cartpole()?)?;
     Ok(())
 }

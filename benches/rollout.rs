@@ -11,7 +11,6 @@ mod common;
 
 use std::sync::Arc;
 
-use criterion::Criterion;
 use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
@@ -81,7 +80,7 @@ impl Runs {
     }
 }
 
-fn compare(criterion: &mut Criterion, name: &str, mut runs: Runs) {
+fn compare(name: &str, mut runs: Runs) {
     let pool = ThreadPoolBuilder::new().num_threads(2).build().expect("threads can be created");
     // All variants compute bitwise equal states.
     runs.raw();
@@ -97,13 +96,11 @@ fn compare(criterion: &mut Criterion, name: &str, mut runs: Runs) {
     let raw = |runs: &mut Runs| runs.raw();
     let variants: [common::Variant<'_, Runs>; 3] =
         [("two threads", &two), ("one thread", &one), ("a loop of mj_step", &raw)];
-    common::compare(criterion, name, &mut runs, steps, &variants);
+    common::compare(name, &mut runs, steps, &variants);
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
-    compare(&mut criterion, "rollout/humanoid", Runs::new(sample::humanoid(), "stand", 0.1, 10)?);
-    compare(&mut criterion, "rollout/cartpole", Runs::new(sample::cartpole(), "hanging_down", 0.1, 50)?);
-    criterion.final_summary();
+    compare("rollout/humanoid", Runs::new(sample::humanoid(), "stand", 0.1, 10)?);
+    compare("rollout/cartpole", Runs::new(sample::cartpole(), "hanging_down", 0.1, 50)?);
     Ok(())
 }

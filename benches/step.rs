@@ -15,7 +15,6 @@
 
 mod common;
 
-use criterion::Criterion;
 use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
 
 type Collisions = [[sys::mjfCollision; sys::mjNGEOMTYPES as usize]; sys::mjNGEOMTYPES as usize];
@@ -62,7 +61,7 @@ impl Episode {
     }
 }
 
-fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut episode: Episode) {
+fn compare(engines_own: &Collisions, name: &str, mut episode: Episode) {
     let steps = episode.controls.len() as u32;
     let safe = |episode: &mut Episode| episode.run(|data| data.step().expect("the simulation is stable"));
     let raw = |episode: &mut Episode| {
@@ -74,24 +73,17 @@ fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut 
         });
         exchange(&checked);
     };
-    common::compare(criterion, name, &mut episode, steps, &[("Data::step", &safe), ("mj_step", &raw)]);
+    common::compare(name, &mut episode, steps, &[("Data::step", &safe), ("mj_step", &raw)]);
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
     // SAFETY: no model has been loaded, and no other thread uses the engine.
     let engines_own = unsafe { sys::mjCOLLISIONFUNC };
-    compare(&mut criterion, &engines_own, "step/humanoid", Episode::new(sample::humanoid(), Some("stand"), 50)?);
-    compare(
-        &mut criterion,
-        &engines_own,
-        "step/cartpole",
-        Episode::new(sample::cartpole(), Some("hanging_down"), 200)?,
-    );
+    compare(&engines_own, "step/humanoid", Episode::new(sample::humanoid(), Some("stand"), 50)?);
+    compare(&engines_own, "step/cartpole", Episode::new(sample::cartpole(), Some("hanging_down"), 200)?);
     if let Some(path) = common::models::many_humanoids() {
         let episode = Episode::new(Model::from_xml_path(path)?, None, 10)?;
-        compare(&mut criterion, &engines_own, "step/22 humanoids", episode);
+        compare(&engines_own, "step/22 humanoids", episode);
     }
-    criterion.final_summary();
     Ok(())
 }

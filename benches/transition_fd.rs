@@ -28,7 +28,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use common::models::Balance;
-use criterion::Criterion;
 use mujoco_safe::derivative::{
     InverseForce, InverseJacobians, InverseOutputs, LinearisationReport, TransitionMethod, TransitionOptions,
     TransitionOutputs,
@@ -87,7 +86,7 @@ fn print_accuracy(name: &str, data: &mut Data) {
     }
 }
 
-fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
+fn compare(name: &str, mut data: Data, calls: u32) {
     print_accuracy(name, &mut data);
     let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
     let transition = |method, threads| {
@@ -141,7 +140,6 @@ fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
         }
     };
     common::compare(
-        criterion,
         name,
         &mut state,
         calls,
@@ -171,7 +169,7 @@ struct Trajectory {
 }
 
 /// Times the linear systems along a trajectory that starts at the present state.
-fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Result<()> {
+fn compare_along(name: &str, mut data: Data) -> Result<()> {
     let model = data.model().clone();
     let lineariser = |threads| Lineariser::new(model.clone(), TransitionOptions::default().with_threads(threads));
     let mut states = Matrix::zeros(KNOTS as usize, data.physics_state().len());
@@ -191,7 +189,6 @@ fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Resul
         assert!(systems.iter().all(|(_, report)| report.fallback.is_none()));
     };
     common::compare(
-        criterion,
         name,
         &mut trajectory,
         KNOTS,
@@ -289,7 +286,7 @@ fn difference_inverse(state: &mut Inverse) {
 const INVERSE_EPS: f64 = 1e-6;
 
 /// Times the derivatives of inverse dynamics at the accelerations of the present state.
-fn compare_inverse(criterion: &mut Criterion, name: &str, data: Data, calls: u32) -> Result<()> {
+fn compare_inverse(name: &str, data: Data, calls: u32) -> Result<()> {
     let lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
     let mut state = Inverse { jacobians: InverseJacobians::zeros(data.model()), data, lineariser };
     state.data.forward()?;
@@ -317,7 +314,7 @@ fn compare_inverse(criterion: &mut Criterion, name: &str, data: Data, calls: u32
     };
     let reference = |state: &mut Inverse| (0..calls).for_each(|_| difference_inverse(state));
     let reference_name = if cfg!(engine_since = "2.3.7") { "mjd_inverseFD" } else { "inverse_fd_into" };
-    common::compare(criterion, name, &mut state, calls, &[("analytic", &analytic), (reference_name, &reference)]);
+    common::compare(name, &mut state, calls, &[("analytic", &analytic), (reference_name, &reference)]);
     Ok(())
 }
 
@@ -336,13 +333,11 @@ fn constrained_humanoid() -> Result<Data> {
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
-    compare(&mut criterion, "transition_fd/humanoid", Balance::humanoid()?.data, 1);
-    compare(&mut criterion, "transition_fd/humanoid with equalities, elliptic", constrained_humanoid()?, 1);
-    compare_along(&mut criterion, "transition_fd/humanoid along a trajectory", Balance::humanoid()?.data)?;
-    compare(&mut criterion, "transition_fd/cartpole", Balance::cartpole()?.data, 100);
-    compare_inverse(&mut criterion, "inverse_jacobians/humanoid", Balance::humanoid()?.data, 1)?;
-    compare_inverse(&mut criterion, "inverse_jacobians/cartpole", Balance::cartpole()?.data, 100)?;
-    criterion.final_summary();
+    compare("transition_fd/humanoid", Balance::humanoid()?.data, 1);
+    compare("transition_fd/humanoid with equalities, elliptic", constrained_humanoid()?, 1);
+    compare_along("transition_fd/humanoid along a trajectory", Balance::humanoid()?.data)?;
+    compare("transition_fd/cartpole", Balance::cartpole()?.data, 100);
+    compare_inverse("inverse_jacobians/humanoid", Balance::humanoid()?.data, 1)?;
+    compare_inverse("inverse_jacobians/cartpole", Balance::cartpole()?.data, 100)?;
     Ok(())
 }

@@ -10,7 +10,6 @@ mod common;
 
 use std::hint::black_box;
 
-use criterion::Criterion;
 use mujoco_safe::id::Id;
 use mujoco_safe::{Data, Result, sample};
 
@@ -19,7 +18,6 @@ const READS: u32 = 1000;
 
 /// Compares three variants of reading a number. Each element is given by its id and by an index.
 fn compare<K>(
-    criterion: &mut Criterion,
     name: &str,
     data: &mut Data,
     elements: impl Iterator<Item = (Id<K>, usize)>,
@@ -34,7 +32,7 @@ fn compare<K>(
         (pointer_name, &|data| read(data, &indices, &pointer)),
         (slice_name, &|data| read(data, &indices, &slice)),
     ];
-    common::compare(criterion, name, data, READS, &variants);
+    common::compare(name, data, READS, &variants);
 }
 
 /// Reads a value for each key. `black_box` prevents the compiler from sharing work between reads.
@@ -45,13 +43,11 @@ fn read<K: Copy>(data: &Data, keys: &[K], get: impl Fn(&Data, K) -> f64) {
 }
 
 fn main() -> Result<()> {
-    let mut criterion = common::criterion();
     let mut data = Data::new(sample::humanoid())?;
     data.forward()?;
     let model = data.model().clone();
 
     compare(
-        &mut criterion,
         "view/qpos of a joint",
         &mut data,
         model.joints().map(|joint| (joint.id(), joint.qpos_range().start)),
@@ -61,7 +57,6 @@ fn main() -> Result<()> {
         ("qpos()[i]", |data, index| data.qpos()[index]),
     );
     compare(
-        &mut criterion,
         "view/xpos of a body",
         &mut data,
         model.bodies().map(|body| (body.id(), body.index())),
@@ -71,7 +66,6 @@ fn main() -> Result<()> {
         ("xpos()[i][2]", |data, index| data.xpos()[index][2]),
     );
     compare(
-        &mut criterion,
         "view/ctrl of an actuator",
         &mut data,
         model.actuators().map(|actuator| (actuator.id(), actuator.index())),
@@ -81,6 +75,5 @@ fn main() -> Result<()> {
         ("ctrl()[i]", |data, index| data.ctrl()[index]),
     );
 
-    criterion.final_summary();
     Ok(())
 }

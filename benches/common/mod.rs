@@ -1,16 +1,16 @@
-//! Shared code of the benchmarks: criterion's settings, and the comparison of several variants of a
-//! computation.
+//! Shared code of the benchmarks: times, and the comparison of several variants of a computation.
 //!
-//! Criterion times the variants one after another. On a machine with other load, the difference
-//! between two variants can then be smaller than the drift of the machine. The ratio of two
-//! variants is therefore measured separately: they run alternately, one short run each, and every
-//! adjacent pair of runs gives one ratio. Criterion reports the ratio with its confidence interval
-//! on a separate line (which starts with `time:` like all its lines):
+//! On a machine with other load, the difference between the times of two variants, taken one after
+//! another, can be smaller than the drift of the machine. The ratio of two variants is therefore
+//! measured separately: they run alternately, one short run each, and every adjacent pair of runs
+//! gives one ratio. A line has the median and its confidence interval of 95 %:
 //!
 //! ```text
-//! step/humanoid/Data::step ÷ mj_step
-//!                         time:   [0.9996 times 1.0003 times 1.0010 times]
+//! step/humanoid/Data::step             43.1 µs   [43.0, 43.3]
+//! step/humanoid/Data::step ÷ mj_step   1.0003    [0.9996, 1.0010]
 //! ```
+//!
+//! Arguments select the benchmarks whose names contain one of them.
 
 #![allow(dead_code, reason = "each benchmark uses a part of it")]
 
@@ -19,21 +19,6 @@ pub(crate) mod models;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use criterion::measurement::{Measurement, ValueFormatter};
-use criterion::{Criterion, SamplingMode, Throughput};
-
-/// Configures criterion so that all benchmarks together take a few minutes, and applies the
-/// command-line arguments.
-pub(crate) fn criterion() -> Criterion {
-    Criterion::default()
-        .warm_up_time(Duration::from_millis(200))
-        .measurement_time(Duration::from_millis(800))
-        .sample_size(40)
-        .nresamples(10_000)
-        .without_plots()
-        .configure_from_args()
-}
-
 /// Variant of a computation: its name, and a run on the shared state. A run must be long enough to
 /// be timed individually.
 pub(crate) type Variant<'a, T> = (&'a str, &'a dyn Fn(&mut T));
@@ -41,41 +26,82 @@ pub(crate) type Variant<'a, T> = (&'a str, &'a dyn Fn(&mut T));
 /// Times each variant, and its ratio to the last variant, the reference. All variants work on the
 /// same state, and therefore have the same inputs in the same memory. A reported time is that of a
 /// run divided by `per_run`, its number of calls.
-pub(crate) fn compare<T>(
-    criterion: &mut Criterion,
-    name: &str,
-    state: &mut T,
-    per_run: u32,
-    variants: &[Variant<'_, T>],
-) {
-    let mut group = criterion.benchmark_group(name);
+pub(crate) fn compare<T>(name: &str, state: &mut T, per_run: u32, variants: &[Variant<'_, T>]) {
     for (variant, run) in variants {
-        group.bench_function(*variant, |bencher| {
-            bencher.iter_custom(|runs| (0..runs).map(|_| time(&mut || run(state))).sum::<Duration>() / per_run);
-        });
+        bench(&format!("{name}/{variant}"), per_run, &mut || run(state));
     }
-    group.finish();
-
     let Some(((reference, run_reference), others)) = variants.split_last() else { return };
-    let mut ratios = self::criterion().with_measurement(Ratio);
-    let mut group = ratios.benchmark_group(name);
-    // Fewer samples of more pairs each give more reliable medians.
-    group.sampling_mode(SamplingMode::Flat).sample_size(20).measurement_time(Duration::from_secs(2));
     for (variant, run) in others {
-        group.bench_function(format!("{variant} ÷ {reference}"), |bencher| {
-            bencher.iter_custom(|pairs| {
-                let ratios = (0..pairs).map(|pair| {
-                    let mut time = |run: &dyn Fn(&mut T)| call_at_depth(pair % 67, &mut || time(&mut || run(state)));
-                    // Alternate the order within a pair.
-                    let first = (pair % 2 == 0).then(|| time(run));
-                    let reference = time(run_reference);
-                    first.unwrap_or_else(|| time(run)).as_secs_f64() / reference.as_secs_f64()
-                });
-                median(ratios.collect()) * pairs as f64
-            });
-        });
+        let name = format!("{name}/{variant} ÷ {reference}");
+        if !is_selected(&name) {
+            continue;
+        }
+        let mut pairs = 0;
+        let mut ratio = || {
+            pairs += 1;
+            let mut time = |run: &dyn Fn(&mut T)| call_at_depth(pairs % 67, &mut || time(&mut || run(state)));
+            // Alternate the order within a pair.
+            let first = (pairs % 2 == 0).then(|| time(run));
+            let reference = time(run_reference);
+            first.unwrap_or_else(|| time(run)).as_secs_f64() / reference.as_secs_f64()
+        };
+        // Fewer samples of more pairs each give more reliable medians.
+        let number = runs_within(Duration::from_millis(100), &mut || _ = ratio());
+        let samples = (0..20).map(|_| median((0..number).map(|_| ratio()).collect())).collect();
+        let [low, middle, high] = interval(samples);
+        println!("{name:70} {middle:<12.4} [{low:.4}, {high:.4}]");
     }
-    group.finish();
+}
+
+/// Times a run, which makes `calls` calls, and prints the time of a call.
+pub(crate) fn bench(name: &str, calls: u32, run: &mut dyn FnMut()) {
+    if !is_selected(name) {
+        return;
+    }
+    let runs = runs_within(Duration::from_millis(20), run);
+    let samples = (0..40).map(|_| {
+        let total = time(&mut || (0..runs).for_each(|_| run()));
+        total.as_secs_f64() / (f64::from(runs) * f64::from(calls))
+    });
+    let times = interval(samples.collect());
+    let (unit, scale) = match times[1] {
+        ..1e-6 => ("ns", 1e9),
+        ..1e-3 => ("µs", 1e6),
+        _ => ("ms", 1e3),
+    };
+    let [low, middle, high] = times.map(|seconds| format!("{:.*}", decimals(seconds * scale), seconds * scale));
+    println!("{name:70} {:<12} [{low}, {high}]", format!("{middle} {unit}"));
+}
+
+/// Returns the decimals of a number with four significant digits.
+fn decimals(number: f64) -> usize {
+    (3 - number.log10().floor() as i32).clamp(0, 3) as usize
+}
+
+/// Returns `true` if the command line selects this benchmark.
+fn is_selected(name: &str) -> bool {
+    // Cargo adds the option `--bench`.
+    let mut words = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).peekable();
+    words.peek().is_none() || words.any(|word| name.contains(&word))
+}
+
+/// Runs for 0.2 s to warm up, and returns the number of runs in the given time: at least one.
+fn runs_within(limit: Duration, run: &mut dyn FnMut()) -> u32 {
+    let (start, mut runs) = (Instant::now(), 0);
+    while start.elapsed() < Duration::from_millis(200) {
+        run();
+        runs += 1;
+    }
+    (f64::from(runs) * limit.as_secs_f64() / start.elapsed().as_secs_f64()).ceil() as u32
+}
+
+/// Returns the median between the limits of its confidence interval of at least 95 %, by the
+/// binomial distribution of the number of samples below the median. It needs at least six samples.
+fn interval(mut samples: Vec<f64>) -> [f64; 3] {
+    samples.sort_unstable_by(f64::total_cmp);
+    let number = samples.len() as f64;
+    let rank = (number / 2.0 - 0.98 * number.sqrt()) as usize;
+    [samples[rank], median(samples.clone()), samples[samples.len() - 1 - rank]]
 }
 
 pub(crate) fn time(run: &mut dyn FnMut()) -> Duration {
@@ -92,53 +118,9 @@ fn call_at_depth(frames: u64, call: &mut dyn FnMut() -> Duration) -> Duration {
     if frames == 0 { call() } else { black_box(call_at_depth(black_box(frames - 1), call)) }
 }
 
-/// Returns the median of the ratios, which is robust against interrupted runs.
+/// Returns the median, which is robust against interrupted runs.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let middle = (values.len() - 1) / 2..=values.len() / 2;
     values[middle.clone()].iter().sum::<f64>() / middle.count() as f64
-}
-
-/// Criterion measurement of a ratio in place of a time. The values come from `iter_custom`.
-struct Ratio;
-
-impl Measurement for Ratio {
-    type Intermediate = ();
-    type Value = f64;
-
-    fn start(&self) {}
-
-    fn end(&self, (): ()) -> f64 {
-        unreachable!("a ratio has no start and no end: use `iter_custom`")
-    }
-
-    fn add(&self, a: &f64, b: &f64) -> f64 {
-        a + b
-    }
-
-    fn zero(&self) -> f64 {
-        0.0
-    }
-
-    fn to_f64(&self, value: &f64) -> f64 {
-        *value
-    }
-
-    fn formatter(&self) -> &dyn ValueFormatter {
-        self
-    }
-}
-
-impl ValueFormatter for Ratio {
-    fn scale_values(&self, _: f64, _: &mut [f64]) -> &'static str {
-        "times"
-    }
-
-    fn scale_throughputs(&self, _: f64, _: &Throughput, _: &mut [f64]) -> &'static str {
-        "times"
-    }
-
-    fn scale_for_machines(&self, _: &mut [f64]) -> &'static str {
-        "times"
-    }
 }

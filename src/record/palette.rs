@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn dithering_preserves_local_mean_colours() {
         // A gradient from blue to orange with more colours than the palette has.
-        let (width, height) = (256, 64);
+        let (width, height) = (256, 16);
         let slope = |slot: usize| {
             let (x, y) = ((slot % width) as u8, (slot / width) as u8);
             [x, 64 + x / 2 + y, 255 - x]

@@ -69,7 +69,7 @@ fn riccati_equations_of_any_numbers_give_finite_solutions_or_errors() {
                 let weights = LqrWeights { s: Some(s.into()), ..LqrWeights::new(q, r) };
                 for terminal in [q, &DMatrix::zeros(states, states)] {
                     let Ok(mut recursion) = RiccatiRecursion::new(terminal, controls) else { continue };
-                    for _ in 0..50 {
+                    for _ in 0..cases(10, 50) {
                         if recursion.step_back(a, b, &weights).is_err() {
                             break;
                         }
@@ -81,7 +81,7 @@ fn riccati_equations_of_any_numbers_give_finite_solutions_or_errors() {
         for number in NUMBERS {
             let [a, b, q, r, s] = good.each_ref().map(|matrix| matrix.map(|_| number));
             solved += usize::from(check_solution(Riccati::new(&a, &b, &q, &r).with_cross_term(&s).solve()));
-            for tolerance in NUMBERS {
+            for &tolerance in NUMBERS.iter().skip(states % cases(4, 1)).step_by(cases(4, 1)) {
                 let _ = Riccati::new(&a, &b, &good[2], &good[3]).with_residual_tolerance(tolerance).solve();
             }
         }

@@ -2,10 +2,11 @@
 //! program itself is run at the end.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::LazyLock;
 
-use mujoco_safe::{Data, Differences, Lqr, Model, sample};
+use mujoco_safe::{Controller, Data, Differences, Lqr, sample};
 
+use crate::cases::cases;
 use crate::examples::{program, text};
 use crate::installed::has;
 use crate::set_point::{SetPoint, Sweep};
@@ -23,34 +24,35 @@ struct Balance {
     spectral_radius: f64,
 }
 
+/// The bundled humanoid on its left leg. The height of the set-point takes thousands of inverse
+/// dynamics.
+static BALANCE: LazyLock<Balance> = LazyLock::new(|| {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let model = data.model().clone();
+    let (torso, foot) = (model.body("torso").unwrap(), model.body("foot_left").unwrap());
+    let dofs = Dofs::of(&model, torso, foot);
+    let keyframe = model.keyframe("stand_on_left_leg").unwrap().id();
+    let (set_point, sweep) = SetPoint::near(&mut data, keyframe).unwrap();
+    set_point.apply(&mut data).unwrap();
+    let weights = weights(&mut data, torso, foot, &dofs).unwrap();
+    let system = data.transition_fd(Lqr::EPS, Differences::Central).unwrap();
+    let solution = Lqr::solve(&system, &weights).unwrap();
+    let lqr = Lqr::with_gain(&data, solution.k).unwrap();
+    let (residual, spectral_radius) = (solution.relative_residual, solution.spectral_radius);
+    Balance { data, set_point, sweep, dofs, lqr, residual, spectral_radius }
+});
+
 impl Balance {
-    fn new(model: Model, keyframe: &str, foot: &str) -> Self {
-        let model = Arc::new(model);
-        let mut data = Data::new(model.clone()).unwrap();
-        let (torso, foot) = (model.body("torso").unwrap(), model.body(foot).unwrap());
-        let dofs = Dofs::of(&model, torso, foot);
-        let keyframe = model.keyframe(keyframe).unwrap().id();
-        let (set_point, sweep) = SetPoint::near(&mut data, keyframe).unwrap();
-        set_point.apply(&mut data).unwrap();
-        let weights = weights(&mut data, torso, foot, &dofs).unwrap();
-        let system = data.transition_fd(Lqr::EPS, Differences::Central).unwrap();
-        let solution = Lqr::solve(&system, &weights).unwrap();
-        let lqr = Lqr::with_gain(&data, solution.k).unwrap();
-        let (residual, spectral_radius) = (solution.relative_residual, solution.spectral_radius);
-        Self { data, set_point, sweep, dofs, lqr, residual, spectral_radius }
+    fn simulate_with(&self, controller: &mut dyn Controller, seconds: f64, disturbance: Disturbance) -> Run {
+        let torso = self.data.model().body("torso").unwrap();
+        simulate(&mut self.data.clone(), controller, &self.set_point, torso, seconds, disturbance).unwrap()
     }
 
-    fn of_the_bundled_model() -> Self {
-        Self::new(sample::humanoid(), "stand_on_left_leg", "foot_left")
+    fn simulate(&self, seconds: f64, disturbance: Disturbance) -> Run {
+        self.simulate_with(&mut self.lqr.clone(), seconds, disturbance)
     }
 
-    fn simulate(&mut self, seconds: f64, disturbance: Disturbance) -> Run {
-        let model = self.data.model().clone();
-        let torso = model.body("torso").unwrap();
-        simulate(&mut self.data, &mut self.lqr, &self.set_point, torso, seconds, disturbance).unwrap()
-    }
-
-    fn pushed(&mut self, force: [f64; 2]) -> Run {
+    fn pushed(&self, force: [f64; 2]) -> Run {
         let push = Push { force, start: PUSH_AT, duration: 0.1 };
         self.simulate(10.0, Disturbance { push: Some(push), ..Disturbance::default() })
     }
@@ -58,7 +60,7 @@ impl Balance {
 
 #[test]
 fn the_equilibrium_height_is_within_a_millimetre_of_the_keyframe() {
-    let balance = Balance::of_the_bundled_model();
+    let balance = &*BALANCE;
     let offset = balance.set_point.offset;
     assert!(offset.abs() < 0.9e-3, "the best offset is {offset} m");
     assert_eq!((balance.sweep.heights.first(), balance.sweep.heights.last()), (Some(&-1e-3), Some(&1e-3)));
@@ -73,7 +75,7 @@ fn the_equilibrium_height_is_within_a_millimetre_of_the_keyframe() {
 
 #[test]
 fn the_motors_can_hold_the_set_point() {
-    let balance = Balance::of_the_bundled_model();
+    let balance = &*BALANCE;
     let model = balance.data.model();
     for (ctrl, range) in balance.set_point.ctrl.iter().zip(model.actuator_ctrlrange()) {
         assert!((range[0]..=range[1]).contains(ctrl), "{ctrl} is outside of {range:?}");
@@ -84,7 +86,7 @@ fn the_motors_can_hold_the_set_point() {
 
 #[test]
 fn dofs_of_the_standing_leg_and_the_trunk_are_classified() {
-    let balance = Balance::of_the_bundled_model();
+    let balance = &*BALANCE;
     let model = balance.data.model();
     let mut by_name: Vec<usize> = model
         .joints()
@@ -103,14 +105,14 @@ fn dofs_of_the_standing_leg_and_the_trunk_are_classified() {
 
 #[test]
 fn the_riccati_equation_is_solved_and_the_closed_loop_is_stable() {
-    let balance = Balance::of_the_bundled_model();
+    let balance = &*BALANCE;
     assert!(balance.residual < 1e-10, "the relative residual is {}", balance.residual);
     assert!(balance.spectral_radius < 1.0, "the spectral radius is {}", balance.spectral_radius);
 }
 
 #[test]
 fn the_humanoid_stands_for_thirty_seconds() {
-    let run = Balance::of_the_bundled_model().simulate(30.0, Disturbance::default());
+    let run = BALANCE.simulate(30.0, Disturbance::default());
     assert!(run.upright(), "the humanoid fell at {:?} s", run.fell_at);
     assert_eq!(run.trajectory.len(), 6000);
     assert!((run.final_height() - run.com[0][2]).abs() < 0.01, "final height {} m", run.final_height());
@@ -118,8 +120,8 @@ fn the_humanoid_stands_for_thirty_seconds() {
 
 #[test]
 fn the_humanoid_stands_with_noise_for_every_seed() {
-    let mut balance = Balance::of_the_bundled_model();
-    for seed in 1..=5 {
+    let balance = &*BALANCE;
+    for seed in 1..=cases(2, 5) {
         let run = balance.simulate(10.0, Disturbance { noise: 0.05, seed, ..Disturbance::default() });
         assert!(run.upright(), "with seed {seed} the humanoid fell at {:?} s", run.fell_at);
     }
@@ -127,25 +129,23 @@ fn the_humanoid_stands_with_noise_for_every_seed() {
 
 #[test]
 fn the_humanoid_recovers_from_pushes_in_every_direction() {
-    let mut balance = Balance::of_the_bundled_model();
-    for force in [[20.0, 0.0], [-20.0, 0.0], [0.0, 20.0], [0.0, -20.0]] {
+    let balance = &*BALANCE;
+    let calm = balance.simulate(10.0, Disturbance::default());
+    let forces = [[20.0, 0.0], [0.0, -20.0], [-20.0, 0.0], [0.0, 20.0]];
+    for &force in &forces[..cases(2, 4)] {
         let run = balance.pushed(force);
         assert!(run.upright(), "pushed with {force:?} N the humanoid fell at {:?} s", run.fell_at);
+        assert_ne!(run.trajectory, calm.trajectory, "the push has no effect");
     }
-    // The push has an effect: the run without a push differs.
-    let (pushed, calm) = (balance.pushed([20.0, 0.0]), balance.simulate(10.0, Disturbance::default()));
-    assert_ne!(pushed.trajectory, calm.trajectory);
 }
 
 #[test]
 fn the_humanoid_falls_with_constant_controls() {
-    let mut balance = Balance::of_the_bundled_model();
+    let balance = &*BALANCE;
     let ctrl = balance.set_point.ctrl.clone();
     let mut constant = move |data: &mut Data| data.ctrl_mut().copy_from_slice(&ctrl);
-    let model = balance.data.model().clone();
-    let torso = model.body("torso").unwrap();
-    let run = simulate(&mut balance.data, &mut constant, &balance.set_point, torso, 10.0, Disturbance::default());
-    let fell_at = run.unwrap().fell_at.expect("the humanoid must fall");
+    let run = balance.simulate_with(&mut constant, 10.0, Disturbance::default());
+    let fell_at = run.fell_at.expect("the humanoid must fall");
     assert!(fell_at < 3.0, "the humanoid fell only after {fell_at} s");
 }
 
@@ -214,7 +214,7 @@ fn the_example_balances_the_engines_sample_humanoid() {
     let keyframe = format!("<keyframe><key name=\"one_leg\" qpos=\"{SAMPLE_ON_ONE_LEG}\"/></keyframe></mujoco>");
     std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).unwrap();
     let path = path.to_str().unwrap();
-    for push in ["20,0", "0,20"] {
+    for push in cases(&["0,20"][..], &["20,0", "0,20"]) {
         let output =
             program("humanoid_lqr", &["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
         assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));

@@ -286,7 +286,7 @@ fn the_pole_is_swung_up_and_balanced_again_after_pushes() {
     let options = IlqrOptions::default().with_iterations(3).with_threads(2);
     let initial = Matrix::from_row_major(100, 1, vec![0.05; 100]);
     let planner = IlqrPlanner::new(&model, 100, options).unwrap().with_initial_controls(initial).unwrap();
-    let mut controller = PredictiveController::new(&data, planner, cost, 5).unwrap();
+    let mut controller = PredictiveController::new(&data, planner, cost, 8).unwrap();
     let mut run = |data: &mut Data, steps: usize| {
         for _ in 0..steps {
             controller.control(data).unwrap();

@@ -49,7 +49,7 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
     }
     // Models, because a simulation can take a gigabyte.
     let mut models_and_contacts: Vec<(Model, Contacts)> = Vec::new();
-    for mut model in models().into_iter().filter(|model| model.nv() <= cases(100, usize::MAX)) {
+    for mut model in models().into_iter().filter(|model| model.nv() <= cases(60, usize::MAX)) {
         for disable in [DisableFlags::empty(), DisableFlags::FILTERPARENT] {
             model.edit().edit_options(|options| options.disable = disable).unwrap();
             let mut data = dense(&model);

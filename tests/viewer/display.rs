@@ -57,40 +57,34 @@ impl Drop for Display {
     }
 }
 
-/// RGB pixels of the screen.
+/// Pixels of the screen, as an X window dump.
 pub struct Screen {
-    width: usize,
-    rgb: Vec<u8>,
+    dump: Vec<u8>,
+    start: usize,
+    bytes_per_line: usize,
 }
 
 impl Screen {
-    /// Reads the framebuffer. It is an X window dump, whose header consists of big-endian 32-bit
-    /// integers.
+    /// Reads the framebuffer. The header of the dump consists of big-endian 32-bit integers.
     pub fn read(framebuffer: &Path) -> Self {
-        let bytes = std::fs::read(framebuffer).expect("the framebuffer is readable");
+        let dump = std::fs::read(framebuffer).expect("the framebuffer is readable");
         let number = |index: usize| {
             let at = 4 * index;
-            u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
+            u32::from_be_bytes(dump[at..at + 4].try_into().expect("four bytes")) as usize
         };
-        let (header, width, height, bytes_per_line, colours) =
-            (number(0), number(4), number(5), number(12), number(19));
-        let pixels = &bytes[header + 12 * colours..];
-        let mut rgb = Vec::with_capacity(3 * width * height);
-        for line in pixels.chunks_exact(bytes_per_line).take(height) {
-            rgb.extend(line[..4 * width].chunks_exact(4).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]));
-        }
-        Self { width, rgb }
+        let (header, bytes_per_line, colours) = (number(0), number(12), number(19));
+        Self { start: header + 12 * colours, bytes_per_line, dump }
     }
 
     pub fn pixel(&self, [x, y]: [usize; 2]) -> [u8; 3] {
-        let at = 3 * (y * self.width + x);
-        [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
+        let at = self.start + y * self.bytes_per_line + 4 * x;
+        [self.dump[at + 2], self.dump[at + 1], self.dump[at]]
     }
 
     /// Saves the upper left part as a PNG file with a palette of 256 colours.
     pub fn save(&self, path: &Path, [width, height]: [u32; 2]) {
-        let rows = self.rgb.chunks_exact(3 * self.width).take(height as usize);
-        let part: Vec<u8> = rows.flat_map(|row| &row[..3 * width as usize]).copied().collect();
+        let pixels = (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| [x, y]));
+        let part: Vec<u8> = pixels.flat_map(|at| self.pixel(at)).collect();
         // Speed 1 gives the best palette.
         let image = gif::Frame::from_rgb_speed(width as u16, height as u16, &part, 1);
         let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file is writable"));

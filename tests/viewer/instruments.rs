@@ -60,7 +60,13 @@ pub fn instruments() {
         assert!(left == 0 && width < SIZE[0], "the instruments are beside the picture");
         wait_until("the path is in the picture", || green_pixels() > 50);
 
-        // The slider changes the force, which the next step applies.
+        // The slider changes the force, which the next step applies. The first frames move it.
+        let mut before = Vec::new();
+        wait_until("the slider stays in one place", || {
+            settle(input);
+            let now = state().sliders;
+            !now.is_empty() && std::mem::replace(&mut before, now.clone()) == now
+        });
         let [rail, text] = state().sliders.first().copied().expect("a slider").map(|at| at.map(|part| part as i32));
         input.drag(rail, [30, 0], 1, &[]);
         wait_until("the slider changes the parameter", || state().parameters[0].1 > 0.1);

@@ -305,7 +305,7 @@ fn triples_after_forward_succeed_or_are_rejected() {
         }
         data.forward().unwrap();
         let mut scratch = data.clone();
-        for _ in 0..200 {
+        for _ in 0..cases(60, 200) {
             scratch.clone_from(&data);
             let triple: Vec<Part> = (0..3).map(|_| all[random.random_range(0..all.len())]).collect();
             call(&name, &mut scratch, &triple);

@@ -7,14 +7,15 @@ use mujoco_safe::enums::{Cone, Integrator, Solver};
 use mujoco_safe::model::EnableFlags;
 use mujoco_safe::{Error, Model, sample, sys};
 
+use crate::cases::cases;
 use crate::trouble;
 use crate::twins::{Subject, Twins, c, differing, read, subjects, usual_subjects};
 
 /// Returns a number of steps that takes a second at most.
 fn steps(subject: &Subject) -> usize {
     match subject.model.nv() {
-        0..=60 => 500,
-        61..=400 => 100,
+        0..=60 => cases(200, 500),
+        61..=400 => cases(40, 100),
         401..=1000 => 20,
         _ => 10,
     }

@@ -89,8 +89,9 @@ fn change(model: &Model, number: usize, random: &mut Xoshiro256PlusPlus) -> Opti
 fn compare_arrays(states: usize, only_new: bool) -> Tally {
     let mut total = Tally::default();
     for (base, xml) in features::bases().into_iter().enumerate() {
+        let unchanged = Model::from_xml_str(&xml).unwrap_or_else(|error| panic!("{error}: {xml}"));
         for number in 0.. {
-            let model = Model::from_xml_str(&xml).unwrap_or_else(|error| panic!("{error}: {xml}"));
+            let model = unchanged.clone();
             let mut random = Xoshiro256PlusPlus::seed_from_u64(number as u64);
             let count = array_count();
             if number == count {

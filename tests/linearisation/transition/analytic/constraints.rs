@@ -114,7 +114,7 @@ fn equality_constraints_agree_with_differences() {
     for option in OPTIONS {
         let xml = constrained(option).replace("<geom friction", r#"<geom contype="0" conaffinity="0" friction"#);
         let mut data = model(&xml);
-        for state in 0..3 {
+        for state in 0..cases(1, 3) {
             collide(&mut data, &mut random);
             assert!(
                 data.ne() >= if cfg!(engine_since = "3.7.0") { 2 } else { 11 },
@@ -141,7 +141,7 @@ fn a_joint_at_a_minimum_of_its_polynomial_agrees_with_differences() {
                 joints[1 - second],
                 joints[second]
             ));
-            for state in 0..3 {
+            for state in 0..cases(1, 3) {
                 randomise(&mut data, &mut random);
                 data.qpos_mut()[second] = 0.0;
                 check(&format!("{option}, joint {second}, state {state}"), &mut data);
@@ -169,7 +169,7 @@ fn bodies_welded_or_connected_to_each_other_or_a_mocap_body_agree_with_differenc
                  <body name="b" pos="0.3 0 1"><joint type="slide" axis="1 0 0"/><joint axis="0 1 0.2"/><geom size="0.07" pos="0.2 0 0"/></body>
                </worldbody><equality>{equality}</equality></mujoco>"#
         ));
-        for state in 0..3 {
+        for state in 0..cases(1, 3) {
             randomise(&mut data, &mut random);
             if cfg!(engine_since = "3.7.0") {
                 assert_falls_back(&mut data, Fallback::Constraint);
@@ -186,7 +186,7 @@ fn all_constraints_together_agree_with_differences() {
     for option in OPTIONS {
         for xml in [MIXED.replace("CONE", option).replace("ROWS", ""), constrained(option)] {
             let mut data = model(&xml);
-            for state in 0..3 {
+            for state in 0..cases(1, 3) {
                 collide(&mut data, &mut random);
                 assert!(data.ncon() > 0);
                 check(&format!("{option}, {} equalities, state {state}", data.ne()), &mut data);
@@ -209,7 +209,7 @@ fn the_humanoid_agrees_with_differences_while_it_stands_falls_and_lies() {
             })
         })
         .unwrap();
-        for state in 0..6 {
+        for state in 0..cases(2, 6) {
             collide(&mut data, &mut random);
             check(&format!("{option}, state {state}, {} contacts", data.ncon()), &mut data);
         }

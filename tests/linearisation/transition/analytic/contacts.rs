@@ -84,7 +84,7 @@ fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
         for dim in [1, 3, 4, 6] {
             for geom in [sphere, capsule, cuboid] {
                 let mut data = above_plane(option, dim, geom);
-                for state in 0..2 {
+                for state in 0..cases(1, 2) {
                     touch(&mut data, &mut random);
                     let differenced = check(&format!("{option}, {dim}, {geom}, state {state}"), &mut data);
                     assert!(differenced.is_empty());
@@ -96,7 +96,7 @@ fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
         [r#"type="cylinder" size="0.06 0.1""#, r#"type="ellipsoid" size="0.06 0.1 0.08""#, r#"type="mesh" mesh="m""#]
     {
         let mut data = above_plane("", 3, geom);
-        for state in 0..4 {
+        for state in 0..cases(2, 4) {
             touch(&mut data, &mut random);
             let differenced = check(&format!("{geom}, state {state}"), &mut data);
             assert_eq!(differenced, DifferencedTerms::CONTACTS);
@@ -199,7 +199,7 @@ fn contacts_by_differences_of_their_collision_function_agree_with_differences() 
     for option in [OPTIONS[0], OPTIONS[2]] {
         for geoms in [[sphere, cuboid], [capsule, cuboid], [cuboid, cuboid]] {
             let mut data = Data::new(pair(option, 3, geoms)).unwrap();
-            for state in 0..4 {
+            for state in 0..cases(1, 4) {
                 while !overlap(&mut data, &mut random) {}
                 let differenced = check(&format!("{option}, {geoms:?}, state {state}"), &mut data);
                 assert_eq!(differenced, DifferencedTerms::CONTACTS);

@@ -10,6 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{CONTROL_FACTOR, TOLERANCE, WIDTHS, analytic, model, randomise};
+use crate::cases::cases;
 use crate::transition::features::{ball, chain, moving};
 use crate::transition::{deviation, oracle};
 
@@ -60,7 +61,7 @@ fn check(xml: &str, seed: u64) -> Data {
     let mut last = None;
     for option in ["", r#"cone="elliptic" jacobian="sparse""#] {
         let mut data = model(&xml.replace("OPTION", option));
-        for state in 0..4 {
+        for state in 0..cases(2, 4) {
             randomise(&mut data, &mut random);
             // The joints that limits hold are near them, and the free joint is near the floor.
             data.qpos_mut().iter_mut().for_each(|value| *value *= 0.5);
@@ -311,7 +312,7 @@ fn distances_to_each_shape_agree_with_differences() {
                </worldbody><sensor><rangefinder site="eye"/></sensor></mujoco>"#
         ));
         let mut hits = 0;
-        for state in 0..6 {
+        for state in 0..cases(2, 6) {
             randomise(&mut data, &mut random);
             let model = data.model().clone();
             data.qpos_mut().copy_from_slice(model.qpos0());

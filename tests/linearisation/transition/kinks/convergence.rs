@@ -6,6 +6,7 @@ use mujoco_safe::enums::Solver;
 use mujoco_safe::{Data, Differences, StateSpace};
 
 use super::{WITH_SIDES, assert_near, linearise};
+use crate::cases::cases;
 use crate::transition::analytic::model;
 use crate::transition::oracle::{Oracle, linear_system};
 
@@ -174,14 +175,14 @@ fn differences_that_do_not_converge_are_reported() {
         for below in
             [r#"type="box" size="0.5 0.5 0.1""#, r#"type="mesh" mesh="m""#, r#"type="ellipsoid" size="0.3 0.2 0.1""#]
         {
-            for state in 0..6 {
+            for state in (0..6).step_by(cases(2, 1)) {
                 let mut data = above(shape, below, 0.02, 0.2 * f64::from(state));
                 counts.check(&format!("{shape} on {below}, state {state}"), &mut data);
             }
         }
     }
-    println!("{} of 72 states have no derivative, {} columns need a larger step", counts.diverging, counts.grown);
-    assert!(counts.diverging >= 3);
+    println!("{} states have no derivative, {} columns need a larger step", counts.diverging, counts.grown);
+    assert!(counts.diverging >= cases(1, 3));
 }
 
 /// With the usual tolerance, solvers keep their initial guess for the small changes of differences.
