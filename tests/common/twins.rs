@@ -73,22 +73,27 @@ pub(crate) fn small_subjects() -> impl Iterator<Item = &'static Subject> {
 /// # Safety
 ///
 /// The array has at least `start + length` values.
-#[allow(clippy::disallowed_methods, reason = "the pointer is not null")]
 pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize) -> Vec<T> {
+    let mut values = Vec::with_capacity(length);
     // An empty array of the engine can be null.
-    if length == 0 {
-        return Vec::new();
+    if length > 0 {
+        // SAFETY: the caller guarantees the length of the array, and the vector has room for as many
+        // values, which are initialised then.
+        unsafe {
+            std::ptr::copy_nonoverlapping(array.add(start), values.as_mut_ptr(), length);
+            values.set_len(length);
+        }
     }
-    // SAFETY: the caller guarantees the length of the array.
-    unsafe { std::slice::from_raw_parts(array.add(start), length) }.to_vec()
+    values
 }
 
 /// Returns the bits of numbers, whose comparison takes less time in a build without optimisation
 /// than that of one number after another.
-#[allow(clippy::disallowed_methods, reason = "the pointer is not null")]
 fn bits(values: &[f64]) -> &[u64] {
-    // SAFETY: both types have the same size and alignment, and all bits are valid.
-    unsafe { std::slice::from_raw_parts(values.as_ptr().cast(), values.len()) }
+    // SAFETY: all bits are valid integers.
+    let (before, bits, after) = unsafe { values.align_to() };
+    assert!(before.is_empty() && after.is_empty(), "both types have the same size and alignment");
+    bits
 }
 
 /// Asserts that the library and the engine give the same values, bit for bit: −0 differs from 0,

@@ -55,7 +55,8 @@ mod history;
 mod mesh;
 mod newer;
 mod platforms;
-#[cfg(engine_since = "2.3.1")]
+// Before, texts name plugins by another element.
+#[cfg(engine_since = "2.3.3")]
 mod plugin;
 // The wheels have a plugin with a state since 3.1, whose size a text can state since 3.2.
 #[cfg(engine_since = "3.2.0")]

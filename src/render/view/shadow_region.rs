@@ -139,8 +139,8 @@ mod tests {
         ]
     }
 
-    /// Returns the visible points of the plane z = 0 at the centres of pixels, and their depths: all
-    /// pixels of small images, and of others every nth in both directions, with the last.
+    /// Returns the visible points of the plane z = 0 at the centres of pixels, and their depths:
+    /// all pixels of small images, and of others every nth in both directions, with the last.
     fn points_of_the_floor(frustum: &ViewFrustum, size: u32) -> Vec<([f64; 3], f64)> {
         let [first, second, _, last] = frustum.corners;
         let centre = |pixel: u32| (f64::from(pixel) + 0.5) / f64::from(size);
