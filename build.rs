@@ -45,7 +45,7 @@ fn main() {
             "cargo::warning=no test of mujoco-safe runs with this version of MuJoCo: its promises may not hold, and memory safety may fail"
         ),
         Some("smoke") => println!(
-            "cargo::warning=only the smoke tests of mujoco-safe run with this version of MuJoCo: its promises may not hold"
+            "cargo::warning=at most the smoke tests of mujoco-safe run with this version of MuJoCo: its promises may not hold, and memory safety may fail"
         ),
         _ => {}
     }

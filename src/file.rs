@@ -54,12 +54,12 @@ fn check_type(metadata: &fs::Metadata) -> io::Result<()> {
 /// Returns `true` for a path that Windows opens as a device or as a pipe, in every directory:
 /// `C:\models\nul.stl`.
 pub(crate) fn names_device(path: &Path) -> bool {
-    cfg!(windows) && path.to_str().is_some_and(is_device_of_windows)
+    cfg!(windows) && is_device_of_windows(&path.to_string_lossy())
 }
 
 /// Implements [`names_device`] by the rules of Windows for names.
 fn is_device_of_windows(path: &str) -> bool {
-    let path = path.replace('/', r"\");
+    let path = path.replace('/', r"\").replace(r"\??\", r"\\?\");
     let mut parts = path.strip_prefix(r"\\").unwrap_or_default().split('\\');
     let is_device = match (parts.next(), parts.next()) {
         (Some("."), _) => true,

@@ -36,7 +36,7 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
         let advice = [
             "To generate bindings for this engine, enable the feature `bindgen`, which needs libclang:".to_owned(),
             "  pip install libclang && cargo build --features mujoco-safe/bindgen".to_owned(),
-            "Without pip: apt-get install libclang-dev. In a program that uses only mujoco-safe-sys, that is its feature.".to_owned(),
+            "Without pip, or if pip refuses (Python of Debian and Ubuntu): apt-get install libclang-dev. In a program that uses only mujoco-safe-sys, that is its feature.".to_owned(),
             format!("Or set MUJOCO_DIR to the directory of one of the engines {}.", ENGINES.map(|engine| engine.version).join(", ")),
         ];
         let lines = [vec![found], why, advice.into()];

@@ -6,6 +6,7 @@
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::engines::ENGINES;
 use crate::find::{self, Engine, Missing};
@@ -41,13 +42,17 @@ fn cached() -> Result<PathBuf, String> {
     let folder = cache.join(format!("{VERSION}-{target}"));
     let root = folder.join("mujoco");
     if !root.is_dir() {
-        // A folder of this process, so that the folder is complete or absent also if several builds
-        // run at the same time.
-        let new = cache.join(format!("{VERSION}-{}", std::process::id()));
-        let installed = install(&new, &target, platform).and_then(|()| {
-            let moved = std::fs::rename(&new, &folder);
-            if root.is_dir() { Ok(()) } else { moved.map_err(|error| format!("{}: {error}", folder.display())) }
-        });
+        // A folder of this build, so that the folder is complete or absent also if several builds
+        // run at the same time, or in containers that share the cache.
+        let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let new = cache.join(format!("{VERSION}-{}-{}", std::process::id(), time.as_nanos()));
+        let installed =
+            install(&new, &target, platform).and_then(|()| find::probe(&new.join("mujoco"))).and_then(|_| {
+                // Without its engine it is incomplete.
+                let _ = std::fs::remove_dir_all(&folder);
+                let moved = std::fs::rename(&new, &folder);
+                if root.is_dir() { Ok(()) } else { moved.map_err(|error| format!("{}: {error}", folder.display())) }
+            });
         let _ = std::fs::remove_dir_all(&new);
         installed?;
         println!("cargo::warning=installed MuJoCo {VERSION} from PyPI in {}", folder.display());

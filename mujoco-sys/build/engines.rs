@@ -88,10 +88,14 @@ pub(crate) fn nearest(number: u32) -> Vec<&'static Supported> {
 
 /// Returns what is wrong with the numbers of an engine.
 pub(crate) fn defect(number: u32) -> Option<&'static str> {
-    (number == 4_000_000).then_some(
-        "its Newton solver with sparse matrices may converge slowly, diverge or return wrong accelerations \
-         (https://github.com/google-deepmind/mujoco/issues/3767), which 4.0.1 corrects",
-    )
+    match number {
+        4_000_000 => Some(
+            "its Newton solver with sparse matrices may converge slowly, diverge or return wrong accelerations \
+             (https://github.com/google-deepmind/mujoco/issues/3767), which 4.0.1 corrects",
+        ),
+        3_011_000 => Some("it crashed in a step for whose collisions <size memory> was too small"),
+        _ => None,
+    }
 }
 
 /// Returns the engine with this `mjVERSION_HEADER`, if its bindings are committed.

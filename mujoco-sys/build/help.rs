@@ -13,7 +13,12 @@ pub(crate) fn fail(missing: &Missing) -> ! {
     }
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
     lines.push("To install it on Debian 12:  apt-get install libmujoco-dev".to_owned());
-    lines.push("To let the build install it from PyPI:  cargo build --features mujoco-safe/download".to_owned());
+    if cfg!(not(feature = "download")) {
+        lines.push(
+            "To let the build install it from PyPI:  the feature `download` of mujoco-safe or mujoco-safe-sys"
+                .to_owned(),
+        );
+    }
     lines.push("To install it from PyPI yourself:".to_owned());
     lines.push(
         "  pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2".to_owned(),

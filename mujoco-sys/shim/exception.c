@@ -36,10 +36,11 @@ void mujoco_sys_call_behind(void (*function)(void*), void* argument);
 #include <windows.h>
 
 // Returns the type's name in the description of an exception of Microsoft's compiler, in which
-// addresses are relative to the library.
+// addresses are relative to the library. An exception that is thrown again has no description.
 static const char* type_of(const EXCEPTION_RECORD* record) {
   const char* const base = (const char*)record->ExceptionInformation[3];
   const int32_t* const thrown = (const int32_t*)record->ExceptionInformation[2];
+  if (!base || !thrown || !thrown[3]) return "unknown";
   const int32_t* const types = (const int32_t*)(base + thrown[3]);
   const int32_t* const type = (const int32_t*)(base + types[1]);
   return base + type[1] + 2 * sizeof(void*);

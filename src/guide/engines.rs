@@ -78,7 +78,8 @@
 //! none and `MUJOCO_DIR` is not set, it installs the wheel of MuJoCo 2.2.2 for the target with pip
 //! or uv, which compares it with the SHA-256 in this crate. The folder is `mujoco-safe` in
 //! `$XDG_CACHE_HOME`, `%LOCALAPPDATA%` or `~/.cache`, and all projects of the user share it: a
-//! later build needs neither network nor pip. An installed engine always has precedence.
+//! later build needs neither network nor pip. An installed engine has precedence; one that is
+//! installed later is found after `cargo clean --package mujoco-safe-sys`.
 //!
 //! ```sh
 //! cargo add mujoco-safe --features download && cargo run
@@ -174,11 +175,11 @@
 //! | Linux, aarch64 | runs `mujoco-sys`, `smoke` and the cart-pole with 2.2.2, and `mujoco-sys` and the cart-pole with 4.0.1, under qemu | runs `engine`, `linearisation`, `data` and `model` too |
 //! | Windows, x86-64, tools of GNU | runs the guard's tests, `smoke` and the cart-pole with 2.2.2, under Wine | runs the same programs as for aarch64, and with 4.0.1 |
 //! | Windows, x86-64, tools of Microsoft | compiles the shim without extensions of GNU's compiler | |
-//! | macOS, arm64 | links the library and the cart-pole with 4.0.1 | links all examples, checks the types of the viewer |
+//! | macOS, arm64 | links the library and the cart-pole with 4.0.1 | links all examples, runs `cargo check` with the viewer |
 //!
 //! The viewer and the renderer run on x86-64 Linux only, with X11 and Vulkan; elsewhere they are
-//! compiled at most. A and B of the cart-pole are the same bits on all platforms that run, and K
-//! agrees to 1e-12 (`tests/smoke/platforms.rs`).
+//! compiled at most. With MuJoCo 2.2.2, A and B of the cart-pole are the same bits on all platforms
+//! that run, and K agrees to 1e-12 (`tests/smoke/platforms.rs`).
 //!
 //! *Windows.* The build needs a C and a C++ compiler, but no import library: the Rust compiler
 //! makes it from the bindings. A program needs `mujoco.dll` in its directory or in `PATH`, which

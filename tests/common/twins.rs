@@ -77,8 +77,8 @@ pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize)
     let mut values = Vec::with_capacity(length);
     // An empty array of the engine can be null.
     if length > 0 {
-        // SAFETY: the caller guarantees the length of the array, and the vector has room for as many
-        // values, which are initialised then.
+        // SAFETY: the caller guarantees the length of the array, and the vector has room for as
+        // many values, which are initialised then.
         unsafe {
             std::ptr::copy_nonoverlapping(array.add(start), values.as_mut_ptr(), length);
             values.set_len(length);
