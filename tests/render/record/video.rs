@@ -17,10 +17,12 @@ mod stand_in {
 
     /// Creates the stand-in program in a folder.
     fn program(folder: &Path, script: &str) -> PathBuf {
-        use std::os::unix::fs::PermissionsExt;
-        let path = folder.join("ffmpeg");
-        fs::write(&path, format!("#!/bin/sh\n[ \"$1\" = -version ] && exit 0\n{script}\n")).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        let (path, text) = (folder.join("ffmpeg"), folder.join("script"));
+        fs::write(&text, format!("#!/bin/sh\n[ \"$1\" = -version ] && exit 0\n{script}\n")).unwrap();
+        // Another process writes it: a child that another test starts at this moment would inherit
+        // the open file of this one, and a file that is open for writing cannot be executed.
+        let status = Command::new("install").args(["-m", "755"]).arg(text).arg(&path).status().unwrap();
+        assert!(status.success());
         path
     }
 
