@@ -187,7 +187,7 @@ fn a_save_replaces_the_file_and_leaves_no_other() {
 
 #[test]
 fn the_deepest_elements_load_and_are_saved_with_the_stack_of_a_thread() {
-    // That of the main thread of Windows, or of Rust's threads.
+    // The stack of the main thread of Windows, or of a thread of Rust.
     let stack = if cfg!(windows) { 1 << 20 } else { 2 << 20 };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deep.xml");

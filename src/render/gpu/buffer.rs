@@ -121,45 +121,8 @@ impl ReadBackBuffer {
     }
 }
 
-/// Buffer that shaders write, and the staging buffer to read it back.
-#[derive(Debug)]
-pub(crate) struct PackedBuffer {
-    packed: wgpu::Buffer,
-    staging: wgpu::Buffer,
-}
-
-impl PackedBuffer {
-    pub(crate) fn new(gpu: &Gpu, size: u64) -> Self {
-        use wgpu::BufferUsages as Usage;
-        let buffer = |label, usage| create_buffer(gpu, label, size.next_multiple_of(4), usage);
-        Self {
-            packed: buffer("packed images", Usage::STORAGE | Usage::COPY_SRC),
-            staging: buffer("packed images that are read back", Usage::COPY_DST | Usage::MAP_READ),
-        }
-    }
-
-    pub(crate) fn packed(&self) -> &wgpu::Buffer {
-        &self.packed
-    }
-
-    /// Encodes a copy to the staging buffer.
-    pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.copy_buffer_to_buffer(&self.packed, 0, &self.staging, 0, self.packed.size());
-    }
-
-    /// Waits for the submission with the copy and passes the bytes to `read`.
-    pub(crate) fn mapped(
-        &self,
-        gpu: &Gpu,
-        submission: wgpu::SubmissionIndex,
-        read: impl FnOnce(&[u8]),
-    ) -> Result<(), RenderError> {
-        read_mapped(gpu, &self.staging, submission, read)
-    }
-}
-
 /// Waits for the submission that fills a staging buffer and passes the bytes to `read`.
-fn read_mapped(
+pub(crate) fn read_mapped(
     gpu: &Gpu,
     buffer: &wgpu::Buffer,
     submission: wgpu::SubmissionIndex,
@@ -181,7 +144,7 @@ fn read_mapped(
     read
 }
 
-fn create_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(crate) fn create_buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let label = Some(label);
     gpu.device().create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
 }

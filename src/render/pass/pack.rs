@@ -1,7 +1,7 @@
 //! Conversion of the images in a texture to one array on the graphics card: image by image, with
 //! the numbers that callers get.
 
-use crate::render::gpu::buffer::PackedBuffer;
+use crate::render::gpu::buffer::{create_buffer, read_mapped};
 use crate::render::{Gpu, RenderError};
 
 /// Numbers of a packed array.
@@ -91,11 +91,15 @@ pub(crate) struct Pack {
     texture: wgpu::Texture,
     pipeline: wgpu::ComputePipeline,
     group: wgpu::BindGroup,
-    buffer: PackedBuffer,
+    /// The array, and the buffer to read it back.
+    packed: wgpu::Buffer,
+    staging: wgpu::Buffer,
 }
 
 impl Pack {
     pub(crate) fn new(gpu: &Gpu, packing: Packing, images: PackedImages, texture: &wgpu::Texture) -> Self {
+        use wgpu::BufferUsages as Usage;
+
         let device = gpu.device();
         let [texel, word] = packing.code();
         let byte = if packing == Packing::Rgb { BYTE } else { "" };
@@ -105,7 +109,9 @@ impl Pack {
             label,
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let buffer = PackedBuffer::new(gpu, images.bytes(packing));
+        let buffer = |label, usage| create_buffer(gpu, label, images.bytes(packing).next_multiple_of(4), usage);
+        let packed = buffer("packed images", Usage::STORAGE | Usage::COPY_SRC);
+        let staging = buffer("packed images that are read back", Usage::COPY_DST | Usage::MAP_READ);
         let [width, height] = images.size;
         let constants =
             [("width", width), ("height", height), ("columns", images.columns), ("length", images.words(packing))];
@@ -124,10 +130,10 @@ impl Pack {
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry { binding: 1, resource: buffer.packed().as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: packed.as_entire_binding() },
             ],
         });
-        Self { packing, images, texture: texture.clone(), pipeline, group, buffer }
+        Self { packing, images, texture: texture.clone(), pipeline, group, packed, staging }
     }
 
     pub(crate) fn matches(&self, packing: Packing, images: PackedImages, texture: &wgpu::Texture) -> bool {
@@ -141,7 +147,7 @@ impl Pack {
         pass.set_bind_group(0, &self.group, &[]);
         pass.dispatch_workgroups(self.images.words(self.packing).div_ceil(WORKGROUP), 1, 1);
         drop(pass);
-        self.buffer.encode(encoder);
+        encoder.copy_buffer_to_buffer(&self.packed, 0, &self.staging, 0, self.packed.size());
     }
 
     /// Waits for the submission with the conversion, and passes the array to `read`.
@@ -151,7 +157,8 @@ impl Pack {
         submission: wgpu::SubmissionIndex,
         read: impl FnOnce(&[u8]),
     ) -> Result<(), RenderError> {
-        self.buffer.mapped(gpu, submission, |bytes| read(&bytes[..self.images.bytes(self.packing) as usize]))
+        let size = self.images.bytes(self.packing) as usize;
+        read_mapped(gpu, &self.staging, submission, |bytes| read(&bytes[..size]))
     }
 }
 

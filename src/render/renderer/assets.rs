@@ -5,7 +5,7 @@ use crate::render::assets::{Shapes, Textures};
 use crate::render::bounding_volume::AssetBounds;
 use crate::render::draw_list::DrawCalls;
 use crate::render::gpu::buffer::GrowableBuffer;
-use crate::render::pass::DrawContext;
+use crate::render::pass::{DrawContext, TileView};
 use crate::render::settings::VisualSettings;
 use crate::render::{Gpu, RendererOptions};
 
@@ -23,9 +23,15 @@ pub(super) struct Assets {
 }
 
 impl Assets {
-    /// Returns the resources of draw calls, without a selection of tiles.
-    pub(super) fn draw_context<'a>(&'a self, calls: &'a DrawCalls, instances: &'a GrowableBuffer) -> DrawContext<'a> {
+    /// Returns the resources of draw calls, of which the tiles of large planes are selected for
+    /// these views, if there are any.
+    pub(super) fn draw_context<'a>(
+        &'a self,
+        calls: &'a DrawCalls,
+        instances: &'a GrowableBuffer,
+        tiles: Option<&'a [TileView<'a>]>,
+    ) -> DrawContext<'a> {
         let Self { gpu, shapes, textures, .. } = self;
-        DrawContext { gpu, shapes, textures, calls, instances: instances.buffer(), tiles: None }
+        DrawContext { gpu, shapes, textures, calls, instances: instances.buffer(), tiles }
     }
 }

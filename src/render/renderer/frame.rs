@@ -6,8 +6,8 @@ use crate::render::assets::glyph_atlas;
 use crate::render::draw_list::{AuxOutput, DrawList, DrawListInputs};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::pass::{
-    AuxLayer, DrawContext, FrameInputs, Labels, MainPass, ShadowMaps, ShadowTextures, Sky, Target, TileDetail,
-    TileView, ViewInputs, draw_ids, draw_segment_colors,
+    AuxLayer, FrameInputs, Labels, MainPass, ShadowMaps, ShadowTextures, Sky, Target, TileDetail, TileView, ViewInputs,
+    draw_ids, draw_segment_colors,
 };
 use crate::render::shader::Shading;
 use crate::render::view::{LightFeatures, Lights, Place, ShadowRegion, UniformData, ViewFrustum, ViewUniforms};
@@ -169,7 +169,7 @@ impl Frame {
     pub(super) fn encode_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, assets: &Assets) {
         let Some(view) = &self.view else { return };
         if view.aux.is_none() {
-            let draw = assets.draw_context(&self.list.calls, &self.instances);
+            let draw = assets.draw_context(&self.list.calls, &self.instances, None);
             self.shadow_maps.encode(encoder, &draw, view.flags);
         }
     }
@@ -179,7 +179,7 @@ impl Frame {
         let Self { list, shadow_maps, instances, main_pass, sky, labels, aux_view, view, .. } = self;
         let Some(view) = view else { return };
         let tile_views = [view.tiles(assets)];
-        let draw = DrawContext { tiles: Some(&tile_views), ..assets.draw_context(&list.calls, instances) };
+        let draw = assets.draw_context(&list.calls, instances, Some(&tile_views));
         if view.aux.is_some() {
             let flips = [view.flags.contains(RenderFlags::CULL_FACE), view.frustum.flip_y];
             if let Some(aux_view) = aux_view {
@@ -197,8 +197,7 @@ impl Frame {
     pub(super) fn draw_ids(&self, pass: &mut wgpu::RenderPass<'_>, assets: &Assets, layer: AuxLayer) {
         if let (Some(view), Some(aux_view)) = (&self.view, &self.aux_view) {
             let tile_views = [view.tiles(assets)];
-            let draw = assets.draw_context(&self.list.calls, &self.instances);
-            let draw = DrawContext { tiles: Some(&tile_views), ..draw };
+            let draw = assets.draw_context(&self.list.calls, &self.instances, Some(&tile_views));
             draw_ids(pass, &draw, (aux_view, None), (layer, view.flags.contains(RenderFlags::CULL_FACE)));
         }
     }

@@ -5,7 +5,7 @@ use super::frame::{Frame, FrameView};
 use super::layout::Tiles;
 use crate::render::draw_list::{AuxOutput, DrawCalls, merge};
 use crate::render::gpu::buffer::GrowableBuffer;
-use crate::render::pass::{AuxLayer, DrawContext, MainPass, ShadowAtlas, ShadowTextures, Target, ViewInputs, draw_ids};
+use crate::render::pass::{AuxLayer, MainPass, ShadowAtlas, ShadowTextures, Target, ViewInputs, draw_ids};
 use crate::render::view::{LightFeatures, ShadowRegion, UniformData, ViewUniforms};
 use crate::render::{Gpu, RenderError};
 use crate::scene::RenderFlags;
@@ -87,7 +87,7 @@ impl Merged {
     pub(super) fn encode_shadows(&self, encoder: &mut wgpu::CommandEncoder, assets: &Assets, frames: &[Frame]) {
         let lights = self.regions.first().map_or(0, Vec::len);
         if let (Some(view), 1..) = (views(frames).first(), lights) {
-            let draw = assets.draw_context(&self.calls, &self.instances);
+            let draw = assets.draw_context(&self.calls, &self.instances, None);
             self.atlas.encode(encoder, &draw, lights, view.flags);
         }
     }
@@ -105,7 +105,7 @@ impl Merged {
         let (Some(frame), views) = (frames.first(), views(frames)) else { return };
         let Some(first) = views.first() else { return };
         let tile_views: Vec<_> = views.iter().map(|view| view.tiles(assets)).collect();
-        let draw = DrawContext { tiles: Some(&tile_views), ..assets.draw_context(calls, instances) };
+        let draw = assets.draw_context(calls, instances, Some(&tile_views));
         let inputs = inputs(frames, &views, regions, tiles);
         let maps = shadow_maps(atlas, regions);
         main_pass.draw(pass, &draw, &first.of_pass(assets, features), &inputs, (&maps, &frame.labels), target);
@@ -116,7 +116,7 @@ impl Merged {
         let views = views(frames);
         let (Some(first), Some(group)) = (views.first(), &self.aux_group) else { return };
         let tile_views: Vec<_> = views.iter().map(|view| view.tiles(assets)).collect();
-        let draw = DrawContext { tiles: Some(&tile_views), ..assets.draw_context(&self.calls, &self.instances) };
+        let draw = assets.draw_context(&self.calls, &self.instances, Some(&tile_views));
         let cull = first.flags.contains(RenderFlags::CULL_FACE);
         let vectors = Some(UniformData::VECTORS[0] as u32);
         draw_ids(pass, &draw, (group, vectors), (AuxLayer::Only, cull));

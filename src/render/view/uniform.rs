@@ -136,7 +136,9 @@ impl UniformData {
 
     /// Creates the uniforms of a view without lights.
     pub(crate) fn unlit(view: &ViewUniforms) -> Self {
-        Self { bytes: bytemuck::bytes_of(view).to_vec() }
+        let mut uniforms = Self::default();
+        uniforms.push_unlit(view);
+        uniforms
     }
 
     /// Appends a view without lights.
