@@ -1,5 +1,5 @@
 //! Concepts: model and data, the pipeline, states, results and their age, names and ids, matrices,
-//! errors.
+//! other engines, errors.
 //!
 //! # Model and data
 //!
@@ -163,6 +163,33 @@
 //! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`]
 //! is a nalgebra view of the transpose without a copy, and [`Matrix::to_nalgebra`] and
 //! `Matrix::from` copy. An element of a [`Matrix`] is `matrix[(row, column)]`.
+//!
+//! # Fields of other engines
+//!
+//! The accessors of fields follow the engine: with 4.0.1 the inertia matrix is `Data::M`, not
+//! `Data::qM`. `cargo doc` with an engine shows its accessors. The rest of the interface, with the
+//! enums and [`Options`](crate::Options), is the same with every engine. What an engine lacks is
+//! [`Error::Unsupported`]. A setter names the versions that have the variant, flag or option.
+//!
+//! Use these methods instead of arrays whose layout differs:
+//!
+//! | array | method |
+//! |---|---|
+//! | `actuator_moment` | [`Data::full_moment`](crate::Data::full_moment), [`ActuatorData::moment`](crate::element::ActuatorData) |
+//! | `ten_J` | [`TendonData::J`](crate::element::TendonData) |
+//! | `qM`, `M` | [`Data::full_m`](crate::Data::full_m), [`Data::mul_m_into`](crate::Data::mul_m_into) |
+//! | `eq_active`, `eq_active0` | [`EqualityMut::set_active`](crate::element::EqualityMut) |
+//! | `tex_rgb`, `tex_data` | [`Texture::rgb`](crate::element::Texture) |
+//! | `light_directional`, `light_type` | [`Light::directional`](crate::element::Light) |
+//! | `solver`, `solver_iter` | [`Data::solver`](crate::Data::solver) |
+//! | `mesh_normal`, `mesh_texcoord` | [`Mesh::normal`](crate::element::Mesh) by [`Mesh::facenormal`](crate::element::Mesh), likewise `texcoord` |
+//! | `contact.geom1`, `contact.geom` | [`Contact::geoms`](crate::data::Contact::geoms), [`Contact::sides`](crate::data::Contact::sides) |
+//!
+//! Functions that 2.2.2 lacks are implemented [in Rust](crate::guide::coverage::functions) and used
+//! with every engine, so that they have the same results. `tests/smoke` compares each with the
+//! function of the engine from 3.5.0. Three differ: `mj_multiRay` may return hits beyond its
+//! cutoff, `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot, and
+//! `mj_geomDistance` of 3.5.0 is less precise.
 //!
 //! # Units
 //!

@@ -330,3 +330,23 @@
 //! assert_eq!(model.text("author")?.data(), "me");
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
+//!
+//! # Examples
+//!
+//! The folder `examples/` of the repository has larger programs:
+//!
+//! ```sh
+//! cargo run --release --example getting_started              # load, inspect, random control, reset, record
+//! cargo run --release --example contacts                     # also tippe_top and pendulum_chaos: the tutorials of the Python bindings
+//! cargo run --release --example cartpole_lqr -- --angle 0.3  # linearise, solve, balance
+//! cargo run --release --example humanoid_lqr -- --help       # balance a humanoid on one leg, step by step
+//! cargo run --release --features renderer --example assemble -- --out out   # a model in code: two arms on a table
+//! cargo run --release --example rollouts                     # 256 pushes of a balanced pole, on all cores
+//! cargo run --release --example cartpole_swing_up            # iLQR within the motor's range, tracked by a table of gains
+//! cargo run --release --example humanoid_predictive          # predictive sampling recovers from pushes under which the LQR falls
+//! cargo run --release --example humanoid_stand_up            # predictive control: from a squat to standing; arm_tracking: an arm follows a target
+//! cargo run --release --example learn_gait                   # a half cheetah learns to run in minutes, by random search
+//! cargo run --release --features viewer --example humanoid_predictive -- --view   # pull a humanoid, watch its plan, change the weights
+//! cargo run --release --features renderer --example camera_sensor   # a rover steers by its depth camera
+//! cargo run --release --features viewer --example view -- model.xml # any model in the viewer
+//! ```

@@ -11,12 +11,13 @@
 //! | [`parallel`] | threads, rollouts, batches, determinism |
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
-//! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
+//! | [`engines`] | versions of the engine, the search at build time, deployment, platforms |
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these
-//! languages. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
-//! tests, and [`coverage`] lists every function, field and kind of the engine with its counterpart.
+//! languages. The [`cookbook`] has complete programs and lists the examples, [`promises`] lists the
+//! guarantees with their tests, and [`coverage`] lists every function, field and kind of the engine
+//! with its counterpart.
 
 pub mod concepts;
 pub mod control;

@@ -2,7 +2,8 @@
 //!
 //! The feature `renderer` adds rendering without a window or a display, the feature `viewer` also
 //! the window. Both need a Vulkan, Metal, Direct3D 12 or OpenGL driver; a software driver suffices.
-//! See [troubleshooting](super::troubleshooting#rendering-and-the-viewer).
+//! The first build takes some minutes. See
+//! [troubleshooting](super::troubleshooting#rendering-and-the-viewer).
 //!
 //! # From a simulation to an image
 //!

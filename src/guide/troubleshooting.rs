@@ -7,7 +7,7 @@
 //! | `The MuJoCo physics engine was not found.` | no engine in the searched directories, which the message lists | `apt-get install libmujoco-dev`, or set `MUJOCO_DIR`: see [`engines`](super::engines) |
 //! | `Its headers differ from those of all versions with committed bindings` | an engine of another version, with other structs or functions | set `MUJOCO_DIR` to an engine of a [listed](super::engines) version, or enable the feature `bindgen` |
 //! | `headers found, but no libmujoco.so in …` | `MUJOCO_DIR` names the source tree or the `include` directory | name the directory that contains both |
-//! | `error while loading shared libraries: libmujoco.so.2.2.2` | the program was started without Cargo, and the library is outside of the loader's path | `LD_LIBRARY_PATH` or an rpath: see [`engines`](super::engines#search-at-run-time) |
+//! | `error while loading shared libraries: libmujoco.so.2.2.2` | the program was started without Cargo, and the library is outside of the loader's path | one line in `build.rs`: see [`engines`](super::engines#deployment) |
 //! | [`EngineVersion`](Error::EngineVersion) | the loader finds another release than the build script | rebuild, or correct `LD_LIBRARY_PATH` |
 //! | `failed to find tool "c++"` | no C++ compiler for the shim | `apt-get install g++` |
 //! | `requires rustc 1.95` | the viewer's dependencies need a newer Rust than the rest | update Rust, or build without the feature `viewer` |
@@ -44,7 +44,7 @@
 //! | poses lag one step behind `qpos` | [the age of results](super::concepts#age-of-results) | [`Data::forward`] |
 //! | a joint's index addresses another joint in `qpos` | a free joint occupies 7 positions and 6 velocities | `qpos_range()` and `dofs()` of the joint |
 //! | an edit has no effect, or the motion is implausible after one | derived quantities are out of date | [`update_constants`](crate::ModelMut::update_constants) |
-//! | results differ in the last digits from Python, or between `cargo run` and the installed program | another build of the engine | use the same library: see [`engines`](super::engines#search-at-run-time) |
+//! | results differ in the last digits from Python, or between `cargo run` and the installed program | another build of the engine | use the same library: see [`engines`](super::engines#deployment) |
 //! | a panic, or an error of a viewer's camera: `belongs to another model` | an id of a model that was loaded separately | take ids from the model of this simulation, `data.model()` |
 //!
 //! # Borrows

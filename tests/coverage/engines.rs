@@ -1,4 +1,4 @@
-//! The tables of supported engines are those of the build script.
+//! The table and the lists of supported engines are those of the build script.
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../../mujoco-sys/build/engines.rs"]
@@ -10,30 +10,33 @@ use list::{ENGINES, Tests};
 
 use crate::root;
 
-/// Bindings of an engine without committed ones.
-const OTHER: &str =
-    "those of the nearest if its headers declare the same, as of a patch release, else generated: feature `bindgen`";
-
 fn newest() -> &'static str {
     ENGINES[ENGINES.len() - 1].version
 }
 
 /// Returns the table of the engines in Markdown.
 fn table() -> String {
-    let rows = ENGINES.map(|engine| {
-        let tests = match engine.tests {
-            Tests::All => "all".to_owned(),
-            Tests::Most => {
-                format!("all except the program `coverage`: `scripts/test --engine {}`", engine.version)
-            }
-            Tests::Smoke | Tests::None => panic!("an engine with committed bindings has more tests"),
-        };
-        format!("| {} | committed | {tests} |\n", engine.version)
-    });
-    String::from("| MuJoCo | bindings | tests |\n|---|---|---|\n")
-        + &rows.concat()
-        + &format!("| other releases up to {} | {OTHER} | `mujoco-sys`, `smoke`: `scripts/releases` |\n", newest())
-        + &format!("| newer ones | {OTHER} | none |\n")
+    let mut most = Vec::new();
+    for engine in &ENGINES[1..] {
+        assert!(matches!(engine.tests, Tests::Most), "{}", engine.version);
+        most.push(engine.version);
+    }
+    assert!(matches!(ENGINES[0].tests, Tests::All));
+    [
+        "| MuJoCo | bindings | tests |",
+        "|---|---|---|",
+        &format!("| {} | committed | all |", ENGINES[0].version),
+        &format!(
+            "| {} | committed | all except the program `coverage`: `scripts/test --engine VERSION` |",
+            most.join(", ")
+        ),
+        &format!(
+            "| other releases up to {} | those of the nearest, or generated | `mujoco-sys`, `smoke`: `scripts/releases` |",
+            newest()
+        ),
+        "| newer ones | those of the nearest, or generated | none |\n",
+    ]
+    .join("\n")
 }
 
 /// Returns the text of a file without line breaks and the marks of comments.
@@ -44,11 +47,10 @@ fn words(path: &str) -> String {
 }
 
 #[test]
-fn the_tables_of_engines_are_those_of_the_build_script() {
-    for path in ["README.md", "src/guide/engines.rs"] {
-        let text = fs::read_to_string(root().join(path)).unwrap().replace("//! ", "");
-        assert!(text.contains(&table()), "{path} does not have the table\n{}", table());
-    }
+fn the_table_of_engines_is_that_of_the_build_script() {
+    let path = "src/guide/engines.rs";
+    let text = fs::read_to_string(root().join(path)).unwrap().replace("//! ", "");
+    assert!(text.contains(&table()), "{path} does not have the table\n{}", table());
 }
 
 #[test]
@@ -58,7 +60,7 @@ fn every_list_of_engines_is_that_of_the_build_script() {
         let (last, others) = versions.split_last().unwrap();
         format!("{} and {last}", others.join(", "))
     };
-    for path in ["mujoco-sys/README.md", "mujoco-sys/src/lib.rs"] {
+    for path in ["README.md", "mujoco-sys/README.md", "mujoco-sys/src/lib.rs"] {
         assert!(words(path).contains(&list(&versions)), "{path} does not list {}", list(&versions));
     }
     // Without the default engine.
