@@ -16,10 +16,10 @@
 //! build compares their headers with the nearest bindings by the C compiler. If the declarations
 //! are the same, as of a patch release, it uses these bindings, without functions that the release
 //! lacks. Otherwise it names the first difference and the command that generates bindings:
-//! `pip install libclang && cargo build --features mujoco-safe/bindgen`. Both print a warning.
-//! Versions before 2.2.2 are an error. The Newton solver of 4.0.0 may return wrong accelerations
-//! with sparse matrices ([#3767](https://github.com/google-deepmind/mujoco/issues/3767)); 4.0.1
-//! corrects it.
+//! `pip install libclang && cargo build --features mujoco-safe/bindgen`. Such builds print a
+//! warning. Versions before 2.2.2 are an error. The Newton solver of 4.0.0 may return wrong
+//! accelerations with sparse matrices
+//! ([#3767](https://github.com/google-deepmind/mujoco/issues/3767)); 4.0.1 corrects it.
 //!
 //! # Search at build time
 //!
