@@ -183,39 +183,43 @@
 //!
 //! The figures above do not hold for graphics cards, whose cost is triangles, shadow maps and the
 //! work of the driver for each image. On an NVIDIA H200, which is made for computing and slow at
-//! triangles, with Vulkan, 16 processors and MuJoCo 4.0.0, one thread drew these images per second,
-//! relative to the engine's renderer with EGL (`scripts/gpu-bench`, one run; medians of 9 pairs):
+//! triangles, with Vulkan, 16 processors and MuJoCo 4.0.1, one thread drew these images per second,
+//! relative to the engine's renderer with EGL (`scripts/gpu-bench`, one run; medians of 9 pairs;
+//! Panda: an earlier run, with MuJoCo 4.0.0):
 //!
 //! | scene | image | 84×84 | 256×256 | 640×480 |
 //! |---|---|---|---|---|
-//! | humanoid | colours | 11.5 | 2.7 | 0.93 |
-//! | | depth | 28 | 20 | 9.5 |
-//! | | segmentation | 1.6 | 3.4 | 5.7 |
-//! | 22 humanoids | colours | 6.5 | 1.8 | 1.2 |
-//! | | depth | 11 | 9.7 | 8.4 |
-//! | | segmentation | 1.1 | 1.2 | 2.5 |
-//! | arm of 215,000 triangles | colours | 0.95 | 0.86 | 0.92 |
-//! | | depth | 10 | 9.3 | 4.8 |
-//! | | segmentation | 1.4 | 1.9 | 4.5 |
+//! | humanoid | colours | 22 | 8.3 | 3.4 |
+//! | | depth | 28 | 18 | 9.2 |
+//! | | segmentation | 1.7 | 3.1 | 3.8 |
+//! | 22 humanoids | colours | 6.2 | 1.7 | 1.1 |
+//! | | depth | 11 | 12 | 8.7 |
+//! | | segmentation | 1.0 | 1.5 | 2.2 |
+//! | arm of 215,000 triangles | colours | 0.92 | 0.86 | 0.88 |
+//! | | depth | 10 | 8.1 | 4.8 |
+//! | | segmentation | 1.4 | 3.0 | |
 //! | Panda of robosuite, 141,000 triangles | colours | 2.1 | 0.95 | 0.81 |
 //! | | depth | 1.2 | 1.4 | 1.5 |
 //! | | segmentation | 1.2 | 2.3 | 4.1 |
 //!
-//! Of the humanoid at 84×84, one thread draws 2,100 images per second and several 3,200, at which
-//! the card is busy; with one sample and without shadows one thread draws 6,300, four 15,200 and
-//! sixteen 18,500. One call for 1,024 simulations (`rgb_batch_into`), in other poses and from the
-//! side of the free camera, draws, on another machine with such a card and MuJoCo 4.0.1 (`many` of
-//! `scripts/gpu-bench`, one run; medians):
+//! The colours of the arm and of the 22 humanoids were measured while their floors, of 4 and 20 m,
+//! cast shadows that nobody sees, and filled the shadow maps. They are left out now, as infinite
+//! floors were before; no card was at hand afterwards. In software, an image of the arm with 84×84
+//! pixels takes 26 ms in place of 47.
 //!
-//! | scene | together | one by one |
-//! |---|---|---|
-//! | humanoid 84×84 | 3,500 | 4,100 |
-//! | humanoid 84×84, 1 sample, no shadows | 21,500 | 19,000 |
-//! | cart-pole 64×64 | 30,400 | 25,300 |
-//! | cart-pole 64×64, 1 sample, no shadows | 91,200 | 47,600 |
+//! Of the humanoid at 84×84, one thread draws 3,850 images per second, four 9,100 and sixteen not
+//! more; with one sample and without shadows one thread draws 5,200, four 15,200 and sixteen
+//! 20,000. One call for 1,024 simulations (`rgb_batch_into`), in other poses and
+//! from the side of the free camera, draws, in the same run:
 //!
-//! In the first row each shadow map had a million texels, which the infinite floor filled; now the
-//! floor casts no shadow that is out of sight. No card was at hand afterwards.
+//! | scene | together | one by one | processor time per image |
+//! |---|---|---|---|
+//! | humanoid 84×84 | 10,900 | 7,500 | 85 µs, of which states and scenes 24 |
+//! | humanoid 84×84, 1 sample, no shadows | 16,400 | 12,000 | 59 µs, 16 |
+//! | cart-pole 64×64 | 31,700 | 13,800 | 31 µs, 2 |
+//! | cart-pole 64×64, 1 sample, no shadows | 51,000 | 28,500 | 20 µs, 0 |
+//!
+//! On a machine with a faster processor and the same card, the last row was 91,200 and 47,600.
 
 #[cfg(doc)]
 use crate::{Data, Matrix, Model};

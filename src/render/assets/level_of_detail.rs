@@ -50,7 +50,7 @@ const COLOR: [ColorLevel; COLOR_LEVELS] = [
 ];
 
 /// Number of slices of each level for depth and segmentation images.
-pub(crate) const DEPTH_LEVELS: [u32; 4] = [32, 64, 128, Tessellation::MAX];
+pub(crate) const DEPTH_LEVELS: [u32; 6] = [8, 16, 32, 64, 128, Tessellation::MAX];
 
 impl RoundShape {
     pub(super) const ALL: [Self; 6] =

@@ -154,7 +154,9 @@ impl DrawList {
                 self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
             }
             if !is_line && geom.casts_shadow() {
-                let hides_back = !is_transparent && hides_back(geom, scene, inputs);
+                // A mirror elsewhere may show what is behind.
+                let has_other_mirror = self.mirror.is_some() && reflector != Some(index);
+                let hides_back = !is_transparent && !has_other_mirror && hides_back(geom, scene, inputs);
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum, hides_back);
             }
             self.parts.clear();
@@ -363,12 +365,13 @@ fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
     geom.rgba()[3] < 0.995 || geom.geom_type() == SceneGeomType::Plane && is_camera_behind
 }
 
-/// Returns `true` if an opaque geom hides every part of the scene that is on its -z side: an
-/// infinite plane with the camera on its +z side, which the near plane does not cut, and beside
-/// whose drawn square nothing is on the -z side.
+/// Returns `true` if an opaque geom hides every part of the scene that is on its -z side: a plane
+/// with the camera on its +z side, which the near plane does not cut, and beside whose drawn
+/// rectangle nothing on the -z side is seen.
 fn hides_back(geom: SceneGeom<'_>, scene: &Scene, inputs: &DrawListInputs<'_>) -> bool {
     let frustum = inputs.frustum;
-    if !is_infinite_plane(geom) || frustum.orthographic || scene.render_flags().contains(RenderFlags::WIREFRAME) {
+    let is_plane = |geom: SceneGeom<'_>| geom.geom_type() == SceneGeomType::Plane;
+    if !is_plane(geom) || frustum.orthographic || scene.render_flags().contains(RenderFlags::WIREFRAME) {
         return false;
     }
     let (pos, mat) = (geom.pos().map(f64::from), geom.mat().map(f64::from));
@@ -378,19 +381,28 @@ fn hides_back(geom: SceneGeom<'_>, scene: &Scene, inputs: &DrawListInputs<'_>) -
         [0, 1, 2].map(|axis| (0..3).map(|row| mat[3 * row + axis] * offset[row]).sum::<f64>())
     };
     let is_cut = frustum.nearest_depth_of_plane(pos, [mat[2], mat[5], mat[8]]) <= frustum.range[0];
-    if is_cut || local(frustum.position)[2] <= 0.0 {
+    let camera = local(frustum.position);
+    if is_cut || camera[2] <= 0.0 {
         return false;
     }
     let half = primitive::half_lengths(geom, inputs.shapes).map(f64::from);
-    scene.geoms().all(|other| match inputs.bounds.volume(scene, other) {
+    let covers = |[x, y]: [f64; 2], radius: f64| x.abs() + radius <= half[0] && y.abs() + radius <= half[1];
+    let is_hidden = |other: SceneGeom<'_>| match inputs.bounds.volume(scene, other) {
         BoundingVolume::Sphere(sphere) => {
             let ([x, y, z], radius) = (local(sphere.centre.map(f64::from)), f64::from(sphere.radius));
-            z - radius >= 0.0 || (x.abs() + radius <= half[0] && y.abs() + radius <= half[1])
+            let depth = radius - z;
+            // The line of sight to a point behind the plane crosses the plane between the foot of
+            // the point and that of the camera, at most this part of the way.
+            let part = depth / (depth + camera[2]);
+            let crossed = [x + part * (camera[0] - x), y + part * (camera[1] - y)];
+            depth <= 0.0 || covers([x, y], radius) && covers(crossed, (1.0 - part) * radius)
         }
-        // No other plane may be behind this one.
-        BoundingVolume::Unbounded => other.pos() == geom.pos() && other.mat() == geom.mat(),
+        BoundingVolume::Unbounded => false,
         BoundingVolume::Empty => true,
-    })
+    };
+    // A plane with the same pose is not behind this one.
+    let is_coplanar = |other: SceneGeom<'_>| is_plane(other) && other.pos() == geom.pos() && other.mat() == geom.mat();
+    scene.geoms().all(|other| is_coplanar(other) || is_hidden(other))
 }
 
 /// Returns `true` if a geom is a plane that is infinite in both directions.
@@ -438,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn an_infinite_plane_hides_its_back_only_if_nothing_there_can_be_seen() {
+    fn a_plane_hides_its_back_only_if_nothing_there_can_be_seen() {
         let gpu = Gpu::new().unwrap();
         let infinite = ["0 0 .1", ".01", "<geom size='.1' pos='3 0 -1'/>"];
         let none = RenderFlags::empty();
@@ -451,7 +463,14 @@ mod tests {
             changed[index] = text;
             hides(&gpu, changed, -30.0, none)
         };
-        assert!(!changed(0, "5 0 .1") && !changed(0, "9 9 .1"), "seen beside its edges");
+        // The camera is at (-1.7, -0.3, 1) m. The sphere ends at x = 3.1 m, 1.1 m below the plane, and
+        // the line of sight to its lowest point crosses the plane at x = 0.5 m.
+        assert!(changed(0, "5 0 .1") && changed(0, "3.2 2 .1"));
+        assert!(!changed(0, "3 2 .1") && !changed(0, "3 0 .1"), "seen beside its edges");
+        assert!(!changed(0, "1 1 .1"), "the camera is beside it, too");
+        assert!(changed(2, "<geom size='.1' pos='-.5 0 -1'/>"));
+        let small = ["1 1 .1", ".01", "<geom size='.1' pos='-.5 0 -1'/>"];
+        assert!(!hides(&gpu, small, -30.0, none), "seen before its edge");
         assert!(!changed(1, "1.5"), "seen where the near plane cuts it");
         assert!(!changed(2, "<geom size='.1' pos='40 0 -1'/>"), "beside the square that is drawn");
         assert!(!changed(2, "<geom type='plane' size='0 0 .1' pos='0 0 -1'/>"), "another infinite plane");

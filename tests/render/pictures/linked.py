@@ -562,8 +562,8 @@ def surfaces():
         "coloured_shadows": "".join(f'<light directional="true" pos="0 0 3" dir="{np.cos(2 * k):.3f} {np.sin(2 * k):.3f} -1" diffuse="{" ".join(".5" if i == k else "0" for i in range(3))}"/>' for k in range(3)),
     }.items():
         scene(f"lamp_{name}", xml(light + FLOOR + BODIES))
-    # The same floor with shadow maps that are small enough not to be reduced: it is equal.
-    scene("lamp_shadows_unreduced", next(row for row in SCENES if row["name"] == "lamp_coloured_shadows")["xml"].replace("<visual>", '<visual><quality shadowsize="1024"/>'))
+    # The same floor with shadow maps that are small enough not to be reduced, and with a geom behind it, for which it is in the maps: it is equal.
+    scene("lamp_shadows_unreduced", next(row for row in SCENES if row["name"] == "lamp_coloured_shadows")["xml"].replace("<visual>", '<visual><quality shadowsize="1024"/>'), decor=[{"kind": "SPHERE", "size": [0.1, 0.1, 0.1], "pos": [4, 0, -2], "rgba": [1, 1, 1, 1]}])
     # The engine adds a light with a shadow map once for each of the surfaces that coincide.
     lit = LIGHT.replace('castshadow="true"', 'castshadow="false"')
     pairs = ('material="m"', 'rgba=".9 .5 .2 1"', 'material="n"')
