@@ -28,7 +28,7 @@ pub(crate) fn fail(missing: &Missing) -> ! {
             "Set an absolute path, or in `.cargo/config.toml` of the workspace a path relative to it:".to_owned(),
         );
         lines.push("  [env]".to_owned());
-        lines.push(format!("  {MUJOCO_DIR} = {{ value = {dir:?}, relative = true }}"));
+        lines.push(format!("  {MUJOCO_DIR} = {{ value = '{}', relative = true }}", dir.display()));
     }
     lines.push("To install it on Debian 12:  apt-get install libmujoco-dev".to_owned());
     if cfg!(not(feature = "download")) {

@@ -93,7 +93,7 @@ fn a_named_directory_can_be_that_of_pip_and_relative_to_a_directory_above() {
     // `pip install --target user/engines`.
     let package = install("user/engines/mujoco");
     for dir in ["user/engines", "user/engines/mujoco"] {
-        assert_eq!(roots(dir), [package.clone()]);
+        assert!(roots(dir).iter().eq([&package]), "{dir}: {:?}", roots(dir));
     }
     for dir in ["engines", "./engines", "engines/mujoco"] {
         assert!(relative(dir).iter().eq([&package]), "{dir}: {:?}", relative(dir));
