@@ -1,4 +1,5 @@
-//! Gets the engine from its wheel on PyPI if no engine was found: the feature `download`.
+//! Gets the engine from its wheel on PyPI if no engine was found or `MUJOCO_DIR` is `download`: the
+//! feature `download`.
 //!
 //! pip or uv installs the wheel of the target in a folder of the user's cache, which all projects
 //! share, and compares it with the hashes in `wheels.txt`.
@@ -8,24 +9,21 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::engines::ENGINES;
+use crate::cache::{self, VERSION};
 use crate::find::{self, Engine, Missing};
 use crate::help;
-
-/// The version of the wheels in `wheels.txt`.
-const VERSION: &str = ENGINES[0].version;
 
 /// Python version of the wheels. The library in them does not depend on it.
 const PYTHON: &str = "3.10";
 
-/// Returns the engine in the cache, after installing it there if necessary. An engine in
-/// `MUJOCO_DIR` is never replaced.
+/// Returns the engine in the cache, after installing it there if necessary. A
+/// directory in `MUJOCO_DIR` is never replaced.
 ///
 /// # Errors
 ///
 /// Adds the reason to the failed search.
 pub(crate) fn engine(mut missing: Missing) -> Result<Engine, Missing> {
-    if missing.requested.is_some() || env::var_os("DOCS_RS").is_some() {
+    if missing.requested.is_some() && !missing.is_download() || env::var_os("DOCS_RS").is_some() {
         return Err(missing);
     }
     cached().and_then(|root| find::probe(&root)).map_err(|why| {
@@ -38,8 +36,8 @@ pub(crate) fn engine(mut missing: Missing) -> Result<Engine, Missing> {
 fn cached() -> Result<PathBuf, String> {
     let target = env::var("TARGET").expect("Cargo sets TARGET");
     let platform = platform(&target).ok_or_else(|| format!("it has no wheel for {target}"))?;
-    let cache = cache()?;
-    let folder = cache.join(format!("{VERSION}-{target}"));
+    let cache = cache::folder()?;
+    let folder = cache.join(cache::name());
     let root = folder.join("mujoco");
     if !root.is_dir() {
         // A folder of this build, so that the folder is complete or absent also if several builds
@@ -97,12 +95,4 @@ fn platform(target: &str) -> Option<&'static str> {
         "x86_64-pc-windows-gnu" | "x86_64-pc-windows-msvc" => "win_amd64",
         _ => return None,
     })
-}
-
-/// Returns this crate's folder in the user's cache.
-fn cache() -> Result<PathBuf, String> {
-    let variable = |name| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-    let cache = variable("XDG_CACHE_HOME").or_else(|| variable("LOCALAPPDATA"));
-    let cache = cache.or_else(|| Some(variable("HOME")?.join(".cache")));
-    Ok(cache.ok_or("neither XDG_CACHE_HOME nor HOME names a folder for the cache")?.join("mujoco-safe"))
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::headers::{self, ENVIRONMENTS, MUJOCO_DIR};
+use crate::headers::{self, DOWNLOAD, ENVIRONMENTS, MUJOCO_DIR};
 use crate::{bindings, engines, target};
 
 /// An engine to compile against and to link with.
@@ -20,12 +20,19 @@ pub(crate) struct Engine {
     pub(crate) on_loader_path: bool,
 }
 
-/// A failed search.
+/// A failed search, or none if `MUJOCO_DIR` is `download`.
 pub(crate) struct Missing {
     /// The value of `MUJOCO_DIR`, if it is set.
     pub(crate) requested: Option<PathBuf>,
     /// Each searched place and the reason for its rejection, in search order.
     pub(crate) tried: Vec<String>,
+}
+
+impl Missing {
+    /// Returns `true` if `MUJOCO_DIR` is `download`.
+    pub(crate) fn is_download(&self) -> bool {
+        self.requested.as_deref() == Some(Path::new(DOWNLOAD))
+    }
 }
 
 /// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine of the
@@ -35,16 +42,20 @@ pub(crate) fn engine() -> Result<Engine, Missing> {
     for variable in [MUJOCO_DIR].iter().chain(&ENVIRONMENTS) {
         println!("cargo::rerun-if-env-changed={variable}");
     }
-    let (mut committed, mut other, mut tried) = (None, None, Vec::new());
+    let mut missing = Missing { requested: headers::requested(), tried: Vec::new() };
+    if missing.is_download() {
+        return Err(missing);
+    }
+    let (mut committed, mut other) = (None, None);
     for root in headers::roots() {
         match probe(&root) {
             Ok(engine) if engine.version == bindings::DEFAULT || cfg!(feature = "bindgen") => return Ok(engine),
             Ok(engine) if engines::supported(engine.version).is_some() => committed = committed.or(Some(engine)),
             Ok(engine) => other = other.or(Some(engine)),
-            Err(why) => tried.push(why),
+            Err(why) => missing.tried.push(why),
         }
     }
-    committed.or(other).ok_or_else(|| Missing { requested: headers::requested(), tried })
+    committed.or(other).ok_or(missing)
 }
 
 /// Returns the engine in a directory.

@@ -7,8 +7,15 @@ use std::path::{Path, PathBuf};
 /// The variable that names an engine. If it is set, no other place is searched.
 pub(crate) const MUJOCO_DIR: &str = "MUJOCO_DIR";
 
+/// The value of `MUJOCO_DIR` that names the official library of the feature `download`.
+#[allow(dead_code, reason = "`xtask` does not use it")]
+pub(crate) const DOWNLOAD: &str = "download";
+
 /// The variables that name environments in which an engine can be installed.
 pub(crate) const ENVIRONMENTS: [&str; 3] = ["VIRTUAL_ENV", "CONDA_PREFIX", "AMENT_PREFIX_PATH"];
+
+/// The engine's header below its directory.
+const HEADER: &str = "include/mujoco/mujoco.h";
 
 /// System installation prefixes, in search order.
 const SYSTEM_ROOTS: [&str; 3] = ["/usr", "/usr/local", "/opt/mujoco"];
@@ -33,7 +40,22 @@ fn variable(name: &str) -> Option<OsString> {
 
 /// Returns the directories to search, in search order.
 pub(crate) fn roots() -> Vec<PathBuf> {
-    requested().map_or_else(|| found_roots(variable), |dir| vec![dir])
+    // Cargo's target directory is normally in the workspace.
+    let base = variable("OUT_DIR").map_or_else(|| env::current_dir().unwrap_or_default(), PathBuf::from);
+    requested().map_or_else(|| found_roots(variable), |dir| named_roots(&dir, &base))
+}
+
+/// Returns the directory of the engine for a value of `MUJOCO_DIR`, or all searched directories if
+/// none has the headers. The value names the directory itself or, as the argument of
+/// `pip install --target`, its parent. A relative path can be relative to `base` or to each
+/// directory that contains it; the nearest has precedence.
+pub(crate) fn named_roots(dir: &Path, base: &Path) -> Vec<PathBuf> {
+    // `join` returns an absolute path unchanged.
+    let mut places: Vec<_> = base.ancestors().map(|folder| folder.join(dir)).collect();
+    places.dedup();
+    let roots = places.iter().flat_map(|place| [place.clone(), place.join("mujoco")]);
+    let found = roots.into_iter().find(|root| root.join(HEADER).is_file());
+    found.map_or(places, |root| vec![root])
 }
 
 /// Returns the directories to search without `MUJOCO_DIR`: the wheel in the active Python
@@ -73,7 +95,7 @@ fn wheels(prefix: &Path) -> Vec<PathBuf> {
 /// Reads the version from the headers below `root`.
 pub(crate) fn probe(root: &Path) -> Result<Headers, String> {
     let include = root.join("include");
-    let header = include.join("mujoco/mujoco.h");
+    let header = root.join(HEADER);
     let text = std::fs::read_to_string(&header).map_err(|error| format!("{}: {error}", header.display()))?;
     let version = text
         .lines()

@@ -1,25 +1,35 @@
 //! Links the engine, at link time and at run time.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::find::Engine;
+use crate::programs;
 use crate::target::{self, System};
 
 /// Prints Cargo's link instructions and the metadata for dependants (`DEP_MUJOCO_*`).
 pub(crate) fn announce(engine: &Engine, out: &Path) {
     let system = target::system();
+    let beside = programs::directories(out);
     // The linker searches `out` for the shim, and must not find the engine of an earlier build
-    // there.
-    for name in system.search_names(&engine.library) {
-        let _ = std::fs::remove_file(out.join(name));
+    // there; nor must the loader beside the programs.
+    for folder in beside.iter().map(PathBuf::as_path).chain([out]) {
+        programs::unlink(system, folder);
     }
     if engine.on_loader_path {
         println!("cargo::rustc-link-search=native={}", engine.library_dir.display());
     } else {
         // `cargo run` and `cargo test` add a search path to the loader's path only if it lies
-        // inside `target`, so a link to the library is placed there. An installed program needs
-        // LD_LIBRARY_PATH or an rpath.
-        stage(engine, out);
+        // inside `target`, so a link to the library is placed there. Links beside the programs
+        // serve programs whose rpath is their directory.
+        let library = engine.library_dir.join(&engine.library);
+        if let Err(error) = programs::link(system, &library, out) {
+            crate::help::end(&[format!("{} could not be linked in {}: {error}", library.display(), out.display())]);
+        }
+        for folder in beside {
+            if let Err(error) = programs::link(system, &library, &folder) {
+                println!("cargo::warning={} was not linked in {}: {error}", library.display(), folder.display());
+            }
+        }
         if crate::headers::requested().is_none() {
             println!("cargo::warning=linking the MuJoCo engine in {}", engine.library_dir.display());
         }
@@ -65,21 +75,5 @@ pub(crate) fn name_library(out: &Path, bindings: &str) {
         let block = "unsafe extern \"C\" {";
         let named = bindings.replace(block, &format!("#[link(name = \"mujoco\", kind = \"raw-dylib\")]\n{block}"));
         std::fs::write(out.join("bindings.rs"), named).expect("OUT_DIR is writable");
-    }
-}
-
-/// Creates links to the library in `out` under the names that the linker and the loader search.
-fn stage(engine: &Engine, out: &Path) {
-    let library = engine.library_dir.join(&engine.library);
-    for name in target::system().search_names(&engine.library) {
-        let link = out.join(name);
-        let folder = link.parent().expect("the link is in `out`");
-        #[cfg(unix)]
-        let make = || std::os::unix::fs::symlink(&library, &link);
-        #[cfg(not(unix))]
-        let make = || std::fs::copy(&library, &link).map(|_| ());
-        if let Err(error) = std::fs::create_dir_all(folder).and_then(|()| make()) {
-            crate::help::end(&[format!("{} could not be linked to {}: {error}", link.display(), library.display())]);
-        }
     }
 }

@@ -6,6 +6,7 @@ mod absent;
 mod bindgen;
 mod bindings;
 mod c_checks;
+mod cache;
 mod compatible;
 #[cfg(feature = "download")]
 mod download;
@@ -17,6 +18,7 @@ mod help;
 #[cfg(feature = "bindgen")]
 mod libclang;
 mod link;
+mod programs;
 mod rust_items;
 mod shim;
 mod target;
@@ -42,6 +44,7 @@ fn build(out: &Path) {
             bindings::choose(&engine, out);
             shim::compile(&engine);
             link::announce(&engine, out);
+            cache::suggest(&engine);
         }
         // A documentation build links nothing, so the committed bindings suffice.
         Err(_) if std::env::var_os("DOCS_RS").is_some() => {

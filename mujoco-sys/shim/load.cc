@@ -25,14 +25,19 @@
 
 namespace {
 
-// Finds a private function of the engine, which newer engines lack. A weak symbol would do for ELF
-// only: the linkers for other formats reject symbols that no library defines.
+// Finds a private function of the engine, which newer engines lack, in the library of its public
+// functions: the process can contain a second engine. A weak symbol would do for ELF only: the
+// linkers for other formats reject symbols that no library defines.
 template <typename Function>
 Function* find(const char* name) {
 #if defined(_WIN32)
   return reinterpret_cast<Function*>(reinterpret_cast<void*>(GetProcAddress(GetModuleHandleA("mujoco.dll"), name)));
 #else
-  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+  Dl_info engine;
+  void* library = nullptr;
+  if (dladdr(reinterpret_cast<void*>(&mj_version), &engine)) library = dlopen(engine.dli_fname, RTLD_LAZY | RTLD_NOLOAD);
+  // The address can be that of a jump in a program that is not position-independent.
+  return reinterpret_cast<Function*>(dlsym(library ? library : RTLD_DEFAULT, name));
 #endif
 }
 

@@ -1,5 +1,5 @@
-//! The places in which the build script searches for an engine and for libclang, and the names of
-//! the engine's library.
+//! The places in which the build script searches for an engine and for libclang, the names of the
+//! engine's library, and its links beside programs.
 
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/headers.rs"]
@@ -7,6 +7,8 @@ mod headers;
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/libclang.rs"]
 mod libclang;
+#[path = "../build/programs.rs"]
+mod programs;
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../build/target.rs"]
 mod target;
@@ -69,6 +71,77 @@ fn each_system_has_its_names_of_the_library() {
         System::MacOs.search_names("libmujoco.2.2.2.dylib"),
         ["libmujoco.dylib", "libmujoco.2.2.2.dylib", "mujoco.framework/Versions/A/libmujoco.2.2.2.dylib"]
     );
+}
+
+#[test]
+fn a_named_directory_can_be_that_of_pip_and_relative_to_a_directory_above() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let out = path("user/workspace/target/debug/build/sys/out");
+    let roots = |dir: &str| headers::named_roots(&path(dir), &out);
+    let relative = |dir: &str| headers::named_roots(dir.as_ref(), &out);
+    // Without headers, the directories are those that an error names.
+    assert_eq!(roots("engines"), [path("engines")]);
+    assert!(relative("engines").starts_with(&[out.join("engines"), out.parent().unwrap().join("engines")]));
+    assert!(relative("engines").contains(&path("user/engines")));
+
+    let install = |dir: &str| {
+        fs::create_dir_all(path(dir).join("include/mujoco")).unwrap();
+        fs::write(path(dir).join("include/mujoco/mujoco.h"), "").unwrap();
+        path(dir)
+    };
+    // `pip install --target user/engines`.
+    let package = install("user/engines/mujoco");
+    for dir in ["user/engines", "user/engines/mujoco"] {
+        assert!(roots(dir).iter().eq([&package]), "{dir}: {:?}", roots(dir));
+    }
+    for dir in ["engines", "./engines", "engines/mujoco"] {
+        assert!(relative(dir).iter().eq([&package]), "{dir}: {:?}", relative(dir));
+    }
+    // The nearest has precedence, also if a directory above has the headers without `mujoco`.
+    install("engines");
+    assert_eq!(relative("engines"), [package]);
+    let nearest = install("user/workspace/engines");
+    assert_eq!(relative("engines"), [nearest]);
+}
+
+#[cfg(unix)]
+#[test]
+fn directories_of_programs_have_links_to_the_present_engine_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for dir in ["lib", "target/debug/build/sys/out", "target/debug/deps", "target/debug/examples"] {
+        fs::create_dir_all(path(dir)).unwrap();
+    }
+    // As in archives for Linux: the linker's name is a link.
+    fs::write(path("lib/libmujoco.so.3.5.0"), "").unwrap();
+    std::os::unix::fs::symlink("libmujoco.so.3.5.0", path("lib/libmujoco.so")).unwrap();
+    let directories = programs::directories(&path("target/debug/build/sys/out"));
+    assert_eq!(directories, ["", "deps", "examples"].map(|name| path("target/debug").join(name)));
+    assert!(programs::directories(&path("lib")).is_empty());
+
+    let deps = path("target/debug/deps");
+    let names = || {
+        let mut names: Vec<_> = fs::read_dir(&deps).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    programs::link(System::Elf, &path("lib/libmujoco.so"), &deps).unwrap();
+    assert_eq!(names(), ["libmujoco.so", "libmujoco.so.3.5.0"]);
+    assert!(fs::canonicalize(deps.join("libmujoco.so")).unwrap().ends_with("lib/libmujoco.so.3.5.0"));
+    // Files that the build did not make remain, as do other links.
+    fs::write(deps.join("libmujoco.so.2.2.2"), "").unwrap();
+    std::os::unix::fs::symlink("program", deps.join("other")).unwrap();
+    programs::unlink(System::Elf, &deps);
+    assert_eq!(names(), ["libmujoco.so.2.2.2", "other"]);
+
+    let library = path("lib/libmujoco.3.5.0.dylib");
+    fs::write(&library, "").unwrap();
+    let framework = deps.join("mujoco.framework/Versions/A/libmujoco.3.5.0.dylib");
+    programs::link(System::MacOs, &library, &deps).unwrap();
+    assert_eq!(fs::canonicalize(&framework).unwrap(), fs::canonicalize(library).unwrap());
+    programs::unlink(System::MacOs, &deps);
+    assert!(!framework.is_symlink());
 }
 
 #[test]
