@@ -69,7 +69,7 @@
 //! engine and Rust:
 //!
 //! ```sh
-//! cp -L target/release/{program,libmujoco.so.2.2.2} FOLDER/    # Windows: program.exe and mujoco.dll
+//! cp -L target/release/{program,libmujoco.so.2.2.2} FOLDER/    # or mujoco.dll, mujoco.framework
 //! ```
 //!
 //! Debian's library needs other libraries of Debian: install its package `libmujoco2.2.2` there

@@ -46,7 +46,7 @@ impl Campaign {
             (Target::Mjcf, 600),
             (Target::Schema, 400),
         ];
-        let selected = all.map(|(target, number)| (target, cases(number / 3, number)));
+        let selected = all.map(|(target, number)| (target, cases(number / 6, number)));
         Self { cases: selected.into(), first: 0, jobs: 2, progress: false }
     }
 

@@ -35,8 +35,8 @@ const WIDER: [(&str, f64, &str); 7] = [
     ("rangefinder_camera", 0.03, "2,357 spheres of a few pixels have fewer vertices; rangefinder_coarse is equal"),
     ("render_wireframe", 0.09, "the engine adds a mirror once per polygon; render_matt_wireframe is equal"),
     // The engine draws a shadow map inside a border of one texel, and looks it up without. A floor
-    // oblique to both axes of the map thus shadows itself near the edges. A floor that hides what is
-    // behind it is not in the map, and the border of a reduced map is a fraction of a texel wide.
+    // oblique to both axes of the map thus shadows itself near the edges. A floor that hides what
+    // is behind it is not in the map, and the border of a reduced map is a fraction of a texel.
     ("lamp_coloured_shadows", 0.03, "the floor is not in the maps; lamp_shadows_unreduced is equal"),
 ];
 

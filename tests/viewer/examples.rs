@@ -24,10 +24,10 @@ pub fn windows() {
     let (narrow, wide) = (100..400, 300..500);
     show("view", &[model, "--size", "500x300", "--keyframe", "high"], model, narrow.clone());
     show("view", &["--size", "500x300"], "MuJoCo", narrow);
-    show("humanoid_predictive", &["--view"], "Humanoid with predictive control", wide.clone());
     let out = folder.path().to_str().unwrap();
     show("humanoid_lqr", &["--view", "--out", out], "Humanoid on one leg", wide.clone());
     if cases(false, true) {
+        show("humanoid_predictive", &["--view"], "Humanoid with predictive control", wide.clone());
         show("cartpole_lqr", &["--view"], "Cart-pole under LQR", wide.clone());
         show("arm_tracking", &["--view", "--seconds", "0.1", "--out", out], "Arm that follows a target", wide.clone());
         show("humanoid_stand_up", &["--view", "--seconds", "0.1", "--out", out], "Humanoid that gets up", wide);

@@ -463,8 +463,8 @@ mod tests {
             changed[index] = text;
             hides(&gpu, changed, -30.0, none)
         };
-        // The camera is at (-1.7, -0.3, 1) m. The sphere ends at x = 3.1 m, 1.1 m below the plane, and
-        // the line of sight to its lowest point crosses the plane at x = 0.5 m.
+        // The camera is at (-1.7, -0.3, 1) m. The sphere ends at x = 3.1 m, 1.1 m below the plane,
+        // and the line of sight to its lowest point crosses the plane at x = 0.5 m.
         assert!(changed(0, "5 0 .1") && changed(0, "3.2 2 .1"));
         assert!(!changed(0, "3 2 .1") && !changed(0, "3 0 .1"), "seen beside its edges");
         assert!(!changed(0, "1 1 .1"), "the camera is beside it, too");
