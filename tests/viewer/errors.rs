@@ -6,11 +6,12 @@ use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{self, Viewer, ViewerError, ViewerOptions, test_hooks};
 use mujoco_safe::{Controller, Data, Result, sample};
 
+use crate::cases::cases;
 use crate::harness::{SIZE, press, show, show_with, state};
 use crate::input::wait_until;
 
 pub fn signals() {
-    for signal in ["INT", "TERM", "HUP"] {
+    for &signal in cases(&["TERM"][..], &["INT", "TERM", "HUP"]) {
         record_until(signal);
     }
 }

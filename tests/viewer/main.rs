@@ -50,6 +50,7 @@ type Case = (&'static str, fn());
 
 /// The longest first, so that no worker waits for it at the end.
 const CASES: &[Case] = &[
+    ("frames_follow_the_state_and_the_display", processor::frames),
     ("panels_are_redrawn_without_the_scene", panels::redraws),
     ("simulation_keys", keys::simulation),
     ("visualisation_keys", keys::visualisation),
@@ -68,7 +69,6 @@ const CASES: &[Case] = &[
     ("panels_save_pictures_and_recordings", contents::captured_files),
     ("panels_set_control_noise", contents::noise),
     ("panels_set_the_appearance", contents::appearance),
-    ("frames_follow_the_state_and_the_display", processor::frames),
     ("examples_show_windows", examples::windows),
     ("instruments_show_and_change_a_controller", instruments::instruments),
     ("gestures_during_a_slow_frame", queued_events::gestures),
