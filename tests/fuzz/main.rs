@@ -34,6 +34,7 @@ mod fuzz;
 use std::process::ExitCode;
 
 use campaign::Campaign;
+use cases::cases;
 use fuzz::Target;
 
 /// Loads the plugins of the wheel that contains the engine, if it is from a wheel. They are used in
@@ -103,7 +104,8 @@ fn bounded(words: &[&str]) -> ExitCode {
         println!("fuzz: nothing to run");
         return ExitCode::SUCCESS;
     }
-    let missing = fuzz::missing();
+    // Loads each model of the corpus.
+    let missing = if cases(false, true) { fuzz::missing() } else { Vec::new() };
     if !missing.is_empty() {
         eprintln!("no model of the corpus has {}", missing.join(", "));
         return ExitCode::FAILURE;
