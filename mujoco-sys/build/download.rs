@@ -16,8 +16,8 @@ use crate::help;
 /// Python version of the wheels. The library in them does not depend on it.
 const PYTHON: &str = "3.10";
 
-/// Returns the engine in the cache, after installing it there if necessary. A
-/// directory in `MUJOCO_DIR` is never replaced.
+/// Returns the engine in the cache, after installing it there if necessary. A directory in
+/// `MUJOCO_DIR` is never replaced.
 ///
 /// # Errors
 ///

@@ -20,7 +20,7 @@ pub(crate) struct Engine {
     pub(crate) on_loader_path: bool,
 }
 
-/// A failed search, or none if `MUJOCO_DIR` is `download`.
+/// Why no engine was found. Nothing was tried if `MUJOCO_DIR` is `download`.
 pub(crate) struct Missing {
     /// The value of `MUJOCO_DIR`, if it is set.
     pub(crate) requested: Option<PathBuf>,

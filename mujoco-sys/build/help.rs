@@ -25,7 +25,8 @@ pub(crate) fn fail(missing: &Missing) -> ! {
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
     if let Some(dir) = missing.requested.as_ref().filter(|dir| dir.is_relative() && !missing.is_download()) {
         lines.push(
-            "Set an absolute path, or in `.cargo/config.toml` of the workspace a path relative to it:".to_owned(),
+            "Set an absolute path, or unset it and set in `.cargo/config.toml` of the workspace a path relative to it:"
+                .to_owned(),
         );
         lines.push("  [env]".to_owned());
         lines.push(format!("  {MUJOCO_DIR} = {{ value = '{}', relative = true }}", dir.display()));

@@ -1,6 +1,6 @@
 //! Links the engine, at link time and at run time.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::find::Engine;
 use crate::programs;
@@ -9,27 +9,29 @@ use crate::target::{self, System};
 /// Prints Cargo's link instructions and the metadata for dependants (`DEP_MUJOCO_*`).
 pub(crate) fn announce(engine: &Engine, out: &Path) {
     let system = target::system();
-    let beside = programs::directories(out);
-    // The linker searches `out` for the shim, and must not find the engine of an earlier build
-    // there; nor must the loader beside the programs.
-    for folder in beside.iter().map(PathBuf::as_path).chain([out]) {
-        programs::unlink(system, folder);
+    let library = engine.library_dir.join(&engine.library);
+    let place = |names: &[String], folder: &Path| {
+        programs::place(system, &library, names, folder)
+            .map_err(|error| format!("{} was not linked in {}: {error}", library.display(), folder.display()))
+    };
+    // An engine on the loader's path needs no link, and those of an earlier build must not hide it.
+    let (names, loader_names) = match engine.on_loader_path {
+        true => (Vec::new(), Vec::new()),
+        false => (programs::names(system, &library), programs::loader_names(system, &library)),
+    };
+    // `cargo run` and `cargo test` add a search path to the loader's path only if it lies inside
+    // `target`.
+    if let Err(why) = place(&names, out) {
+        crate::help::end(&[why]);
+    }
+    for folder in programs::folders(system, out) {
+        if let Err(why) = place(&loader_names, &folder) {
+            println!("cargo::warning={why}");
+        }
     }
     if engine.on_loader_path {
         println!("cargo::rustc-link-search=native={}", engine.library_dir.display());
     } else {
-        // `cargo run` and `cargo test` add a search path to the loader's path only if it lies
-        // inside `target`, so a link to the library is placed there. Links beside the programs
-        // serve programs whose rpath is their directory.
-        let library = engine.library_dir.join(&engine.library);
-        if let Err(error) = programs::link(system, &library, out) {
-            crate::help::end(&[format!("{} could not be linked in {}: {error}", library.display(), out.display())]);
-        }
-        for folder in beside {
-            if let Err(error) = programs::link(system, &library, &folder) {
-                println!("cargo::warning={} was not linked in {}: {error}", library.display(), folder.display());
-            }
-        }
         if crate::headers::requested().is_none() {
             println!("cargo::warning=linking the MuJoCo engine in {}", engine.library_dir.display());
         }

@@ -107,7 +107,7 @@ void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct muj
 #if mjVERSION_HEADER >= 336
   const int start = m->M_rowadr[dof];
   *row = (struct mujoco_sys_row){d->qLD + start, m->M_colind + start, m->M_rownnz[dof] - 1};
-#elif mjVERSION_HEADER >= 333
+#elif mjVERSION_HEADER >= 331
   (void)m;
   const int start = d->M_rowadr[dof];
   *row = (struct mujoco_sys_row){d->qLD + start, d->M_colind + start, d->M_rownnz[dof] - 1};

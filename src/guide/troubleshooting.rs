@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `The MuJoCo physics engine was not found.` | no engine in the searched directories, which the message lists | `apt-get install libmujoco-dev`, or set `MUJOCO_DIR`: see [`engines`](super::engines) |
 //! | `Its headers differ from those of all versions with committed bindings` | an engine of another version, with other structs or functions | set `MUJOCO_DIR` to an engine of a [listed](super::engines) version, or enable the feature `bindgen` |
-//! | `headers found, but no libmujoco.so in …` | `MUJOCO_DIR` names the source tree or the `include` directory | name the directory that contains both |
+//! | `headers found, but no library for … in …` | `MUJOCO_DIR` names the source tree or the `include` directory | name the directory that contains both |
 //! | `error while loading shared libraries: libmujoco.so.2.2.2` | the program was started without Cargo, and the library is outside of the loader's path | one line in `build.rs`: see [`engines`](super::engines#deployment) |
 //! | [`EngineVersion`](Error::EngineVersion) | the loader finds another release than the build script | rebuild, or correct `LD_LIBRARY_PATH` |
 //! | `failed to find tool "c++"` | no C++ compiler for the shim | `apt-get install g++` |

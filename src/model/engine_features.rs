@@ -146,7 +146,12 @@ impl Model {
             let elements = (self.flex_elemdataadr()[flex], self.flex_elemnum()[flex] * corners);
             let shell = (self.flex_shelldataadr()[flex].max(0), self.flex_shellnum()[flex] * dim);
             let drawn = if has_texture && dim > 1 { coordinates.min(vertices) } else { vertices };
-            let (indices, textured) = (self.flex_elem(), self.flex_elemtexcoord());
+            let indices = self.flex_elem();
+            // Engines before 3.3.1 use the indices of vertices.
+            #[cfg(engine_since = "3.3.1")]
+            let textured = self.flex_elemtexcoord();
+            #[cfg(not(engine_since = "3.3.1"))]
+            let textured = indices;
             for (name, array, (start, count), end) in [
                 ("flex_elem", indices, elements, vertices),
                 ("flex_shell", self.flex_shell(), shell, drawn),

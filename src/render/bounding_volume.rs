@@ -167,17 +167,17 @@ fn height_field_sphere(field: HeightField<'_>) -> Option<Sphere> {
     bounding_sphere([[-x, -y, -depth], [x, y, -depth], [-x, -y, low], [x, y, high]].into_iter())
 }
 
+/// Factor that allows for rounding.
+const ROUNDING: f32 = 1.0 + 1e-4;
+
 /// Transforms a bounding sphere to the world frame. The radius is increased slightly to allow for
 /// rounding.
 fn to_world(Sphere { centre, radius }: Sphere, pos: [f32; 3], mat: [f32; 9]) -> BoundingVolume {
-    const ROUNDING: f32 = 1.0 + 1e-4;
     let rows = [0, 3, 6].map(|row| [mat[row], mat[row + 1], mat[row + 2]]);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     // A matrix from the user need not be a rotation. Its Frobenius norm bounds the scale; for a
     // rotation the norm exceeds the scale, which is 1.
-    let is_rotation =
-        (0..3).all(|i| (0..3).all(|j| (dot(rows[i], rows[j]) - if i == j { 1.0 } else { 0.0 }).abs() < ROUNDING - 1.0));
-    let scale = if is_rotation { 1.0 } else { rows.map(|row| dot(row, row)).iter().sum::<f32>().sqrt() };
+    let scale = if is_rotation(&mat) { 1.0 } else { rows.map(|row| dot(row, row)).iter().sum::<f32>().sqrt() };
     let centre = [0, 1, 2].map(|axis| pos[axis] + dot(rows[axis], centre));
     let radius = radius * scale * ROUNDING;
     if radius.is_finite() && centre.iter().all(|coordinate| coordinate.is_finite()) {
@@ -187,6 +187,13 @@ fn to_world(Sphere { centre, radius }: Sphere, pos: [f32; 3], mat: [f32; 9]) -> 
     } else {
         BoundingVolume::Empty
     }
+}
+
+/// Returns `true` if a matrix is a rotation or a reflection, up to rounding.
+pub(crate) fn is_rotation(mat: &[f32; 9]) -> bool {
+    let row = |i: usize| [mat[3 * i], mat[3 * i + 1], mat[3 * i + 2]];
+    let product = |i: usize, j: usize| row(i).iter().zip(row(j)).map(|(a, b)| a * b).sum::<f32>();
+    (0..3).all(|i| (0..3).all(|j| (product(i, j) - if i == j { 1.0 } else { 0.0 }).abs() < ROUNDING - 1.0))
 }
 
 #[cfg(test)]

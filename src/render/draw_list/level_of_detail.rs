@@ -40,6 +40,9 @@ impl Detail {
         /// Largest distance between a geom and its triangles, relative to the distance from the
         /// camera. At a viewing angle of 15° this is 1/5000 of the depth.
         const PRECISION: f64 = 5e-5;
+        /// Largest distance between the outlines of a geom and of its triangles in images of depths
+        /// and segments, pixels.
+        const OUTLINE: f64 = 0.25;
         let (BoundingVolume::Sphere(sphere), true) = (volume, aux.is_none_or(AuxOutput::has_depth)) else {
             return Self::FULL;
         };
@@ -51,9 +54,9 @@ impl Detail {
         let nearest = (frustum.depth_of(sphere.centre) - f64::from(sphere.radius)).max(frustum.range[0]);
         let room_radius = frustum.scale * f64::from(radius);
         if aux.is_some() {
-            let relative_radius = room_radius / nearest;
+            let error = (PRECISION * nearest).min(OUTLINE / frustum.pixels_at(nearest));
             // The chord errors of the two directions of a sphere add up.
-            let is_precise = |&slices: &u32| 2.0 * Tessellation::chord_error(slices) * relative_radius <= PRECISION;
+            let is_precise = |&slices: &u32| 2.0 * Tessellation::chord_error(slices) * room_radius <= error;
             let level = DEPTH_LEVELS.iter().position(is_precise).unwrap_or(DEPTH_LEVELS.len() - 1);
             return Self { round: DetailLevel::Depth(level), ..Self::FULL };
         }

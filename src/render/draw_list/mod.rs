@@ -23,7 +23,7 @@ use self::nearest_depth::nearest_depth;
 use self::primitive::Part;
 use self::shadow_caster::ShadowCasters;
 use super::assets::{Shapes, Textures};
-use super::bounding_volume::{AssetBounds, BoundingVolume, signed_distance, sorting_radius};
+use super::bounding_volume::{AssetBounds, BoundingVolume, is_rotation, signed_distance, sorting_radius};
 use super::settings::{ALL_FACES_CAST_SHADOWS, is_drawable};
 use super::view::{Lights, ViewFrustum};
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
@@ -154,9 +154,7 @@ impl DrawList {
                 self.nearest_depth = self.nearest_depth.min(nearest_depth(geom, &volume, frustum));
             }
             if !is_line && geom.casts_shadow() {
-                // A mirror elsewhere may show what is behind.
-                let has_other_mirror = self.mirror.is_some() && reflector != Some(index);
-                let hides_back = !is_transparent && !has_other_mirror && hides_back(geom, scene, inputs);
+                let hides_back = || !is_transparent && hides_back(geom, scene, inputs);
                 visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum, hides_back);
             }
             self.parts.clear();
@@ -367,11 +365,14 @@ fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
 
 /// Returns `true` if an opaque geom hides every part of the scene that is on its -z side: a plane
 /// with the camera on its +z side, which the near plane does not cut, and beside whose drawn
-/// rectangle nothing on the -z side is seen.
+/// rectangle nothing on the -z side is seen. Mirrors may show it, but images in mirrors have no
+/// shadows.
 fn hides_back(geom: SceneGeom<'_>, scene: &Scene, inputs: &DrawListInputs<'_>) -> bool {
     let frustum = inputs.frustum;
     let is_plane = |geom: SceneGeom<'_>| geom.geom_type() == SceneGeomType::Plane;
-    if !is_plane(geom) || frustum.orthographic || scene.render_flags().contains(RenderFlags::WIREFRAME) {
+    let sees_through = frustum.orthographic || scene.render_flags().contains(RenderFlags::WIREFRAME);
+    // Users can give a geom a matrix that is no rotation.
+    if sees_through || !is_plane(geom) || !is_rotation(&geom.mat()) {
         return false;
     }
     let (pos, mat) = (geom.pos().map(f64::from), geom.mat().map(f64::from));
@@ -418,15 +419,18 @@ mod tests {
     use crate::render::settings::VisualSettings;
     use crate::render::view::{Lights, ViewFrustum};
     use crate::render::{Gpu, Lighting};
-    use crate::scene::{Camera, CameraView, Categories, RenderFlags, Scene, SceneGeomType, SceneOptions};
+    use crate::scene::{Camera, CameraView, Categories, NewGeom, RenderFlags, Scene, SceneGeomType, SceneOptions};
     use crate::{Data, Model};
 
     /// Returns whether a plane hides its back from a camera at this elevation, degrees, 2 m from
-    /// the origin, with other geoms and the flags.
+    /// the origin, with other geoms and the flags. A plane of the size "scaled 0.5" is one of the
+    /// user, with half of the unit matrix.
     fn hides(gpu: &Gpu, [size, near, others]: [&str; 3], elevation: f64, flags: RenderFlags) -> bool {
+        let scale = size.strip_prefix("scaled ").map(|scale| scale.parse::<f64>().unwrap());
+        let plane = if scale.is_some() { String::new() } else { format!("<geom type='plane' size='{size}'/>") };
         let xml = format!(
             "<mujoco><statistic extent='1'/><visual><map znear='{near}' zfar='20'/></visual>
-             <worldbody><geom type='plane' size='{size}'/>{others}</worldbody></mujoco>"
+             <worldbody>{plane}{others}</worldbody></mujoco>"
         );
         let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
         data.forward().unwrap();
@@ -435,6 +439,10 @@ mod tests {
         let mut camera = Camera { view, lookat: [0.0; 3], distance: 2.0, azimuth: 10.0, elevation };
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
         scene.set_render_flags(flags);
+        if let Some(s) = scale {
+            let plane = NewGeom::plane([5.0; 2]).with_mat([s, 0.0, 0.0, 0.0, s, 0.0, 0.0, 0.0, s]);
+            scene.add_geom(&plane).unwrap();
+        }
         let model = data.model();
         let settings = VisualSettings::new(model);
         let inputs = DrawListInputs {
@@ -466,8 +474,9 @@ mod tests {
         // The camera is at (-1.7, -0.3, 1) m. The sphere ends at x = 3.1 m, 1.1 m below the plane,
         // and the line of sight to its lowest point crosses the plane at x = 0.5 m.
         assert!(changed(0, "5 0 .1") && changed(0, "3.2 2 .1"));
-        assert!(!changed(0, "3 2 .1") && !changed(0, "3 0 .1"), "seen beside its edges");
-        assert!(!changed(0, "1 1 .1"), "the camera is beside it, too");
+        assert!(!changed(0, "3 2 .1") && !changed(0, "3 0 .1"), "the foot of the ball is beside it");
+        assert!(!changed(0, "1 1 .1"), "so is the camera");
+        assert!(changed(0, "scaled 1") && !changed(0, "scaled 0.5"), "drawn with half of its size");
         assert!(changed(2, "<geom size='.1' pos='-.5 0 -1'/>"));
         let small = ["1 1 .1", ".01", "<geom size='.1' pos='-.5 0 -1'/>"];
         assert!(!hides(&gpu, small, -30.0, none), "seen before its edge");

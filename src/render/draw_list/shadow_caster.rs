@@ -1,6 +1,8 @@
 //! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded
 //! region of a shadow map is allocated, because a full map has millions of texels.
 
+use std::cell::LazyCell;
+
 use crate::render::bounding_volume::{BoundingVolume, Sphere, signed_distance};
 use crate::render::view::matrix::{Matrix4, row};
 use crate::render::view::{ActiveLight, Lights};
@@ -34,21 +36,22 @@ impl<'a> ShadowCasters<'a> {
     }
 
     /// Adds a geom. Returns the lights in which it casts a visible shadow, one bit per light.
-    /// `hides_back` states that the geom hides everything on its -z side.
+    /// `hides_back` returns `true` if the geom hides everything on its -z side.
     pub(super) fn add(
         &mut self,
         geom: SceneGeom<'_>,
         volume: &BoundingVolume,
         in_frustum: bool,
-        hides_back: bool,
+        hides_back: impl Fn() -> bool,
     ) -> u8 {
         let mut shadow_mask = 0;
+        let hides_back = LazyCell::new(hides_back);
         for (index, light) in self.lights.iter_mut().enumerate() {
             // With front faces culled, a plane that faces the light casts no shadow. Otherwise its
             // shadow may be out of sight.
             let is_plane = geom.geom_type() == SceneGeomType::Plane;
             let is_culled =
-                (self.culls_front_faces && is_plane || hides_back && light.is_limited()) && light.sees_front(geom);
+                is_plane && light.sees_front(geom) && (self.culls_front_faces || light.is_limited() && *hides_back);
             let casts = match volume {
                 _ if is_culled => false,
                 BoundingVolume::Sphere(sphere) => {

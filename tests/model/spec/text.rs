@@ -24,8 +24,8 @@ fn names() -> Vec<String> {
     ]
     .map(str::to_owned)
     .to_vec();
-    let special = (1..0x20).chain(0x7f..0xa1).chain([0xfeff, 0xfffd, 0xfffe, 0xffff, 0xf_0001, 0x10_ffff]);
-    let special = special.step_by(cases(3, 1));
+    let special =
+        (1..0x20).chain(0x7f..0xa1).step_by(cases(3, 1)).chain([0xfeff, 0xfffd, 0xfffe, 0xffff, 0xf_0001, 0x10_ffff]);
     names.extend(special.map(|code| format!("a{}b", char::from_u32(code).unwrap())));
     names
 }
