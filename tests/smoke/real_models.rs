@@ -107,7 +107,7 @@ fn failure(path: &Path, reference: &RawModel) -> Option<String> {
 #[ignore = "needs a directory of models"]
 fn real_models_load_step_and_are_linearised_and_drawn_if_the_engine_loads_them() {
     let path = std::env::var_os("MUJOCO_SAFE_MODELS").expect("MUJOCO_SAFE_MODELS is a model or a directory");
-    #[cfg(engine_since = "2.3.1")]
+    #[cfg(engine_since = "2.3.3")]
     if let Some(plugins) = crate::plugin::directory() {
         // SAFETY: the plugins of the wheel that contains the engine.
         unsafe { mujoco_safe::load_plugins(plugins) }.unwrap();
