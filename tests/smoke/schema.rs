@@ -9,7 +9,7 @@ use crate::schema_models::{self, Case, Effect};
 
 /// Loads the plugins of the wheel that contains the engine.
 fn load_plugins() {
-    #[cfg(engine_since = "2.3.1")]
+    #[cfg(engine_since = "2.3.3")]
     if let Some(directory) = crate::plugin::directory() {
         // SAFETY: the plugins of the wheel that contains the engine.
         unsafe { mujoco_safe::load_plugins(directory) }.unwrap();
