@@ -116,31 +116,45 @@ fn directories_of_programs_have_links_to_the_present_engine_only() {
     // As in archives for Linux: the linker's name is a link.
     fs::write(path("lib/libmujoco.so.3.5.0"), "").unwrap();
     std::os::unix::fs::symlink("libmujoco.so.3.5.0", path("lib/libmujoco.so")).unwrap();
-    let directories = programs::directories(&path("target/debug/build/sys/out"));
-    assert_eq!(directories, ["", "deps", "examples"].map(|name| path("target/debug").join(name)));
-    assert!(programs::directories(&path("lib")).is_empty());
+    let profile = path("target/debug");
+    let programs = ["", "deps", "examples"].map(|name| profile.join(name));
+    let folders = |system, out: &str| programs::folders(system, &path(out));
+    assert_eq!(folders(System::Windows, "target/debug/build/sys/out"), programs);
+    assert_eq!(folders(System::Elf, "target/debug/build/sys/out"), programs.map(|folder| folder.join("mujoco-lib")));
+    assert!(folders(System::Elf, "target/debug/sys/out").is_empty());
 
-    let deps = path("target/debug/deps");
-    let names = || {
-        let mut names: Vec<_> = fs::read_dir(&deps).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let beside = profile.join("deps/mujoco-lib");
+    let found = || {
+        let mut names: Vec<_> = fs::read_dir(&beside).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         names.sort();
         names
     };
-    programs::link(System::Elf, &path("lib/libmujoco.so"), &deps).unwrap();
-    assert_eq!(names(), ["libmujoco.so", "libmujoco.so.3.5.0"]);
-    assert!(fs::canonicalize(deps.join("libmujoco.so")).unwrap().ends_with("lib/libmujoco.so.3.5.0"));
+    let library = path("lib/libmujoco.so");
+    let names = programs::names(System::Elf, &library);
+    programs::place(System::Elf, &library, &names, &beside).unwrap();
+    assert_eq!(found(), ["libmujoco.so", "libmujoco.so.3.5.0"]);
     // Files that the build did not make remain, as do other links.
-    fs::write(deps.join("libmujoco.so.2.2.2"), "").unwrap();
-    std::os::unix::fs::symlink("program", deps.join("other")).unwrap();
-    programs::unlink(System::Elf, &deps);
-    assert_eq!(names(), ["libmujoco.so.2.2.2", "other"]);
+    fs::write(beside.join("libmujoco.so.2.2.2"), "").unwrap();
+    std::os::unix::fs::symlink("program", beside.join("other")).unwrap();
+    let names = programs::loader_names(System::Elf, &library);
+    programs::place(System::Elf, &library, &names, &beside).unwrap();
+    assert_eq!(found(), ["libmujoco.so.2.2.2", "libmujoco.so.3.5.0", "other"]);
+    assert!(fs::canonicalize(beside.join("libmujoco.so.3.5.0")).unwrap().ends_with("lib/libmujoco.so.3.5.0"));
+    // Another engine of the same version takes the place of the first, and none that of all.
+    fs::create_dir_all(path("other")).unwrap();
+    fs::write(path("other/libmujoco.so.3.5.0"), "").unwrap();
+    programs::place(System::Elf, &path("other/libmujoco.so.3.5.0"), &names, &beside).unwrap();
+    assert!(fs::canonicalize(beside.join("libmujoco.so.3.5.0")).unwrap().ends_with("other/libmujoco.so.3.5.0"));
+    programs::place(System::Elf, &library, &[], &beside).unwrap();
+    assert_eq!(found(), ["libmujoco.so.2.2.2", "other"]);
 
     let library = path("lib/libmujoco.3.5.0.dylib");
     fs::write(&library, "").unwrap();
-    let framework = deps.join("mujoco.framework/Versions/A/libmujoco.3.5.0.dylib");
-    programs::link(System::MacOs, &library, &deps).unwrap();
-    assert_eq!(fs::canonicalize(&framework).unwrap(), fs::canonicalize(library).unwrap());
-    programs::unlink(System::MacOs, &deps);
+    let framework = beside.join("mujoco.framework/Versions/A/libmujoco.3.5.0.dylib");
+    let names = programs::loader_names(System::MacOs, &library);
+    programs::place(System::MacOs, &library, &names, &beside).unwrap();
+    assert_eq!(fs::canonicalize(&framework).unwrap(), fs::canonicalize(&library).unwrap());
+    programs::place(System::MacOs, &library, &[], &beside).unwrap();
     assert!(!framework.is_symlink());
 }
 

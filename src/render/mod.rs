@@ -82,11 +82,12 @@
 //! - A shadow map is rendered with half, a quarter, … of its width and height while a texel on the
 //!   nearest visible surface is at most a quarter of a pixel wide. Small images thus take less
 //!   time, and the edges of their shadows move by at most an eighth of a pixel on surfaces that
-//!   face the light. A plane that hides everything behind it casts no shadow. In the engine's
-//!   images a lit floor that is oblique to both axes of the map of a directional light has shadows
-//!   of itself near the edges of the map, which are thus missing: up to 3.2 % of the pixels. On
-//!   faces turned away from a light with ambient light, lit and shadowed pixels alternate as in the
-//!   engine's images, but not the same pixels.
+//!   face the light. On faces turned away from a light with ambient light, lit and shadowed pixels
+//!   alternate as in the engine's images, but not the same pixels.
+//! - A plane that hides everything behind it from a perspective camera casts no shadow from a light
+//!   in front of it. In the engine's images a lit floor that is oblique to both axes of the map of
+//!   a directional light has shadows of itself near the edges of the map. A floor that is not in
+//!   the map, or is in a reduced map, does not have them: up to 2.8 % of the pixels.
 //! - Mesa's llvmpipe, with which the engine draws on machines without a graphics card, computes the
 //!   depth of a line half a pixel aside if there are several samples per pixel. A line along an
 //!   edge of a solid is then hidden in part in the engine's images: up to 0.7 % of the pixels.

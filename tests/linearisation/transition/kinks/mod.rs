@@ -379,7 +379,8 @@ fn wrong_differences_of_the_samples_are_reported() {
                     TransitionMethod::Columns => {
                         assert!(deviation < 1e-3 || is_reported, "{}: {deviation:e}", data.time());
                     }
-                    _ => assert!(deviation < 1e-6 && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
+                    // 6e-6 in a state of the trajectory on aarch64, which differs.
+                    _ => assert!(deviation < 1e-5 && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
                 }
             }
         }
