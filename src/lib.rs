@@ -78,7 +78,8 @@
 //! display. `viewer`: the window. `npz`: trajectories, rollouts and other arrays as NumPy files.
 //! `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states,
 //! matrices and trajectories as plain data in the formats of serde. `bindgen`: bindings for an
-//! engine without committed ones (see [`guide::engines`]).
+//! engine without committed ones. `download`: the build installs MuJoCo if it finds no engine (see
+//! [`guide::engines`]).
 //!
 //! # Units and conventions
 //!

@@ -6,8 +6,8 @@ use std::{fs, io};
 use crate::target::System;
 
 /// Folder of the library in the directories of programs. Cargo adds those directories to the
-/// loader's path for `cargo run` and `cargo test`, but not this folder: it serves only programs that
-/// name it in their rpath, and no other engine is found by accident.
+/// loader's path for `cargo run` and `cargo test`, but not this folder: it serves only programs
+/// that name it in their rpath, and no other engine is found by accident.
 const FOLDER: &str = "mujoco-lib";
 
 /// Returns the folders of the library beside the programs: those of `target/debug` and of its

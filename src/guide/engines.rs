@@ -32,8 +32,8 @@
 //! | `$(scripts/engine 4.0.1)` | in this repository: any release, from PyPI |
 //! | `download` | the official library of the feature `download`, even if another is installed |
 //!
-//! A relative directory is relative to the workspace, or to another directory above the target
-//! directory. The directory contains `include/mujoco/mujoco.h`, and the library in
+//! A relative directory is relative to a directory above the target directory, such as the
+//! workspace. The directory contains `include/mujoco/mujoco.h`, and the library in
 //! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, `bin` or itself; a link `libmujoco.so` is not
 //! necessary.
 //!
@@ -45,7 +45,7 @@
 //! # The feature `download`
 //!
 //! If the build finds no engine, this feature installs the wheel of MuJoCo 2.2.2 for the target
-//! with pip or uv, which compares it with the SHA-256 in this crate. The projects of a user share
+//! with pip or uv, which compares it with a committed SHA-256. The projects of a user share
 //! the folder: `mujoco-safe` in `$XDG_CACHE_HOME`, `%LOCALAPPDATA%` or `~/.cache`. Later builds
 //! need neither network nor pip. An engine that is installed later is found after
 //! `cargo clean --package mujoco-safe-sys`.
@@ -56,31 +56,31 @@
 //! # Deployment
 //!
 //! `cargo run`, `cargo test` and `cargo bench` find every engine. If it is outside of the loader's
-//! directories, the build places a link to the library (on Windows a copy) beside the programs, in
-//! `target/<profile>` and its folders `deps` and `examples`. With one line in its `build.rs`, a
-//! program starts directly and in a debugger, without variables:
+//! directories, the build places a link to the library in a folder `mujoco-lib` beside the programs
+//! (on Windows a copy of `mujoco.dll` in their directory), in `target/<profile>` and its folders
+//! `deps` and `examples`. With one line in its `build.rs`, a program starts directly and in a
+//! debugger, without variables:
 //!
 //! ```
 //! // Linux. macOS: @executable_path in place of $ORIGIN. Windows: no line.
-//! println!("cargo::rustc-link-arg=-Wl,-rpath,$ORIGIN");
+//! println!("cargo::rustc-link-arg=-Wl,-rpath,$ORIGIN/mujoco-lib");
 //! ```
 //!
 //! A folder with the program and the library then runs after being moved, also on machines without
 //! engine and Rust:
 //!
 //! ```sh
-//! cp -L target/release/{program,libmujoco.so.2.2.2} FOLDER/    # or mujoco.dll, mujoco.framework
+//! cp -RL target/release/{program,mujoco-lib} FOLDER/    # Windows: program.exe and mujoco.dll
 //! ```
 //!
-//! Debian's library needs other libraries of Debian: install its package `libmujoco2.2.2` there
-//! instead (it suffices in a container of `debian:12-slim`), or use the official library. Rendering
-//! also needs a driver, such as `libvulkan1 mesa-vulkan-drivers` in software.
+//! Debian's library is not linked there: install the package `libmujoco2.2.2` on the other machine.
+//! Rendering also needs a driver, such as `libvulkan1 mesa-vulkan-drivers` in software.
 //!
-//! Without this line, set `LD_LIBRARY_PATH`, add the directory to `/etc/ld.so.conf.d/`, or link
-//! with `RUSTFLAGS="-C link-arg=-Wl,-rpath,DIR"`. Otherwise the loader takes Debian's library if it
-//! is installed: speed and last bits of the results change. `ldd` shows the library. The first load
-//! of a model returns [`Error::EngineVersion`](crate::Error::EngineVersion) if its version differs
-//! from that of the headers ([`built_against`](crate::built_against)).
+//! Without this line, and for programs of `cargo install`, set `LD_LIBRARY_PATH`, add the directory
+//! to `/etc/ld.so.conf.d/`, or link with `RUSTFLAGS="-C link-arg=-Wl,-rpath,DIR"`. Without any of
+//! these the loader takes Debian's library if it is installed. The first load of a model returns
+//! [`Error::EngineVersion`](crate::Error::EngineVersion) if its version differs from that of the
+//! headers ([`built_against`](crate::built_against)).
 //!
 //! # Platforms
 //!
