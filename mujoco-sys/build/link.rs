@@ -15,9 +15,10 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
             .map_err(|error| format!("{} was not linked in {}: {error}", library.display(), folder.display()))
     };
     // An engine on the loader's path needs no link, and those of an earlier build must not hide it.
-    let (names, loader_names) = match engine.on_loader_path {
-        true => (Vec::new(), Vec::new()),
-        false => (programs::names(system, &library), programs::loader_names(system, &library)),
+    let (names, loader_names) = if engine.on_loader_path {
+        (Vec::new(), Vec::new())
+    } else {
+        (programs::names(system, &library), programs::loader_names(system, &library))
     };
     // `cargo run` and `cargo test` add a search path to the loader's path only if it lies inside
     // `target`.
