@@ -10,17 +10,14 @@ use crate::headers::{self, DOWNLOAD, MUJOCO_DIR};
 /// The version of the wheels in `wheels.txt`.
 pub(crate) const VERSION: &str = ENGINES[0].version;
 
-/// Returns the folder of this crate, which contains those of the targets.
+/// Returns the target's folder, which has the package `mujoco` once it is installed.
 pub(crate) fn folder() -> Result<PathBuf, String> {
     let variable = |name| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let cache = variable("XDG_CACHE_HOME").or_else(|| variable("LOCALAPPDATA"));
     let cache = cache.or_else(|| Some(variable("HOME")?.join(".cache")));
-    Ok(cache.ok_or("neither XDG_CACHE_HOME nor HOME names a folder for the cache")?.join("mujoco-safe"))
-}
-
-/// Returns the name of the target's folder.
-pub(crate) fn name() -> String {
-    format!("{VERSION}-{}", env::var("TARGET").expect("Cargo sets TARGET"))
+    let cache = cache.ok_or("neither XDG_CACHE_HOME nor HOME names a folder for the cache")?;
+    let target = env::var("TARGET").expect("Cargo sets TARGET");
+    Ok(cache.join("mujoco-safe").join(format!("{VERSION}-{target}")))
 }
 
 /// Prints a warning if the system's engine was found and the official library of the same version,
@@ -30,7 +27,7 @@ pub(crate) fn suggest(found: &Engine) {
     if !is_measured || !found.on_loader_path || headers::requested().is_some() {
         return;
     }
-    let Ok(folder) = folder().map(|cache| cache.join(name())) else { return };
+    let Ok(folder) = folder() else { return };
     if find::probe(&folder.join("mujoco")).is_ok_and(|official| official.version == found.version) {
         let folder = folder.display().to_string();
         let value = if cfg!(feature = "download") { DOWNLOAD } else { &folder };

@@ -36,14 +36,13 @@ pub(crate) fn engine(mut missing: Missing) -> Result<Engine, Missing> {
 fn cached() -> Result<PathBuf, String> {
     let target = env::var("TARGET").expect("Cargo sets TARGET");
     let platform = platform(&target).ok_or_else(|| format!("it has no wheel for {target}"))?;
-    let cache = cache::folder()?;
-    let folder = cache.join(cache::name());
+    let folder = cache::folder()?;
     let root = folder.join("mujoco");
     if !root.is_dir() {
         // A folder of this build, so that the folder is complete or absent also if several builds
         // run at the same time, or in containers that share the cache.
         let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let new = cache.join(format!("{VERSION}-{}-{}", std::process::id(), time.as_nanos()));
+        let new = folder.with_file_name(format!("{VERSION}-{}-{}", std::process::id(), time.as_nanos()));
         let installed =
             install(&new, &target, platform).and_then(|()| find::probe(&new.join("mujoco"))).and_then(|_| {
                 // Without its engine it is incomplete.

@@ -205,7 +205,7 @@
 //! The colours of the arm and of the 22 humanoids were measured while their floors, of 4 and 20 m,
 //! cast shadows that nothing visible received, and filled the shadow maps. Such floors now cast no
 //! shadow, as infinite ones did not before; the colours were not measured again. In software (two
-//! cores, MuJoCo 4.0.1) this halves the time of an image of the arm with 84×84 pixels, from 47 to
+//! cores, MuJoCo 4.0.1) this cuts the time of an image of the arm with 84×84 pixels, from 47 to
 //! 26 ms. The run ended before the missing figure.
 //!
 //! Of the humanoid at 84×84, one thread draws 3,850 images per second by single calls, four threads

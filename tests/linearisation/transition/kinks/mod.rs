@@ -362,6 +362,8 @@ fn a_state_at_rest_without_kinks_has_none() {
 
 #[test]
 fn wrong_differences_of_the_samples_are_reported() {
+    // The trajectory is another one on aarch64, with 6e-6 in one of its states.
+    let bound = if cfg!(target_arch = "aarch64") { 1e-5 } else { 1e-6 };
     for model in [mujoco_safe::sample::humanoid(), mujoco_safe::sample::cartpole()] {
         let mut data = Data::new(model).unwrap();
         data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.05 * (i as f64).sin());
@@ -379,8 +381,7 @@ fn wrong_differences_of_the_samples_are_reported() {
                     TransitionMethod::Columns => {
                         assert!(deviation < 1e-3 || is_reported, "{}: {deviation:e}", data.time());
                     }
-                    // 6e-6 in a state of the trajectory on aarch64, which differs.
-                    _ => assert!(deviation < 1e-5 && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
+                    _ => assert!(deviation < bound && !is_reported, "{method:?} at {}: {deviation:e}", data.time()),
                 }
             }
         }
