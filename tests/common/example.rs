@@ -10,15 +10,22 @@ use crate::cases::cases;
 
 /// The examples that tests start, except those for which this test lacks a feature.
 const USUAL: &[&str] = &[
-    "cartpole_swing_up",
     "humanoid_lqr",
     #[cfg(feature = "viewer")]
     "view",
 ];
 
 /// Those that tests start only if they run all cases.
-const OTHERS: &[&str] =
-    &["arm_tracking", "cartpole_lqr", "contacts", "humanoid_predictive", "humanoid_stand_up", "learn_gait", "rollouts"];
+const OTHERS: &[&str] = &[
+    "arm_tracking",
+    "cartpole_lqr",
+    "cartpole_swing_up",
+    "contacts",
+    "humanoid_predictive",
+    "humanoid_stand_up",
+    "learn_gait",
+    "rollouts",
+];
 
 /// Returns the path of an example, after building all that tests start, in the profile and with the
 /// features of this test. Cargo builds several at the same time.

@@ -8,6 +8,7 @@ use mujoco_safe::id::BodyId;
 use mujoco_safe::scene::{LabelMode, Perturbation, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::sys::{self, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
 
+use crate::cases::cases;
 use crate::twins::{Raw, Subject, c, differing, read, usual_subjects};
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
@@ -29,7 +30,9 @@ const PANEL: &str = r#"
 /// largest.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
     let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
-    let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
+    let others = usual_subjects()
+        .step_by(cases(2, 1))
+        .map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
     let panel = Model::from_xml_str(PANEL).unwrap();
     let own = [("every element", every), ("panel", panel)];
     let own = own.map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) });

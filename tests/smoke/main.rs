@@ -8,6 +8,8 @@
 #[path = "../common/fields.rs"]
 mod fields;
 
+#[path = "../common/cases.rs"]
+mod cases;
 #[path = "../common/child.rs"]
 mod child;
 

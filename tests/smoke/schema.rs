@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use mujoco_safe::{Data, sys};
 
 use crate::Raw;
+use crate::cases::cases;
 use crate::schema_models::{self, Case, Effect};
 
 /// Loads the plugins of the wheel that contains the engine.
@@ -102,7 +103,7 @@ fn check(stride: usize, enough: Effect) {
 
 #[test]
 fn models_with_an_attribute_of_the_schema_move_as_in_c() {
-    check(31, Effect::Stored);
+    check(cases(93, 31), Effect::Stored);
 }
 
 #[test]

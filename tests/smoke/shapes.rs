@@ -7,6 +7,7 @@ use std::mem::{size_of, size_of_val};
 use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
 use mujoco_safe::{Data, MatrixView, Model, sample};
 
+use crate::cases::cases;
 use crate::installed::sample_models;
 
 /// Memory of an array.
@@ -120,7 +121,7 @@ fn check_data(data: &Data) {
 fn models() -> Vec<(String, Model)> {
     let ours = ["assembly", "colliders", "every_element", "zoo"]
         .map(|name| format!("{}/tests/models/{name}.xml", env!("CARGO_MANIFEST_DIR")));
-    let mut models = sample_models();
+    let mut models: Vec<_> = sample_models().into_iter().step_by(cases(3, 1)).collect();
     models.extend(ours.into_iter().filter_map(|path| Some((path.clone(), Model::from_xml_path(&path).ok()?))));
     models.push(("cartpole".to_owned(), sample::cartpole()));
     models.push(("humanoid".to_owned(), sample::humanoid()));

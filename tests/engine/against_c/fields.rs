@@ -288,12 +288,12 @@ impl Engine {
     }
 }
 
-/// Returns the usual models, every other one unless all cases run, and a model with an element of
+/// Returns the usual models, every fourth one unless all cases run, and a model with an element of
 /// every kind and type.
 fn models() -> impl Iterator<Item = (String, Arc<Model>)> {
     let every = Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
     let every = ("every_element".to_owned(), Arc::new(every.unwrap()));
-    subjects().iter().step_by(cases(2, 1)).map(|subject| (subject.name.clone(), subject.model.clone())).chain([every])
+    subjects().iter().step_by(cases(4, 1)).map(|subject| (subject.name.clone(), subject.model.clone())).chain([every])
 }
 
 fn raw_model(model: &Model) -> &mjModel {

@@ -14,10 +14,10 @@ use crate::twins::{Subject, Twins, c, differing, read, subjects, usual_subjects}
 /// Returns a number of steps that takes a second at most.
 fn steps(subject: &Subject) -> usize {
     match subject.model.nv() {
-        0..=60 => cases(100, 500),
-        61..=400 => cases(20, 100),
-        401..=1000 => 20,
-        _ => 10,
+        0..=60 => cases(50, 500),
+        61..=400 => cases(10, 100),
+        401..=1000 => cases(5, 20),
+        _ => cases(3, 10),
     }
 }
 

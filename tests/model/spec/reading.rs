@@ -23,7 +23,7 @@ pub fn files(directory: &Path) -> Vec<PathBuf> {
 pub fn all_models() -> impl Iterator<Item = (PathBuf, Model)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let directories = [root.join("models"), root.join("tests/models"), PathBuf::from("/usr/share/mujoco/model")];
-    let paths = directories.into_iter().flat_map(|directory| files(&directory)).step_by(cases(3, 1));
+    let paths = directories.into_iter().flat_map(|directory| files(&directory)).step_by(cases(5, 1));
     paths.filter_map(|path| Model::from_xml_path(&path).ok().map(|model| (path, model)))
 }
 
