@@ -16,6 +16,7 @@ use mujoco_safe::render::{GpuKind, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::{Data, Scene};
 use serde_json::Value;
 
+use crate::cases::cases;
 use crate::difference::{Difference, side_by_side};
 use crate::row::{drawn, size_of, text_of};
 use crate::scenes;
@@ -137,6 +138,7 @@ fn recorded_pictures_are_drawn() {
     let is_software = stage::gpu().kind() == GpuKind::Software;
     let limit = if is_software { RECORDED_LIMIT } else { RECORDED_LIMIT_OF_HARDWARE };
     let (mut wrong, mut together) = (Vec::new(), 0);
+    let rows: Vec<&Value> = rows.iter().step_by(cases(2, 1)).collect();
     for row in &rows {
         let name = text_of(row, "name");
         // An image that equals that of 4.0.1 is not stored twice.
