@@ -223,6 +223,20 @@ static void compile_touching(void) {}
 void mujoco_sys_forget_collision(void) {}
 #endif
 
+// Since 3.3 the engine measures by another method if one of these two functions is in the table.
+int mujoco_sys_changes_distance(int type1, int type2) {
+#if mjVERSION_HEADER >= 330
+  const int i = type1 < type2 ? type1 : type2, j = type1 < type2 ? type2 : type1;
+  const mjfCollision function = original[i][j];
+  return mjCOLLISIONFUNC[i][j] == collide &&
+         (function == original[mjGEOM_ELLIPSOID][mjGEOM_ELLIPSOID] || function == original[mjGEOM_BOX][mjGEOM_BOX]);
+#else
+  (void)type1;
+  (void)type2;
+  return 0;
+#endif
+}
+
 void mujoco_sys_check_collisions(void) {
   for (int i = 0; i < mjNGEOMTYPES; i++) {
     for (int j = 0; j < mjNGEOMTYPES; j++) {

@@ -19,6 +19,10 @@ int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_con
 int mujoco_sys_collide_by(mjfCollision function, const mjModel* m, compat_collision_data* d, compat_contact* con, int g1,
                           int g2, mjtNum margin);
 
+// Returns 1 if the sensors of distances would measure these types of geoms by another method than
+// the engine's own, because its function in `mjCOLLISIONFUNC` was replaced.
+int mujoco_sys_changes_distance(int type1, int type2);
+
 // Raises an engine error if the number of elements of the constraint Jacobian might overflow with
 // more contacts.
 void mujoco_sys_check_contacts(const mjModel* m, const mjData* d);

@@ -4,9 +4,10 @@
 // dynamic linker for ELF resolves a name to its first definition, that of the program, also for the
 // engine's table and comparisons.
 //
-// Elsewhere the engine keeps its own functions: in programs where these symbols are not visible (a
-// shared library that exports others), with an engine that binds its names itself or is linked
-// statically (the definitions are weak), and with other formats of programs.
+// Elsewhere these functions take the places of the engine's in the table only, and
+// `mujoco_sys_changes_distance` says so: in programs where these symbols are not visible (a shared
+// library that exports others), with an engine that binds its names itself or is linked statically
+// (the definitions are weak), and with other formats of programs.
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE  // RTLD_NEXT
 #endif

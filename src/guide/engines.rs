@@ -96,6 +96,6 @@
 //! *macOS.* The library is `mujoco.framework/Versions/A/libmujoco.X.Y.Z.dylib` in a directory of
 //! the program's rpath.
 //!
-//! *Other systems than Linux.* Text that the engine prints to `stderr` is not captured, sensors of
-//! distances with engines since 3.3.0 can differ from those of C, and no program starts with an
-//! engine that lacks a function of its headers.
+//! *Other systems than Linux.* Text that the engine prints to `stderr` is not captured, models with
+//! [some sensors of distances](super::promises#distances) are rejected with engines since 3.3.0, and
+//! no program starts with an engine that lacks a function of its headers.

@@ -162,11 +162,6 @@ impl Model {
 /// # Hierarchies of bounding boxes
 #[cfg(engine_since = "2.3.3")]
 impl Model {
-    fn geoms_of(&self, body: usize) -> std::ops::Range<usize> {
-        let start = usize::try_from(self.body_geomadr()[body]).unwrap_or(0);
-        start..start + ffi::size(self.body_geomnum()[body])
-    }
-
     /// Returns the nodes of the hierarchy of a body.
     fn nodes(&self, body: usize) -> std::ops::Range<usize> {
         let start = usize::try_from(self.body_bvhadr()[body]).unwrap_or(0);

@@ -42,6 +42,7 @@ impl Model {
             return unsupported(format!("actuator {actuator} has no control or no force"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
+        self.changed_distance().map_or(Ok(()), unsupported)?;
         self.coupled_slides().map_or(Ok(()), unsupported)?;
         // The engine reads the length of a crank at the index of the force instead of the index of
         // the actuator.

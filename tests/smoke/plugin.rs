@@ -36,7 +36,8 @@ fn missing_and_foreign_libraries_are_errors() {
     unsafe {
         assert!(matches!(load_plugins(folder.path().join("none")), Err(Error::File { .. })));
         load_plugins(folder.path()).unwrap();
-        std::fs::write(folder.path().join("wrong.so"), "no library").unwrap();
+        let name = format!("wrong.{}", std::env::consts::DLL_EXTENSION);
+        std::fs::write(folder.path().join(name), "no library").unwrap();
         assert!(matches!(load_plugins(folder.path()), Err(Error::Engine { .. })));
     }
     let error = Model::from_xml_str(&with_plugin("mujoco.sensor.unknown")).unwrap_err().to_string();

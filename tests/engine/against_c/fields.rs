@@ -424,7 +424,7 @@ fn values_inside_the_data_struct_equal_c() {
     assert_eq!(data.timer(Timer::Constraint).number, 10);
     assert!(data.solver().len() > 0);
     assert_eq!(data.solver().len(), differing::solver_iterations(raw) as usize);
-    for (ours, raw) in data.solver().zip(raw.solver) {
+    for (ours, raw) in data.solver().zip(&raw.solver) {
         assert_eq!((ours.improvement, ours.gradient, ours.lineslope), (raw.improvement, raw.gradient, raw.lineslope));
         let counts = [ours.nactive, ours.nchange, ours.neval, ours.nupdate].map(|count| count as i32);
         assert_eq!(counts, [raw.nactive, raw.nchange, raw.neval, raw.nupdate]);
