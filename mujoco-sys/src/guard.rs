@@ -90,8 +90,8 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
-    /// Returns 1 if the engine's sensors of distances measure these types of geoms by another method
-    /// than its own, because its collision function was replaced: see `shim/interpose.c`.
+    /// Returns 1 if the engine's sensors of distances measure these types of geoms by another
+    /// method than its own, because its collision function was replaced: see `shim/interpose.c`.
     #[link_name = "mujoco_sys_changes_distance"]
     pub fn changes_distance(type1: c_int, type2: c_int) -> c_int;
 

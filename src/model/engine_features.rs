@@ -1,8 +1,11 @@
 //! Features of newer engines that this crate does not support yet. A model that uses one is
 //! rejected when it is loaded.
 
-use mujoco_sys::{mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjTRN_SLIDERCRANK, mjWRAP_JOINT};
+use std::ops::Range;
 
+use mujoco_sys::{guard, mjENBL_IPC, mjGEOM_SDF, mjMAXCONPAIR, mjOBJ_BODY, mjTRN_SLIDERCRANK, mjWRAP_JOINT};
+
+use super::engine_limits::measures_distance;
 use super::xml_guard::{MOST_BODIES, MOST_DOFS};
 use super::{Model, Options};
 use crate::enums::{
@@ -177,6 +180,36 @@ impl Model {
     )]
     fn check_flexes(&self) -> Result<(), String> {
         Ok(())
+    }
+
+    /// Returns a description of the first sensor of distances that the engine would measure by
+    /// another method than its own, whose results can be wrong by more than the geoms' sizes: see
+    /// `mujoco-sys/shim/interpose.c`.
+    fn changed_distance(&self) -> Option<String> {
+        let types = |kind: i32, id: i32| {
+            let id = ffi::size(id);
+            let geoms = if kind as u32 == mjOBJ_BODY { self.geoms_of(id) } else { id..id + 1 };
+            geoms.map(|geom| self.geom_type()[geom])
+        };
+        let objects = |sensor: usize| {
+            let object = types(self.sensor_objtype()[sensor], self.sensor_objid()[sensor]);
+            let reference = types(self.sensor_reftype()[sensor], self.sensor_refid()[sensor]);
+            object.flat_map(move |object| reference.clone().map(move |reference| (object, reference)))
+        };
+        // SAFETY: no preconditions.
+        let changes = |(object, reference)| unsafe { guard::changes_distance(object, reference) != 0 };
+        let mut sensors = (0..self.nsensor()).filter(|&sensor| measures_distance(&self.sensor_type()[sensor]));
+        let sensor = sensors.find(|&sensor| objects(sensor).any(changes))?;
+        Some(format!(
+            "sensor {sensor} measures the distance of shapes whose collision function this crate replaces in this \
+             program, which would change the reading (Data::geom_distance is right)"
+        ))
+    }
+
+    /// Returns the geoms of a body.
+    pub(super) fn geoms_of(&self, body: usize) -> Range<usize> {
+        let start = usize::try_from(self.body_geomadr()[body]).unwrap_or(0);
+        start..start + ffi::size(self.body_geomnum()[body])
     }
 
     /// Returns a description of the first element whose type the enums do not have.

@@ -1,11 +1,10 @@
 //! Validation of compiled models, and properties of a model for which the engine's own checks are
 //! insufficient.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 
 use mujoco_sys::{
-    guard, mjGEOM_HFIELD, mjModel, mjOBJ_BODY, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL,
-    mjSENS_RANGEFINDER, mjSOL_NEWTON,
+    mjGEOM_HFIELD, mjModel, mjSENS_GEOMDIST, mjSENS_GEOMFROMTO, mjSENS_GEOMNORMAL, mjSENS_RANGEFINDER, mjSOL_NEWTON,
 };
 
 #[cfg(engine_since = "3.6.0")]
@@ -35,48 +34,21 @@ const MOST_DISTANCE_ITERATIONS: Option<usize> =
 /// errors.
 const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
+/// Returns `true` for the types of sensors of distances.
+pub(super) fn measures_distance(&kind: &i32) -> bool {
+    [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32))
+}
+
 impl Model {
     /// Returns the reason why the model's sensors cannot be computed with this number of iterations
     /// of the convex collider.
     pub(super) fn check_distances(&self, iterations: usize) -> Result<(), String> {
-        let measures = |&kind: &i32| [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32));
         match MOST_DISTANCE_ITERATIONS {
-            Some(most) if iterations > most && self.sensor_type().iter().any(measures) => Err(format!(
+            Some(most) if iterations > most && self.sensor_type().iter().any(measures_distance) => Err(format!(
                 "the convex collider has {iterations} iterations; with a sensor of distances at most {most} are allowed"
             )),
             _ => Ok(()),
         }
-    }
-
-    /// Returns a description of the first sensor of distances that the engine would measure by
-    /// another method than its own, whose results can be wrong by more than the geoms' sizes: see
-    /// `mujoco-sys/shim/interpose.c`.
-    pub(super) fn changed_distance(&self) -> Option<String> {
-        let measures = |&kind: &i32| [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32));
-        let types = |kind: i32, id: i32| {
-            let id = ffi::size(id);
-            let geoms = if kind as u32 == mjOBJ_BODY { self.geoms_of(id) } else { id..id + 1 };
-            geoms.map(|geom| self.geom_type()[geom])
-        };
-        let objects = |sensor: usize| {
-            let object = types(self.sensor_objtype()[sensor], self.sensor_objid()[sensor]);
-            let reference = types(self.sensor_reftype()[sensor], self.sensor_refid()[sensor]);
-            object.flat_map(move |object| reference.clone().map(move |reference| (object, reference)))
-        };
-        // SAFETY: no preconditions.
-        let changes = |(object, reference)| unsafe { guard::changes_distance(object, reference) != 0 };
-        let sensors = (0..self.nsensor()).filter(|&sensor| measures(&self.sensor_type()[sensor]));
-        let sensor = sensors.into_iter().find(|&sensor| objects(sensor).any(changes))?;
-        Some(format!(
-            "sensor {sensor} measures the distance of shapes whose collision function this crate replaces in this \
-             program, which would change the reading (Data::geom_distance is right)"
-        ))
-    }
-
-    /// Returns the geoms of a body.
-    pub(super) fn geoms_of(&self, body: usize) -> Range<usize> {
-        let start = usize::try_from(self.body_geomadr()[body]).unwrap_or(0);
-        start..start + ffi::size(self.body_geomnum()[body])
     }
 
     /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its
