@@ -198,7 +198,7 @@ impl Model {
         };
         // SAFETY: no preconditions.
         let changes = |(object, reference)| unsafe { guard::changes_distance(object, reference) != 0 };
-        let mut sensors = (0..self.nsensor()).filter(|&sensor| measures_distance(&self.sensor_type()[sensor]));
+        let mut sensors = (0..self.nsensor()).filter(|&sensor| measures_distance(self.sensor_type()[sensor]));
         let sensor = sensors.find(|&sensor| objects(sensor).any(changes))?;
         Some(format!(
             "sensor {sensor} measures the distance of shapes whose collision function this crate replaces in this \

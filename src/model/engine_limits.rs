@@ -35,7 +35,7 @@ const MOST_DISTANCE_ITERATIONS: Option<usize> =
 const DIFFERENCED_TOLERANCE: f64 = 1e-15;
 
 /// Returns `true` for the types of sensors of distances.
-pub(super) fn measures_distance(&kind: &i32) -> bool {
+pub(super) fn measures_distance(kind: i32) -> bool {
     [mjSENS_GEOMDIST, mjSENS_GEOMNORMAL, mjSENS_GEOMFROMTO].contains(&(kind as u32))
 }
 
@@ -44,9 +44,11 @@ impl Model {
     /// of the convex collider.
     pub(super) fn check_distances(&self, iterations: usize) -> Result<(), String> {
         match MOST_DISTANCE_ITERATIONS {
-            Some(most) if iterations > most && self.sensor_type().iter().any(measures_distance) => Err(format!(
-                "the convex collider has {iterations} iterations; with a sensor of distances at most {most} are allowed"
-            )),
+            Some(most) if iterations > most && self.sensor_type().iter().any(|&kind| measures_distance(kind)) => {
+                Err(format!(
+                    "the convex collider has {iterations} iterations; with a sensor of distances at most {most} are allowed"
+                ))
+            }
             _ => Ok(()),
         }
     }
