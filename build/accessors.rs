@@ -232,7 +232,7 @@ fn list(text: &mut String, name: &str, entries: impl Iterator<Item = String>) {
 }
 
 /// Splits the lines of a field table.
-fn cells(table: &str) -> impl Iterator<Item = [&str; 7]> {
+pub(crate) fn cells(table: &str) -> impl Iterator<Item = [&str; 7]> {
     table.lines().skip(1).map(|line| {
         let cells: Vec<&str> = line.split('\t').collect();
         cells.try_into().unwrap_or_else(|_| panic!("not a line of the table: {line}"))
@@ -322,20 +322,19 @@ fn rows(field: Field<'_>) -> String {
     }
 }
 
-/// Writes the documentation of a reader.
-fn documentation(text: &mut String, field: Field<'_>) {
-    let (meaning, shape) =
-        field.comment.rsplit_once('(').filter(|(_, shape)| shape.contains('x')).unwrap_or((field.comment, ""));
-    let meaning = meaning.trim().trim_end_matches(':');
-    let shape = shape.split(')').next().unwrap_or_default().trim();
-    let mut letters = meaning.chars();
+/// Returns the comment of the header as a sentence, with its shape.
+pub(crate) fn meaning(comment: &str) -> String {
+    let (meaning, shape) = comment.rsplit_once('(').filter(|(_, shape)| shape.contains('x')).unwrap_or((comment, ""));
+    let mut letters = meaning.trim().trim_end_matches(':').chars();
     let meaning: String = letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default();
     let meaning = meaning.replace('<', "\\<").replace('[', "\\[").replace(']', "\\]");
-    let _ = write!(text, "    /// {meaning}.");
-    if !shape.is_empty() {
-        let _ = write!(text, " `({})`", shape.replace(" x ", ", "));
-    }
-    text.push('\n');
+    let shape = shape.split(')').next().unwrap_or_default().trim();
+    if shape.is_empty() { format!("{meaning}.") } else { format!("{meaning}. `({})`", shape.replace(" x ", ", ")) }
+}
+
+/// Writes the documentation of a reader.
+fn documentation(text: &mut String, field: Field<'_>) {
+    let _ = writeln!(text, "    /// {}", meaning(field.comment));
     // The assignment of activations to actuators differs between versions.
     let is_noted = field.table.is_default || field.name != "act";
     if let Some((_, note)) = NOTES.iter().find(|(name, _)| is_noted && *name == field.name) {
@@ -356,9 +355,9 @@ fn documentation(text: &mut String, field: Field<'_>) {
     }
 }
 
-/// Returns the Rust type of an element of an array.
-fn element(field: Field<'_>) -> &'static str {
-    match field.ctype {
+/// Returns the Rust type of a C type.
+pub(crate) fn rust_type(ctype: &str) -> &'static str {
+    match ctype {
         "mjtNum" => "f64",
         "float" => "f32",
         "int" => "i32",
@@ -384,7 +383,7 @@ fn reader(text: &mut String, field: Field<'_>) {
         let _ = writeln!(text, "    #[inline]\n    pub fn {name}(&self) -> {rust} {{\n        {value}\n    }}\n");
         return;
     }
-    let rust = element(field);
+    let rust = rust_type(field.ctype);
     let rows = rows(field);
     let columns = size(field, field.columns);
     let (result, call) = match form(field) {
@@ -418,7 +417,7 @@ fn restorer(text: &mut String, field: Field<'_>) {
 /// Writes the mutable accessor of an array.
 fn writer(text: &mut String, field: Field<'_>) {
     let name = field.name;
-    let rust = element(field);
+    let rust = rust_type(field.ctype);
     let rows = rows(field);
     let columns = size(field, field.columns);
     let (result, call) = match form(field) {
