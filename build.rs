@@ -21,6 +21,8 @@ mod drawn;
 mod facts;
 #[path = "build/notes.rs"]
 mod notes;
+#[path = "build/numbers.rs"]
+mod numbers;
 #[path = "build/support.rs"]
 mod support;
 #[path = "build/views.rs"]

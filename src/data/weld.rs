@@ -112,6 +112,14 @@ impl Data {
         Ok(())
     }
 
+    /// Returns which equality constraints are active: 1 or 0 for each.
+    pub(crate) fn active_equalities(&self) -> &[u8] {
+        #[cfg(engine_since = "3.0.0")]
+        return self.eq_active();
+        #[cfg(not(engine_since = "3.0.0"))]
+        self.model().equality_active()
+    }
+
     /// Returns the parameters of a weld or a connection for the present poses of its bodies.
     fn at_present_pose(&self, equality: usize) -> [f64; PARAMETERS] {
         let model = self.model();

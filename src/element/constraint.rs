@@ -56,13 +56,7 @@ fields!(Equality on Data {
     /// Returns `true` if the constraint is enforced. Before 3.0 the model has the state, which is
     /// then the same as [`active`](super::Equality::active).
     #[doc(alias = "eq_active")]
-    active: {bool} = |equality| {
-        #[cfg(engine_since = "3.0.0")]
-        let active = equality.owner.eq_active();
-        #[cfg(not(engine_since = "3.0.0"))]
-        let active = equality.owner.model().equality_active();
-        active[equality.index()] != 0
-    };
+    active: {bool} = |equality| equality.owner.active_equalities()[equality.index()] != 0;
 });
 
 /// # Methods of [`EqualityMut`](super::EqualityMut)
