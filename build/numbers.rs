@@ -29,7 +29,9 @@ pub(crate) fn generate(fields: &[Field<'_>]) -> String {
             field.rows,
             updated_by != "none"
         );
-        let _ = writeln!(readers, "            \"{name}\" => f64::from(self.{name}(){place}),");
+        let number = format!("self.{name}(){place}");
+        let number = if field.ctype == "float" { format!("f64::from({number})") } else { number };
+        let _ = writeln!(readers, "            \"{name}\" => {number},");
         let place = place.replace(".row(row)", ".into_row(row)");
         let value = if field.ctype == "float" { "value as f32" } else { "value" };
         let _ = writeln!(writers, "            \"{name}\" => self.{name}_mut(){place} = {value},");

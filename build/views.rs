@@ -303,7 +303,8 @@ impl View<'_> {
             let page = page(&format!("{suffix}Mut"));
             let _ = writeln!(text, "/// {page}\nimpl ViewMut<'_, {writer}, kind::{kind}> {{\n{writers}}}\n");
         }
-        let list: String = names.iter().map(|name| format!("(\"{name}\", Box::new(self.{name}())), ")).collect();
+        let pairs: Vec<String> = names.iter().map(|name| format!("(\"{name}\", Box::new(self.{name}()))")).collect();
+        let list = pairs.join(", ");
         let _ = writeln!(
             text,
             "impl<'a> NewerFields<'a> for View<'a, {owner}, kind::{kind}> {{\n    fn newer_fields(&self) -> Vec<(&'static str, Box<dyn Debug + 'a>)> {{\n        vec![{list}]\n    }}\n}}\n"

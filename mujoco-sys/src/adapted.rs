@@ -284,8 +284,8 @@ adapted! {
     mujoco_sys_history = history(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.
     mujoco_sys_historyLength = history_len(m: *const mjModel) -> c_int;
-    /// Writes the controls of an actuator at a time, from its buffer of delays (`mj_readCtrl`, since
-    /// 3.5). Without a buffer, the present controls.
+    /// Writes the controls of an actuator at a time, from its buffer of delays (`mj_readCtrl`,
+    /// since 3.5). Without a buffer, the present controls.
     mujoco_sys_readCtrl = read_ctrl(
         m: *const mjModel, d: *const mjData, id: c_int, time: mjtNum, interp: c_int, result: *mut mjtNum,
     );

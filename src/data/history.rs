@@ -36,10 +36,10 @@ pub enum Interpolation {
 
 /// # Delays
 impl Data {
-    /// Writes the controls that an actuator uses at `time`, in seconds, to `values`, one for each of
-    /// its [`controls`](crate::element::Actuator): those at the time less its delay, from its buffer
-    /// of samples, with engines from 3.5. Times before the oldest and after the newest sample have
-    /// their values. Without a buffer (`nsample`), the values are the present controls.
+    /// Writes the controls that an actuator uses at `time`, in seconds, to `values`, one for each
+    /// of its [`controls`](crate::element::Actuator): those at the time less its delay, from its
+    /// buffer of samples, with engines from 3.5. Times before the oldest and after the newest
+    /// sample have their values. Without a buffer (`nsample`), the values are the present controls.
     ///
     /// `interpolation` is that of the actuator if it is `None`.
     ///
@@ -73,18 +73,18 @@ impl Data {
     }
 
     /// Writes the reading of a sensor at `time`, in seconds, to `values`: that at the time less the
-    /// sensor's delay, from its buffer of samples, with engines from 3.5. Times before the oldest and
-    /// after the newest sample have their readings. Without a buffer (`nsample`), it is the present
-    /// reading, [`data`](crate::element::SensorData).
+    /// sensor's delay, from its buffer of samples, with engines from 3.5. Times before the oldest
+    /// and after the newest sample have their readings. Without a buffer (`nsample`), it is the
+    /// present reading, [`data`](crate::element::SensorData).
     ///
     /// `interpolation` is that of the sensor if it is `None`.
     ///
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] unless
-    /// the length of `values` is the dimension of the sensor, and [`Error::Invalid`] for a time that
-    /// is NaN. For a sensor without a buffer also [`Error::NotComputed`] unless its stage has been
-    /// computed.
+    /// the length of `values` is the dimension of the sensor, and [`Error::Invalid`] for a time
+    /// that is NaN. For a sensor without a buffer also [`Error::NotComputed`] unless its stage has
+    /// been computed.
     ///
     /// # Panics
     ///
@@ -121,9 +121,9 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] unless
-    /// there are as many times as samples (`nsample`), and as many values as times and controls, and
-    /// [`Error::Invalid`] for times that do not increase. An actuator without a buffer, and every
-    /// actuator of engines before 3.5, has no samples.
+    /// there are as many times as samples (`nsample`), and as many values as times and controls,
+    /// and [`Error::Invalid`] for times that do not increase. An actuator without a buffer, and
+    /// every actuator of engines before 3.5, has no samples.
     ///
     /// # Panics
     ///
@@ -141,8 +141,8 @@ impl Data {
     }
 
     /// Fills the buffer of samples of a sensor: `times`, in seconds, and for each time the reading.
-    /// The last sample is the newest. `phase` is the time of the last computation, in seconds, for a
-    /// sensor that is computed at intervals.
+    /// The last sample is the newest. `phase` is the time of the last computation, in seconds, for
+    /// a sensor that is computed at intervals.
     ///
     /// # Errors
     ///
@@ -255,8 +255,9 @@ impl Model {
         []
     }
 
-    /// Returns the number of samples, the interpolation and the address of the buffer of an element,
-    /// or `None` without a buffer. `kind` is an index of [`history_buffers`](Self::history_buffers).
+    /// Returns the number of samples, the interpolation and the address of the buffer of an
+    /// element, or `None` without a buffer. `kind` is an index of
+    /// [`history_buffers`](Self::history_buffers).
     fn buffer(&self, kind: usize, element: usize) -> Option<([usize; 2], usize)> {
         let buffers = self.history_buffers();
         let &(_, shapes, addresses) = buffers.get(kind)?;

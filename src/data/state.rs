@@ -112,7 +112,8 @@ impl Model {
     ///
     /// let model = sample::cartpole();
     /// assert_eq!(model.state_range(StateSpec::PHYSICS, StateSpec::QVEL), 2..4); // [qpos; qvel]
-    /// assert_eq!(model.state_range(StateSpec::INTEGRATION, StateSpec::PHYSICS), 1..5); // after the time
+    /// assert_eq!(model.state_range(StateSpec::INTEGRATION, StateSpec::PHYSICS), 1..5); // after
+    /// the time
     /// ```
     pub fn state_range(&self, spec: StateSpec, part: StateSpec) -> Range<usize> {
         let is_other = |component: &StateSpec| !part.contains(*component);
@@ -128,8 +129,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the state vector has another length than [`state_size`](Self::state_size)
-    /// of `spec`, and [`Error::Invalid`] if `spec` does not contain `part`.
+    /// [`Error::Shape`] if the state vector has another length than
+    /// [`state_size`](Self::state_size) of `spec`, and [`Error::Invalid`] if `spec` does not
+    /// contain `part`.
     ///
     /// ```
     /// use mujoco_safe::{Data, StateSpec, sample};
@@ -137,7 +139,8 @@ impl Model {
     /// let data = Data::new(sample::humanoid())?;
     /// let saved = data.state(StateSpec::INTEGRATION);
     /// let part = StateSpec::TIME | StateSpec::CTRL;
-    /// assert_eq!(data.model().extract_state(&saved, StateSpec::INTEGRATION, part)?, data.state(part));
+    /// assert_eq!(data.model().extract_state(&saved, StateSpec::INTEGRATION, part)?,
+    /// data.state(part));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_extractState")]

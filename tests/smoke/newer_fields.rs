@@ -1,6 +1,8 @@
 //! The fields of the views that 2.2.2 does not have: each value is the row of its element in the
-//! engine's array. The independent sources are the arrays, read through the C structs, and the table
-//! of the engine's fields.
+//! engine's array. The independent sources are the arrays, read through the C structs, and the
+//! table of the engine's fields.
+
+#![cfg_attr(not(engine_since = "2.3.0"), allow(dead_code, unused_mut, reason = "2.2.2 has no newer fields"))]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

@@ -4,7 +4,6 @@ use std::ffi::c_int;
 
 use mujoco_sys as sys;
 
-use super::ray::hit_distance;
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::id::IntoId;
@@ -102,6 +101,8 @@ impl Data {
                 &raw mut vertex,
             )
         };
-        Ok(hit_distance(distance).map(|distance| FlexHit { distance, vertex: usize::try_from(vertex).unwrap_or(0) }))
+        let hit = FlexHit { distance, vertex: usize::try_from(vertex).unwrap_or(0) };
+        // The engine returns -1 for no intersection.
+        Ok((distance >= 0.0).then_some(hit))
     }
 }

@@ -275,7 +275,7 @@ impl Data {
 }
 
 /// Converts the engine's distance, which is -1 for no intersection.
-pub(super) fn hit_distance(distance: f64) -> Option<f64> {
+fn hit_distance(distance: f64) -> Option<f64> {
     Some(distance).filter(|&distance| distance >= 0.0)
 }
 
