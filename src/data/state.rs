@@ -112,8 +112,7 @@ impl Model {
     ///
     /// let model = sample::cartpole();
     /// assert_eq!(model.state_range(StateSpec::PHYSICS, StateSpec::QVEL), 2..4); // [qpos; qvel]
-    /// assert_eq!(model.state_range(StateSpec::INTEGRATION, StateSpec::PHYSICS), 1..5); // after
-    /// the time
+    /// assert_eq!(model.state_range(StateSpec::INTEGRATION, StateSpec::PHYSICS), 1..5); // after the time
     /// ```
     pub fn state_range(&self, spec: StateSpec, part: StateSpec) -> Range<usize> {
         let is_other = |component: &StateSpec| !part.contains(*component);
@@ -139,8 +138,7 @@ impl Model {
     /// let data = Data::new(sample::humanoid())?;
     /// let saved = data.state(StateSpec::INTEGRATION);
     /// let part = StateSpec::TIME | StateSpec::CTRL;
-    /// assert_eq!(data.model().extract_state(&saved, StateSpec::INTEGRATION, part)?,
-    /// data.state(part));
+    /// assert_eq!(data.model().extract_state(&saved, StateSpec::INTEGRATION, part)?, data.state(part));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_extractState")]
