@@ -1,6 +1,7 @@
 //! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets
 //! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
-//! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`. For
+//! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`, and the
+//! fields of the views that 2.2.2 does not have. For
 //! engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
 //! table of their files, and for those with which all tests run `cfg(tested_in_full)`.
 
@@ -20,8 +21,12 @@ mod drawn;
 mod facts;
 #[path = "build/notes.rs"]
 mod notes;
+#[path = "build/numbers.rs"]
+mod numbers;
 #[path = "build/support.rs"]
 mod support;
+#[path = "build/views.rs"]
+mod views;
 #[path = "build/writable.rs"]
 mod writable;
 
@@ -37,6 +42,7 @@ const THRESHOLDS: [&str; 25] = [
 fn main() {
     // Otherwise it depends on its own files only, for which it is compiled again.
     println!("cargo::rerun-if-env-changed=DEP_MUJOCO_VERSION");
+    println!("cargo::rerun-if-changed=src/element");
 
     // Absent in a documentation build without an engine, which uses the bindings of 2.2.2.
     let version: u32 =
@@ -59,6 +65,9 @@ fn main() {
     if version > 222 {
         generate(&fields, version);
     }
+    let [views, view_fields] = views::generate(&read(&fields), &read(&default_fields()), version, &element_sources());
+    write("views.rs", &views);
+    write("view_fields.rs", &view_fields);
     let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
     println!("cargo::rustc-check-cfg=cfg(tested_in_full)");
     if is_proved {
@@ -100,14 +109,24 @@ fn number(version: &str) -> u32 {
 
 /// Writes the accessors of a field table and the tests' lists into `OUT_DIR`, for `include!`.
 fn generate(table: &Path, version: u32) {
-    let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"));
-    for (path, text) in accessors::generate(&read(table), &read(&default), version) {
+    for (path, text) in accessors::generate(&read(table), &read(&default_fields()), version) {
         // An included file has no inner attributes and documentation.
         let lines = text.lines().filter(|line| !line.starts_with("//!") && !line.starts_with("#!["));
         let text: String = lines.flat_map(|line| [line, "\n"]).collect();
         let name = Path::new(path).file_name().expect("the path of a file");
         write(name.to_str().expect("a name in ASCII"), &text);
     }
+}
+
+/// Returns the path of the field table of 2.2.2.
+fn default_fields() -> PathBuf {
+    PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"))
+}
+
+/// Returns the source of `src/element`, which has the hand-written fields of the views.
+fn element_sources() -> String {
+    let folder = std::fs::read_dir("src/element").expect("Cargo runs the build script in the folder of the crate");
+    folder.map(|entry| read(&entry.expect("a readable folder").path())).collect()
 }
 
 /// Returns the contents of a table.

@@ -27,6 +27,12 @@ pub(super) fn is_known(array: &str) -> bool {
     columns(array).is_some()
 }
 
+/// Returns by what the quantities that depend on an array are updated, or `None` for an array that
+/// itself depends on others.
+pub(super) fn updated_by(array: &str) -> Option<&'static str> {
+    columns(array).map(|[updated_by, ..]| updated_by).filter(|updated_by| *updated_by != "computed")
+}
+
 /// Returns the documentation of a mutable accessor: what an edit updates, and when.
 pub(super) fn documentation(array: &str) -> String {
     let Some([updated_by, derived, not_updated]) = columns(array) else { return String::new() };

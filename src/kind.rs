@@ -43,6 +43,8 @@ macro_rules! for_each_kind {
             Text, "text", mjOBJ_TEXT, TextId;
             Tuple, "tuple", mjOBJ_TUPLE, TupleId;
             Keyframe, "keyframe", mjOBJ_KEY, KeyframeId;
+            Flex, "flex", mjOBJ_FLEX, FlexId;
+            Plugin, "plugin instance", mjOBJ_PLUGIN, PluginId;
         }
     };
 }

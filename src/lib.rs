@@ -42,7 +42,7 @@
 //!   [`Data::qpos`], [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is
 //!   every function: `mj_step` is [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The
 //!   search of this documentation finds them by their C names.
-//! - [`element`]: named access to single elements (joints, bodies, sensors, …) of all 21 kinds.
+//! - [`element`]: named access to single elements (joints, bodies, sensors, …) of all 23 kinds.
 //! - [`Matrix`]: row-major matrices as the engine writes them, with nalgebra views of the same
 //!   memory. [`math`] wraps the engine's mathematics.
 //! - [`callback`]: closures inside a step.

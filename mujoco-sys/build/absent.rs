@@ -3,7 +3,7 @@
 /// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A
 /// Rust enum over the engine's constants has a variant for each of them. The first has the value -1
 /// as a C int, which the shim returns as the selection of collisions.
-const CONSTANTS: [(&str, &str); 64] = [
+const CONSTANTS: [(&str, &str); 66] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
     ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
@@ -69,6 +69,8 @@ const CONSTANTS: [(&str, &str); 64] = [
     ("mjENBL_SPECULATIVE", "4.0.0 and later"),
     // Number of columns of `mat_texid`.
     ("mjNTEXROLE", "3.2.1 and later"),
+    ("mjOBJ_FLEX", "3.0.0 and later"),
+    ("mjOBJ_PLUGIN", "2.3.0 and later"),
 ];
 
 /// Returns Rust definitions of the constants that are missing in the bindings, and of a function

@@ -414,6 +414,67 @@ int mujoco_sys_historyLength(const mjModel* m) {
 #endif
 }
 
+void mujoco_sys_readCtrl(const mjModel* m, const mjData* d, int id, mjtNum time, int interp, mjtNum* result) {
+#if mjVERSION_HEADER >= 3011000
+  const mjtNum* values = mj_readCtrl(m, d, id, time, result, interp);
+  if (values && values != result) mju_copy(result, values, m->actuator_ctrlnum[id]);
+#elif mjVERSION_HEADER >= 3005000
+  *result = mj_readCtrl(m, d, id, time, interp);
+#else
+  (void)m, (void)time, (void)interp;
+  *result = d->ctrl[id];
+#endif
+}
+
+void mujoco_sys_readSensor(const mjModel* m, const mjData* d, int id, mjtNum time, int interp, mjtNum* result) {
+#if mjVERSION_HEADER >= 3005000
+  const mjtNum* values = mj_readSensor(m, d, id, time, result, interp);
+#else
+  (void)time, (void)interp;
+  const mjtNum* values = d->sensordata + m->sensor_adr[id];
+#endif
+  if (values && values != result) mju_copy(result, values, m->sensor_dim[id]);
+}
+
+void mujoco_sys_resetCtrl(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 3011000
+  mj_resetCtrl(m, d);
+#else
+  mju_zero(d->ctrl, m->nu);
+#endif
+}
+
+const char* mujoco_sys_actuatorInputName(const mjModel* m, int id, int input) {
+#if mjVERSION_HEADER >= 3011000
+  return mj_actuatorInputName(m, id, input);
+#else
+  (void)m, (void)id, (void)input;
+  return NULL;
+#endif
+}
+
+int mujoco_sys_insideSite(const mjModel* m, const mjData* d, int site, const mjtNum point[3]) {
+#if mjVERSION_HEADER >= 3013000
+  return mj_insideSite(m, d, site, point);
+#else
+  (void)m, (void)d, (void)site, (void)point;
+  return -1;
+#endif
+}
+
+mjtNum mujoco_sys_rayFlex(const mjModel* m, const mjData* d, int layer, int vertices, int edges, int faces, int skin,
+                          int flex, const mjtNum pnt[3], const mjtNum vec[3], int* vertex) {
+#if mjVERSION_HEADER >= 3005000
+  return mj_rayFlex(m, d, layer, vertices != 0, edges != 0, faces != 0, skin != 0, flex, pnt, vec, vertex, NULL);
+#elif mjVERSION_HEADER >= 300
+  return mju_rayFlex(m, d, layer, vertices != 0, edges != 0, faces != 0, skin != 0, flex, pnt, vec, vertex);
+#else
+  (void)m, (void)d, (void)layer, (void)vertices, (void)edges, (void)faces, (void)skin;
+  (void)flex, (void)pnt, (void)vec, (void)vertex;
+  return -1;
+#endif
+}
+
 int mujoco_sys_initiallyAsleep(const mjModel* m) {
 #if mjVERSION_HEADER >= 340
   for (int i = 0; i < m->ntree; i++) {

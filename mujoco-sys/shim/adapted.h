@@ -203,6 +203,24 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 mjtNum* mujoco_sys_history(const mjData* d);
 int mujoco_sys_historyLength(const mjModel* m);
 
+// Writes the controls of an actuator, or the reading of a sensor, at a time, from its buffer of
+// delays (mj_readCtrl and mj_readSensor, since 3.5). Without a buffer, the present values.
+void mujoco_sys_readCtrl(const mjModel* m, const mjData* d, int id, mjtNum time, int interp, mjtNum* result);
+void mujoco_sys_readSensor(const mjModel* m, const mjData* d, int id, mjtNum time, int interp, mjtNum* result);
+
+// Sets the controls to their neutral values (mj_resetCtrl, since 3.11), zero before.
+void mujoco_sys_resetCtrl(const mjModel* m, mjData* d);
+
+// Name of an input of an actuator (mj_actuatorInputName, since 3.11), or NULL.
+const char* mujoco_sys_actuatorInputName(const mjModel* m, int id, int input);
+
+// Returns 1 if a point is inside a site (mj_insideSite, since 3.13), else 0; -1 before 3.13.
+int mujoco_sys_insideSite(const mjModel* m, const mjData* d, int site, const mjtNum point[3]);
+
+// Distance at which a ray hits a flex, or -1 (mju_rayFlex since 3.0, mj_rayFlex since 3.5).
+mjtNum mujoco_sys_rayFlex(const mjModel* m, const mjData* d, int layer, int vertices, int edges, int faces, int skin,
+                          int flex, const mjtNum pnt[3], const mjtNum vec[3], int* vertex);
+
 // Root of the first kinematic tree that sleeps initially (sleep="init", since 3.4), or -1.
 int mujoco_sys_initiallyAsleep(const mjModel* m);
 

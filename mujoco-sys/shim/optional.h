@@ -15,21 +15,28 @@
 #pragma weak mju_rotVecMatT
 #pragma weak mjv_makeConnector
 // Added since 2.2.2.
+#pragma weak mj_actuatorInputName
 #pragma weak mj_addBufferVFS
 #pragma weak mj_compile
 #pragma weak mj_deleteSpec
 #pragma weak mj_flex
 #pragma weak mj_freeStack
+#pragma weak mj_insideSite
 #pragma weak mj_island
 #pragma weak mj_loadPluginLibrary
 #pragma weak mj_loadTexture
 #pragma weak mj_makeM
 #pragma weak mj_markStack
 #pragma weak mj_parseXMLString
+#pragma weak mj_rayFlex
+#pragma weak mj_readCtrl
+#pragma weak mj_readSensor
+#pragma weak mj_resetCtrl
 #pragma weak mj_setKeyframe
 #pragma weak mj_stackAllocNum
 #pragma weak mju_mulMatTVec3
 #pragma weak mju_mulMatVec3
+#pragma weak mju_rayFlex
 #pragma weak mjv_connector
 #endif
 

@@ -5,7 +5,7 @@
 //!
 //! Pointers and indices are valid as for the C function or field that the documentation names.
 
-use std::os::raw::c_int;
+use std::os::raw::{c_char, c_int};
 
 use crate::{
     mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvCamera, mjvGLCamera, mjvGeom, mjvLight,
@@ -284,6 +284,29 @@ adapted! {
     mujoco_sys_history = history(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.
     mujoco_sys_historyLength = history_len(m: *const mjModel) -> c_int;
+    /// Writes the controls of an actuator at a time, from its buffer of delays (`mj_readCtrl`,
+    /// since 3.5). Without a buffer, the present controls.
+    mujoco_sys_readCtrl = read_ctrl(
+        m: *const mjModel, d: *const mjData, id: c_int, time: mjtNum, interp: c_int, result: *mut mjtNum,
+    );
+    /// Writes the reading of a sensor at a time, likewise (`mj_readSensor`, since 3.5).
+    mujoco_sys_readSensor = read_sensor(
+        m: *const mjModel, d: *const mjData, id: c_int, time: mjtNum, interp: c_int, result: *mut mjtNum,
+    );
+    /// Sets the controls to their neutral values (`mj_resetCtrl`, since 3.11), zero before.
+    mujoco_sys_resetCtrl = reset_ctrl(m: *const mjModel, d: *mut mjData);
+    /// Returns the name of an input of an actuator (`mj_actuatorInputName`, since 3.11), or null.
+    mujoco_sys_actuatorInputName = actuator_input_name(m: *const mjModel, id: c_int, input: c_int) -> *const c_char;
+    /// Returns 1 if a point is inside a site (`mj_insideSite`, since 3.13), else 0; -1 before 3.13.
+    mujoco_sys_insideSite = inside_site(
+        m: *const mjModel, d: *const mjData, site: c_int, point: *const mjtNum,
+    ) -> c_int;
+    /// Returns the distance at which a ray hits a flex, or -1 (`mju_rayFlex` since 3.0,
+    /// `mj_rayFlex` since 3.5), and writes the nearest vertex.
+    mujoco_sys_rayFlex = ray_flex(
+        m: *const mjModel, d: *const mjData, layer: c_int, vertices: c_int, edges: c_int, faces: c_int, skin: c_int,
+        flex: c_int, point: *const mjtNum, vector: *const mjtNum, vertex: *mut c_int,
+    ) -> mjtNum;
     /// Returns the root of the first kinematic tree that sleeps initially (`mjSLEEP_INIT`, since
     /// 3.4), or -1.
     mujoco_sys_initiallyAsleep = initially_asleep(m: *const mjModel) -> c_int;

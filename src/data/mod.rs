@@ -24,6 +24,7 @@ pub mod pipeline;
 mod rigid_body;
 mod sleep;
 mod warning;
+mod weld;
 
 use std::fmt;
 use std::ptr::NonNull;
@@ -33,7 +34,7 @@ use mujoco_sys::{self as sys, mjData};
 
 use self::active_callbacks::ActiveCallbacks;
 pub(crate) use self::active_callbacks::{EngineCallbacks, OwnCallbacks};
-pub use self::collision::{ContactForce, ContactSide, GeomDistance, RayHit, RayOptions};
+pub use self::collision::{ContactForce, ContactSide, FlexHit, FlexRayOptions, GeomDistance, RayHit, RayOptions};
 pub use self::diagnostics::{SolverIteration, TimerCount};
 // For the analytic linearisation, which is that of 2.2.2.
 #[cfg_attr(engine_since = "2.3.0", allow(unused_imports))]
@@ -56,6 +57,7 @@ with_aliases! {
         NewContact = "mjContact",
     };
     pub use self::diagnostics::{Timer = "mjtTimer"};
+    pub use self::history::{Interpolation = "interp"};
     pub use self::rigid_body::{
         Accelerations = "flg_acc",
         Axes = "flg_local",

@@ -58,6 +58,14 @@ impl Data {
         })
     }
 
+    /// Sets the controls to their neutral values: zero, and the identity for the quaternions that
+    /// are inputs of actuators of the type `orientation` (engines from 3.11).
+    #[doc(alias = "mj_resetCtrl")]
+    pub fn reset_ctrl(&mut self) {
+        // SAFETY: a valid model and a data of it; the function writes `nu` controls.
+        unsafe { mujoco_sys::adapted::reset_ctrl(self.model.as_ptr(), self.raw.as_ptr()) };
+    }
+
     fn reset_with(
         &mut self,
         function: &'static str,

@@ -123,6 +123,47 @@ impl Model {
         start..start + self.state_size(part)
     }
 
+    /// Returns a part of a state vector of `spec`: the components in `part`, in the order of the
+    /// flags.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the state vector has another length than
+    /// [`state_size`](Self::state_size) of `spec`, and [`Error::Invalid`] if `spec` does not
+    /// contain `part`.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, StateSpec, sample};
+    ///
+    /// let data = Data::new(sample::humanoid())?;
+    /// let saved = data.state(StateSpec::INTEGRATION);
+    /// let part = StateSpec::TIME | StateSpec::CTRL;
+    /// assert_eq!(data.model().extract_state(&saved, StateSpec::INTEGRATION, part)?, data.state(part));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_extractState")]
+    pub fn extract_state(&self, state: &[f64], spec: StateSpec, part: StateSpec) -> Result<Vec<f64>> {
+        Error::check_length("state", state.len(), self.state_size(spec))?;
+        if !spec.contains(part) {
+            return Err(Error::out_of_range(
+                "the part of the state",
+                format_args!("{part:?}"),
+                format!("within {spec:?}"),
+            ));
+        }
+        let mut values = Vec::with_capacity(self.state_size(part));
+        let mut rest = state;
+        for_each_component!(spec, PART => {
+            let (component, after) = rest.split_at(self.part_size(PART));
+            if part.contains(PART) {
+                values.extend_from_slice(component);
+            }
+            rest = after;
+        });
+        debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
+        Ok(values)
+    }
+
     #[allow(clippy::inline_always, reason = "the constant component selects one arm")]
     #[inline(always)]
     fn part_size(&self, part: StateSpec) -> usize {
@@ -224,6 +265,36 @@ impl Data {
             self.model().check_history(&state[range])?;
         }
         self.write_state(spec, state);
+        if spec.intersects(StateSpec::QPOS | StateSpec::QVEL) {
+            self.wake();
+        }
+        Ok(())
+    }
+
+    /// Copies the parts of the state that are set in `spec` from another simulation, without
+    /// allocation. Otherwise as [`set_state`](Self::set_state) with the
+    /// [`state`](Self::state) of the other simulation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, StateSpec, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.step_n(10)?;
+    /// let mut twin = Data::new(data.model().clone())?;
+    /// twin.copy_state(&data, StateSpec::INTEGRATION)?;
+    /// data.step()?;
+    /// twin.step()?;
+    /// assert_eq!(twin.physics_state(), data.physics_state()); // bit for bit
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_copyState")]
+    pub fn copy_state(&mut self, other: &Self, spec: StateSpec) -> Result<()> {
+        self.model().relation(other.model()).check("the data to copy the state from")?;
+        for_each_component!(spec, PART => { self.part_mut(PART).copy_from_slice(other.part(PART)) });
         if spec.intersects(StateSpec::QPOS | StateSpec::QVEL) {
             self.wake();
         }

@@ -1,6 +1,9 @@
 //! Views of actuators.
 
+use std::ffi::{CStr, c_int};
 use std::ops::Range;
+
+use mujoco_sys as sys;
 
 use super::tendon::JacobianRow;
 use super::{View, ViewMut};
@@ -104,6 +107,26 @@ fields!(Actuator on Model {
     /// User data.
     user: [f64] = actuator_user, user_mut in actuator_user_mut;
 });
+
+/// # Methods of [`Actuator`](super::Actuator)
+impl<'a> View<'a, Model, kind::Actuator> {
+    /// Returns the name of an input, counted from 0, for example `"position"`. `None` if the type of
+    /// the actuator gives its inputs no names, and with engines before 3.11.
+    ///
+    /// # Panics
+    ///
+    /// If the actuator has no such input: it has as many as [`controls`](Self::controls).
+    #[doc(alias = "mj_actuatorInputName")]
+    pub fn input_name(&self, input: usize) -> Option<&'a str> {
+        let count = self.controls().len();
+        assert!(input < count, "input {input} of {self:?}, which has {count}");
+        let (actuator, input) = (self.index() as c_int, input as c_int);
+        // SAFETY: an actuator of the model and one of its inputs.
+        let name = unsafe { sys::adapted::actuator_input_name(self.owner.as_ptr(), actuator, input) };
+        // SAFETY: NULL, or a constant of the engine that ends with NUL.
+        (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().ok()).flatten()
+    }
+}
 
 fields!(Actuator on Data {
     /// Control: an input; the first one of several.

@@ -1,6 +1,7 @@
 //! Equality constraints, and explicit contact pairs and exclusions.
 
 use super::{View, ViewMut};
+use crate::data::Data;
 use crate::enums::EqualityType;
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, JointId, SiteId, TendonId};
@@ -49,6 +50,13 @@ fields!(Equality on Model {
     /// scale of torques, and with newer engines 1 if the compiler computed the relative pose. Joint
     /// and tendon: the five coefficients of the polynomial.
     data: {&'a [f64; DATA]} = |equality| &equality.owner.eq_data()[equality.index()];
+});
+
+fields!(Equality on Data {
+    /// Returns `true` if the constraint is enforced. Before 3.0 the model has the state, which is
+    /// then the same as [`active`](super::Equality::active).
+    #[doc(alias = "eq_active")]
+    active: {bool} = |equality| equality.owner.active_equalities()[equality.index()] != 0;
 });
 
 /// # Methods of [`EqualityMut`](super::EqualityMut)

@@ -11,7 +11,7 @@ pub(super) fn listing(
     kind: &str,
     index: usize,
     name: Option<&str>,
-    fields: &[(&str, &dyn fmt::Debug)],
+    fields: &[(&str, Box<dyn fmt::Debug + '_>)],
 ) -> fmt::Result {
     let width = fields.iter().map(|(field, _)| field.len()).max().unwrap_or(0).max("index".len()) + 1;
     write!(
@@ -22,7 +22,7 @@ pub(super) fn listing(
         name.map_or("(none)".to_owned(), |name| format!("\"{name}\""))
     )?;
     for (field, value) in fields {
-        write!(f, "\n{:width$} {}", format!("{field}:"), rounded(&truncated(value)))?;
+        write!(f, "\n{:width$} {}", format!("{field}:"), rounded(&truncated(&**value)))?;
     }
     Ok(())
 }

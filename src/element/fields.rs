@@ -330,8 +330,10 @@ macro_rules! fields {
         impl std::fmt::Display for View<'_, $owner, kind::$kind> {
             /// Writes one line per field.
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                let fields: &[(&str, &dyn std::fmt::Debug)] = &[$((stringify!($seen), &self.$seen())),*];
-                $crate::element::display::listing(f, stringify!($kind), self.index(), self.name(), fields)
+                let mut fields: Vec<(&str, Box<dyn std::fmt::Debug + '_>)> =
+                    vec![$((stringify!($seen), Box::new(self.$seen()))),*];
+                fields.extend($crate::element::newer::NewerFields::newer_fields(self));
+                $crate::element::display::listing(f, stringify!($kind), self.index(), self.name(), &fields)
             }
         }
     };

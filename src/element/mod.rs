@@ -64,6 +64,9 @@
 //! | [`light`](Model::light) | [`lights`](Model::lights) | [`Light`] | [`LightData`] | [`LightId`](crate::id::LightId) | light |
 //! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`Tendon`] | [`TendonData`] | [`TendonId`](crate::id::TendonId) | ten |
 //! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`Actuator`] | [`ActuatorData`] | [`ActuatorId`](crate::id::ActuatorId) | actuator |
+//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`Equality`] | [`EqualityData`] | [`EqualityId`](crate::id::EqualityId) | eq |
+//! | [`flex`](Model::flex) | [`flexes`](Model::flexes) | [`Flex`] | [`FlexData`] | [`FlexId`](crate::id::FlexId) | flex |
+//! | [`plugin_instance`](Model::plugin_instance) | [`plugin_instances`](Model::plugin_instances) | [`Plugin`] | [`PluginData`] | [`PluginId`](crate::id::PluginId) | plugin |
 //! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`Sensor`] | [`SensorData`] | [`SensorId`](crate::id::SensorId) | sensor |
 //!
 //! Kinds without time-dependent fields:
@@ -77,11 +80,22 @@
 //! | [`material`](Model::material) | [`materials`](Model::materials) | [`Material`] | [`MaterialId`](crate::id::MaterialId) | mat |
 //! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`Pair`] | [`PairId`](crate::id::PairId) | pair |
 //! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`Exclude`] | [`ExcludeId`](crate::id::ExcludeId) | exclude |
-//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`Equality`] | [`EqualityId`](crate::id::EqualityId) | eq |
 //! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`Numeric`] | [`NumericId`](crate::id::NumericId) | numeric |
 //! | [`text`](Model::text) | [`texts`](Model::texts) | [`Text`] | [`TextId`](crate::id::TextId) | text |
 //! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`Tuple`] | [`TupleId`](crate::id::TupleId) | tuple |
 //! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`Keyframe`] | [`KeyframeId`](crate::id::KeyframeId) | key |
+//!
+//! # Fields of newer engines
+//!
+//! These pages have the fields of MuJoCo 2.2.2. With a newer engine, each view has a method for each
+//! further array with a value or a row for each element, or for each part of an element, such as a
+//! degree of freedom of a joint or a vertex of a flex. The methods are generated from the engine's
+//! table of fields when the crate is compiled. Their names are those of the arrays without the
+//! abbreviation of the kind: `camera.resolution()` is a row of `cam_resolution`, and
+//! `joint.qfrc_damper()` of a simulation a part of `qfrc_damper`. A name that is a word of Rust, or
+//! that a view has already, stays complete: `light.light_type()`. Arrays of floating-point numbers
+//! that safe code may write have setters on the mutable views. `cargo doc` with `MUJOCO_DIR` set
+//! lists the methods, and formatting a view with `{}` their values.
 //!
 //! # Writing to a model
 //!
@@ -114,8 +128,10 @@ mod asset;
 mod attachment;
 mod constraint;
 mod custom;
+mod deformable;
 mod display;
 mod mesh;
+mod newer;
 mod sensor;
 mod tendon;
 mod tendon_path;
@@ -328,10 +344,12 @@ kinds! {
     material, material_mut, materials, "mat" => Material, MaterialMut;
     pair, pair_mut, pairs, "mjOBJ_PAIR" => Pair, PairMut;
     exclude, exclude_mut, excludes, "mjOBJ_EXCLUDE" => Exclude, ExcludeMut;
-    equality, equality_mut, equalities, "eq" => Equality, EqualityMut;
+    equality, equality_mut, equalities, "eq" => Equality, EqualityMut, EqualityData, EqualityDataMut;
     numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut;
     text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut;
     tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut;
+    flex, flex_mut, flexes, "mjOBJ_FLEX" => Flex, FlexMut, FlexData, FlexDataMut;
+    plugin_instance, plugin_instance_mut, plugin_instances, "mjOBJ_PLUGIN" => Plugin, PluginMut, PluginData, PluginDataMut;
 }
 
 /// Returns the range that starts at an element's address. Empty for an element without entries,

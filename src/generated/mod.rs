@@ -20,7 +20,8 @@
 //! [`Data::solver`]: crate::Data::solver
 //!
 //! `restore.rs` copies the editable arrays from one model to another of the same structure, and
-//! clears a simulation. `values.rs` lists the values that are not in arrays.
+//! clears a simulation. `values.rs` lists the values that are not in arrays. `numbers.rs` reads and
+//! writes single numbers of arrays by name.
 //!
 //! Newer engines allocate the arrays of constraints again in each computation. Their accessors are
 //! empty until the engine has written them (`build/arena.rs`).
@@ -37,6 +38,8 @@ mod data;
 mod model;
 #[cfg(not(engine_since = "2.3.0"))]
 mod model_mut;
+#[cfg(not(engine_since = "2.3.0"))]
+mod numbers;
 #[cfg(not(engine_since = "2.3.0"))]
 mod restore;
 #[cfg(not(engine_since = "2.3.0"))]
@@ -60,6 +63,7 @@ generated! {
     data in "data.rs";
     model in "model.rs";
     model_mut in "model_mut.rs";
+    numbers in "numbers.rs";
     restore in "restore.rs";
     values in "values.rs";
 }

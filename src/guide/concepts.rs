@@ -147,7 +147,7 @@
 //!
 //! A view borrows the model or the simulation; an id is a number that borrows nothing. Take ids
 //! outside of a loop, and use views inside. Indices count from 0, as in C. An id records its model,
-//! and panics with any other model except clones. [`element`](crate::element) lists the 21 kinds of
+//! and panics with any other model except clones. [`element`](crate::element) lists the 23 kinds of
 //! elements.
 //!
 //! # Arrays and matrices
@@ -178,7 +178,7 @@
 //! | `actuator_moment` | [`Data::full_moment`](crate::Data::full_moment), [`ActuatorData::moment`](crate::element::ActuatorData) |
 //! | `ten_J` | [`TendonData::J`](crate::element::TendonData) |
 //! | `qM`, `M` | [`Data::full_m`](crate::Data::full_m), [`Data::mul_m_into`](crate::Data::mul_m_into) |
-//! | `eq_active`, `eq_active0` | [`EqualityMut::set_active`](crate::element::EqualityMut) |
+//! | `eq_active`, `eq_active0` | [`EqualityData::active`](crate::element::EqualityData), [`Data::set_equality_active`](crate::Data::set_equality_active) |
 //! | `tex_rgb`, `tex_data` | [`Texture::rgb`](crate::element::Texture) |
 //! | `light_directional`, `light_type` | [`Light::directional`](crate::element::Light) |
 //! | `solver`, `solver_iter` | [`Data::solver`](crate::Data::solver) |
@@ -189,7 +189,9 @@
 //! with every engine, so that they have the same results. `tests/smoke` compares each with the
 //! function of the engine from 3.5.0. Three differ: `mj_multiRay` may return hits beyond its
 //! cutoff, `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot, and
-//! `mj_geomDistance` of 3.5.0 is less precise.
+//! `mj_geomDistance` of 3.5.0 is less precise. A few others call the function of the engine, and
+//! return [`Error::Unsupported`] where it has none, such as
+//! [`Data::inside_site`](crate::Data::inside_site).
 //!
 //! # Units
 //!

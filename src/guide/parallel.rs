@@ -113,8 +113,9 @@
 //!
 //! For domain randomisation, [`Batch::with_parameters`] gives each simulation other values of
 //! chosen [`Parameter`]s of the model: masses with inertia, centres of mass, friction, sizes,
-//! damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are
-//! determined by a seed, the index of the simulation and the number of its episode:
+//! damping, stiffness, armature, gains, gears, gravity, and by [`Parameter::field`] any other
+//! number in the model's arrays. The values come from distributions and are determined by a seed,
+//! the index of the simulation and the number of its episode:
 //!
 //! ```
 //! use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};

@@ -105,6 +105,9 @@
 //! | `mujoco.mj_kinematics(m, d)`, `mujoco.mj_comPos(m, d)` before a Jacobian | [`d.kinematics()?`](Data::kinematics), [`d.com_pos()?`](Data::com_pos); or [`d.fwd_position()?`](Data::fwd_position) |
 //! | `J = np.vstack([jp, jr])` | [`d.jac_site("tip")?.stacked()`](crate::data::Jacobian::stacked) |
 //! | `mujoco.mj_jacSite`, `mujoco.mj_jac`, `mujoco.mj_jacSubtreeCom` | [`jac_site`](Data::jac_site), [`jac`](Data::jac), [`jac_subtree_com`](Data::jac_subtree_com) |
+//! | `mujoco.mj_jacDot(m, d, jp, jr, p, b)` | [`d.jac_dot(p, "torso")?`](Data::jac_dot) |
+//! | `mujoco.mj_copyState`, `mujoco.mj_extractState` | [`d.copy_state(&other, spec)?`](Data::copy_state), [`m.extract_state(&state, spec, part)?`](Model::extract_state) |
+//! | `mujoco.mj_readCtrl`, `mujoco.mj_readSensor` | [`read_ctrl_into`](Data::read_ctrl_into), [`read_sensor_into`](Data::read_sensor_into) |
 //! | `mujoco.mj_fullM(m, M, d.qM)` | [`d.full_m()?`](Data::full_m) |
 //! | `mujoco.mj_mulM`, `mujoco.mj_solveM` | [`mul_m_into`](Data::mul_m_into), [`solve_m_into`](Data::solve_m_into) |
 //! | `mujoco.mj_differentiatePos(m, dq, 1, q1, q2)` | [`m.differentiate_pos_into(1.0, &q1, &q2, &mut dq)?`](Model::differentiate_pos_into) |
@@ -124,7 +127,8 @@
 //! | `m.body('torso').mass *= s`, and its inertia, before a simulation exists | [`m.edit().body_mut("torso")?.scale_mass(s)?`](ModelMut::body_mut), then [`update_constants`](ModelMut::update_constants) |
 //! | `m.geom('floor').friction[0] = f`, `m.dof_damping[3:] *= s` | `m.edit().geom_mut("floor")?.friction_mut()[0] = f`, [`m.edit().dof_damping_mut()[3..]`](ModelMut::dof_damping_mut) |
 //! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)?`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
-//! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))?`](ModelMut::equality_mut) |
+//! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.set_equality_active("grasp", false)?`](Data::set_equality_active) |
+//! | `m.eq_data[i, 3:10] = …` for the present pose, `d.eq_active[i] = 1` | [`d.weld_at_present_pose("grasp")?`](Data::weld_at_present_pose) |
 //! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().with_control(f))`](Data::set_callbacks): one simulation, see the [example with a struct](Data::set_callbacks); often unnecessary: set the controls before `d.step()?`; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
 //! | `mujoco.set_mjcb_control(None)` | `d.set_callbacks(Callbacks::new())` |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.with_initial_states(…).with_controls(…).run()?` |

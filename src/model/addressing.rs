@@ -108,7 +108,8 @@ impl Model {
         ))
     }
 
-    pub(super) fn described(&self, kind: Kind, index: usize) -> String {
+    /// Returns the kind and the name of an element, or its index if it has none.
+    pub(crate) fn described(&self, kind: Kind, index: usize) -> String {
         self.name_at(kind, index).map_or(format!("{kind} {index}"), |name| format!("{kind} '{name}'"))
     }
 }

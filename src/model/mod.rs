@@ -22,6 +22,7 @@ mod engine_features;
 mod engine_limits;
 #[cfg(validates_binaries)]
 mod mjb;
+mod number;
 mod pipeline_features;
 mod position;
 mod relation;
@@ -42,6 +43,7 @@ pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
 pub(crate) use self::load::TEXT;
+pub(crate) use self::number::NumberArray;
 pub(crate) use self::options::FIRST_ABSENT_FLAG;
 #[cfg(feature = "viewer")]
 pub(crate) use self::options::SettingMut;

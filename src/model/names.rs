@@ -22,6 +22,20 @@ impl Model {
         self.nu()
     }
 
+    /// Returns the number of flexes. 0 with engines before 3.0, which have none.
+    #[cfg(not(engine_since = "3.0.0"))]
+    #[inline]
+    pub fn nflex(&self) -> usize {
+        0
+    }
+
+    /// Returns the number of plugin instances. 0 with engines before 2.3, which have none.
+    #[cfg(not(engine_since = "2.3.0"))]
+    #[inline]
+    pub fn nplugin(&self) -> usize {
+        0
+    }
+
     /// Returns the number of elements of a kind.
     #[inline]
     pub fn count(&self, kind: Kind) -> usize {
@@ -47,6 +61,8 @@ impl Model {
             Kind::Text => self.ntext(),
             Kind::Tuple => self.ntuple(),
             Kind::Keyframe => self.nkey(),
+            Kind::Flex => self.nflex(),
+            Kind::Plugin => self.nplugin(),
         }
     }
 

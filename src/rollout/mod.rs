@@ -44,7 +44,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 pub use self::batch::Batch;
-pub use self::parameter::{Distribution, Parameter, Parameters, Random};
+pub use self::parameter::{Distribution, FieldNumber, Parameter, Parameters, Random};
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve_outcomes};
 pub use self::workers::Workers;

@@ -14,6 +14,7 @@ mod disturbances;
 mod edits;
 mod environments;
 mod equality;
+mod field_parameters;
 mod forward;
 mod isolation;
 mod parameters;

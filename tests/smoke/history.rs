@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::data::Interpolation;
 use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::{Batch, Data, Differences, Error, Lineariser, Model, StateSpec, sys};
 
@@ -217,4 +218,96 @@ fn the_state_of_the_engine_has_the_same_buffers() {
     let mut state = vec![0.0; length];
     c!(mj_getState(data.model().as_ptr(), data.as_ptr(), state.as_mut_ptr(), part as _));
     assert_eq!(data.state(StateSpec::HISTORY), state);
+}
+
+#[test]
+fn values_at_earlier_times_are_those_of_the_c_functions_bit_for_bit() {
+    let mut data = Data::new(model()).unwrap();
+    let model = data.model().clone();
+    advance(&mut data, 0..40);
+    data.forward().unwrap();
+    let time = data.time();
+    let orders = [(None, -1), (Some(Interpolation::ZeroOrderHold), 0), (Some(Interpolation::Linear), 1)];
+    for (order, number) in orders.into_iter().chain([(Some(Interpolation::Cubic), 2)]) {
+        for step in -4..40 {
+            let time = time - 0.0013 * f64::from(step);
+            for actuator in 0..model.nactuator() {
+                // The C functions take -1 for the interpolation of the element.
+                let (mut ours, mut theirs) = ([f64::NAN], [f64::NAN]);
+                data.read_ctrl_into(actuator, time, order, &mut ours).unwrap();
+                let (m, d, id) = (model.as_ptr(), data.as_ptr(), actuator as i32);
+                #[cfg(engine_since = "3.11.0")]
+                {
+                    let at = c!(mj_readCtrl(m, d, id, time, theirs.as_mut_ptr(), number));
+                    // SAFETY: NULL or a control.
+                    theirs = unsafe { at.as_ref() }.map_or(theirs, |value| [*value]);
+                }
+                #[cfg(not(engine_since = "3.11.0"))]
+                {
+                    theirs = [c!(mj_readCtrl(m, d, id, time, number))];
+                }
+                assert_eq!(ours, theirs, "actuator {actuator}, {time}, {order:?}");
+            }
+            for sensor in model.sensors() {
+                let (mut ours, mut theirs) = (vec![f64::NAN; sensor.dim()], vec![f64::NAN; sensor.dim()]);
+                data.read_sensor_into(sensor, time, order, &mut ours).unwrap();
+                let (m, d, id) = (model.as_ptr(), data.as_ptr(), sensor.index() as i32);
+                let at = c!(mj_readSensor(m, d, id, time, theirs.as_mut_ptr(), number));
+                if !at.is_null() {
+                    theirs = array(at, sensor.dim()).to_vec();
+                }
+                assert_eq!(ours, theirs, "sensor {sensor:?}, {time}, {order:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn buffers_are_filled_as_by_the_c_functions() {
+    let mut data = Data::new(model()).unwrap();
+    advance(&mut data, 0..7);
+    let model = data.model().clone();
+    let raw = Raw(c!(mj_copyData(std::ptr::null_mut(), model.as_ptr(), data.as_ptr())));
+    let times = [-0.05, -0.04, -0.02, 0.0, 0.01, 0.3];
+    let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+    data.init_ctrl_history("delayed", &times, &values).unwrap();
+    data.init_sensor_history("late", &times, &values, 0.25).unwrap();
+    let late = model.sensor("late").unwrap().index() as i32;
+    c!(mj_initCtrlHistory(model.as_ptr(), raw.0, 0, times.as_ptr(), values.as_ptr()));
+    c!(mj_initSensorHistory(model.as_ptr(), raw.0, late, times.as_ptr(), values.as_ptr(), 0.25));
+    // SAFETY: a pointer of a living data.
+    let theirs = array(unsafe { (*raw.0).history }, data.history().len());
+    assert_eq!(data.history(), theirs);
+    assert!(matches!(data.init_ctrl_history("delayed", &times[1..], &values), Err(Error::Shape { .. })));
+    assert!(matches!(data.init_ctrl_history("delayed", &times, &values[1..]), Err(Error::Shape { .. })));
+    let error = data.init_ctrl_history("delayed", &values.map(|value| -value), &values).unwrap_err();
+    assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    assert_eq!(data.history(), theirs);
+}
+
+#[test]
+fn buffers_with_hostile_times_are_read_within_their_memory() {
+    let mut data = Data::new(model()).unwrap();
+    advance(&mut data, 0..9);
+    data.forward().unwrap();
+    let mut history = data.state(StateSpec::HISTORY);
+    for hostile in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.0] {
+        for place in 0..history.len() {
+            let before = std::mem::replace(&mut history[place], hostile);
+            // Invalid cursors are rejected.
+            if data.set_state(StateSpec::HISTORY, &history).is_ok() {
+                for order in [Interpolation::ZeroOrderHold, Interpolation::Linear, Interpolation::Cubic] {
+                    for time in [-1.0, 0.003, 0.013, 1e300, f64::INFINITY] {
+                        for actuator in 0..data.model().nactuator() {
+                            data.read_ctrl_into(actuator, time, Some(order), &mut [0.0]).unwrap();
+                        }
+                        for sensor in data.model().sensors() {
+                            data.read_sensor_into(sensor, time, Some(order), &mut vec![0.0; sensor.dim()]).unwrap();
+                        }
+                    }
+                }
+            }
+            history[place] = before;
+        }
+    }
 }

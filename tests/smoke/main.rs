@@ -52,10 +52,13 @@ mod copies;
 mod engine_functions;
 #[cfg(engine_since = "3.0.0")]
 mod flex;
+mod grasp;
 #[cfg(engine_since = "3.5.0")]
 mod history;
 mod mesh;
 mod newer;
+mod newer_fields;
+mod newer_functions;
 mod platforms;
 // Before, texts name plugins by another element.
 #[cfg(engine_since = "2.3.3")]

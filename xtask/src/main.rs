@@ -32,6 +32,8 @@ mod headers;
 mod lint;
 #[path = "../../build/notes.rs"]
 mod notes;
+#[path = "../../build/numbers.rs"]
+mod numbers;
 #[path = "../../build/writable.rs"]
 mod writable;
 

@@ -218,6 +218,29 @@ impl Data {
         Ok((xpos, xmat))
     }
 
+    /// Returns `true` if a point, in metres and in the world frame, is inside a site: in a sphere,
+    /// capsule, cylinder, ellipsoid or box, or in the convex hull of a mesh.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`]
+    /// before [`kinematics`](Self::kinematics), and [`Error::Unsupported`] with engines before
+    /// 3.13.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    #[doc(alias = "mj_insideSite")]
+    pub fn inside_site(&self, site: impl IntoId<kind::Site>, point: [f64; 3]) -> Result<bool> {
+        let site = site.id_in(&**self.model())?.index() as c_int;
+        self.check_parts("inside_site", PipelineFlags::KINEMATICS)?;
+        // SAFETY: a site of this model, whose pose was computed, and a vector of three elements.
+        match unsafe { sys::adapted::inside_site(self.model().as_ptr(), self.as_ptr(), site, point.as_ptr()) } {
+            -1 => Err(Error::lacks("mj_insideSite", "3.13.0 and later")),
+            inside => Ok(inside != 0),
+        }
+    }
+
     /// Returns the engine's type and index of an object.
     ///
     /// # Panics

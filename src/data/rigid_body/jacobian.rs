@@ -400,7 +400,7 @@ impl Data {
     }
 
     /// Returns the last degree of freedom that moves a body. The others are its ancestors.
-    fn last_dof(&self, mut body: usize) -> Option<usize> {
+    pub(super) fn last_dof(&self, mut body: usize) -> Option<usize> {
         let model = self.model();
         while body > 0 {
             let count = model.body_dofnum()[body];

@@ -3,6 +3,7 @@
 mod frame;
 mod inertia;
 mod jacobian;
+mod jacobian_dot;
 mod moment;
 
 pub use self::frame::{Axes, FrameId, SpatialVector};

@@ -2,7 +2,7 @@
 
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
-use crate::id::{ActuatorId, BodyId, GeomId, JointId};
+use crate::id::{ActuatorId, BodyId, GeomId, JointId, Lineage};
 use crate::kind::Kind;
 use crate::model::{Model, ModelMut};
 
@@ -62,6 +62,20 @@ pub enum Parameter {
     /// constants.
     #[doc(alias = "actuator_gear")]
     ActuatorGear(ActuatorId),
+    /// Number in any array of the model that a program can choose: see [`Parameter::field`].
+    /// Finite.
+    Field(FieldNumber),
+}
+
+/// Number in an array of the model: see [`Parameter::field`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FieldNumber {
+    array: &'static str,
+    row: usize,
+    column: usize,
+    /// `true` if other quantities are derived from the number.
+    has_derived: bool,
+    lineage: Lineage,
 }
 
 /// Set of valid values.
@@ -95,13 +109,63 @@ impl Valid {
 }
 
 impl Parameter {
+    /// Returns the parameter for a number in an array of the model, by the engine's name of the
+    /// array, the row and the column: [`Parameters`](super::Parameters) then gives it another value
+    /// in each simulation. The row is the index of the element, or of a part of an element, such as a
+    /// degree of freedom in `dof_damping`. The column is 0 in an array with one number in each row.
+    ///
+    /// All arrays of floating-point numbers are parameters that [`ModelMut`](crate::ModelMut) has
+    /// for writing, except those that other arrays determine, such as `body_subtreemass`: limits
+    /// (`jnt_range`, `tendon_range`), springs of tendons, parameters of pairs and equality
+    /// constraints, poses of bodies, sites, cameras and lights, `cam_fovy`, colours (`geom_rgba`,
+    /// `light_diffuse`) and others. Values of arrays of `f32` are rounded.
+    ///
+    /// A value is that of the array: no other number changes with it, except the derived quantities
+    /// that the documentation of the array's accessor lists, such as
+    /// [`body_pos_mut`](crate::ModelMut::body_pos_mut). Those that it lists as not updated stay, for
+    /// example the mass of a body with another `geom_size`. A quaternion has four parameters, which
+    /// the caller normalises. The values are not checked further: a negative damping is valid.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] with the reason for a field
+    /// that cannot be a parameter, and [`Error::Invalid`] for a row or a column outside of the array.
+    ///
+    /// ```
+    /// use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
+    /// use mujoco_safe::sample;
+    ///
+    /// // Cart-poles with other limits of the cart, and other colours of the pole.
+    /// let model = sample::cartpole();
+    /// let limit = Parameter::field(&model, "jnt_range", model.joint("slider")?.index(), 1)?;
+    /// let green = Parameter::field(&model, "geom_rgba", model.geom("pole")?.index(), 1)?;
+    /// let parameters = Parameters::new()
+    ///     .with(&model, limit, Distribution::Uniform { low: 0.5, high: 2.0 })?
+    ///     .with(&model, green, Distribution::Uniform { low: 0.0, high: 1.0 })?;
+    /// assert_eq!(parameters.names().next(), Some("jnt_range[1] of joint 'slider'"));
+    /// let mut batch = Batch::new(model, 8)?.with_parameters(parameters)?;
+    /// batch.sample_parameters(|_| true, 42)?;
+    /// let drawn = batch.parameters()[(3, 0)];
+    /// assert_eq!(batch.data(3)?.joint("slider")?.in_model().range()[1], drawn);
+    ///
+    /// let error = Parameter::field(batch.model(), "body_parentid", 1, 0).unwrap_err();
+    /// assert!(error.to_string().contains("memory accesses"));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn field(model: &Model, array: &str, row: usize, column: usize) -> Result<Self> {
+        let found = model.find_number(array, row, column)?;
+        let (array, has_derived, lineage) = (found.name, found.has_derived, model.lineage());
+        Ok(Self::Field(FieldNumber { array, row, column, has_derived, lineage }))
+    }
+
     pub(super) fn valid(self) -> Valid {
         match self {
             Self::Gravity(_)
             | Self::CentreOfMass(..)
             | Self::ActuatorGain(..)
             | Self::ActuatorBias(..)
-            | Self::ActuatorGear(_) => Valid::Finite,
+            | Self::ActuatorGear(_)
+            | Self::Field(_) => Valid::Finite,
             Self::JointStiffness(_)
             | Self::JointDamping(_)
             | Self::JointFrictionLoss(_)
@@ -127,6 +191,7 @@ impl Parameter {
             | Self::GeomFriction(..)
             | Self::ActuatorGain(..)
             | Self::ActuatorBias(..) => false,
+            Self::Field(number) => number.has_derived,
         }
     }
 
@@ -137,11 +202,15 @@ impl Parameter {
     ///
     /// If the element belongs to another model.
     pub(super) fn name(self, model: &Model) -> Result<String> {
+        if let Self::Field(FieldNumber { array, row, column, lineage, .. }) = self {
+            assert!(lineage == model.lineage(), "the parameter {array}[{row}] belongs to another model");
+            return Ok(model.find_number(array, row, column)?.described(model, row, column));
+        }
         let element = self.element(model).map_or(String::new(), |(kind, index)| match model.name_at(kind, index) {
             Some(name) => format!(" of {kind} '{name}'"),
             None => format!(" of {kind} {index}"),
         });
-        let (field, component) = self.field();
+        let (field, component) = self.field_name();
         let Some(component) = component else { return Ok(format!("{field}{element}")) };
         match self.components(model) {
             0 => Err(Error::Unsupported(format!(
@@ -157,7 +226,7 @@ impl Parameter {
     }
 
     /// Returns the name of the field, and the component if there are several.
-    fn field(self) -> (&'static str, Option<usize>) {
+    fn field_name(self) -> (&'static str, Option<usize>) {
         match self {
             Self::Gravity(axis) => ("gravity", Some(axis)),
             Self::MassFactor(_) => ("factor of the mass", None),
@@ -171,12 +240,13 @@ impl Parameter {
             Self::ActuatorGain(_, component) => ("actuator_gainprm", Some(component)),
             Self::ActuatorBias(_, component) => ("actuator_biasprm", Some(component)),
             Self::ActuatorGear(_) => ("actuator_gear[0]", None),
+            Self::Field(number) => (number.array, None),
         }
     }
 
     fn element(self, model: &Model) -> Option<(Kind, usize)> {
         Some(match self {
-            Self::Gravity(_) => return None,
+            Self::Gravity(_) | Self::Field(_) => return None,
             Self::MassFactor(body) | Self::CentreOfMass(body, _) => (Kind::Body, model.body(body).id().index()),
             Self::JointStiffness(joint)
             | Self::JointDamping(joint)
@@ -219,6 +289,7 @@ impl Parameter {
             Self::ActuatorGain(actuator, at) => model.actuator_gainprm()[actuator.index()][at],
             Self::ActuatorBias(actuator, at) => model.actuator_biasprm()[actuator.index()][at],
             Self::ActuatorGear(actuator) => model.actuator_gear()[model.first_output(actuator.index())][0],
+            Self::Field(FieldNumber { array, row, column, .. }) => model.number(array, row, column),
         }
     }
 
@@ -241,6 +312,7 @@ impl Parameter {
             Self::ActuatorGain(actuator, at) => copy.actuator_gainprm_mut()[actuator.index()][at] = value,
             Self::ActuatorBias(actuator, at) => copy.actuator_biasprm_mut()[actuator.index()][at] = value,
             Self::ActuatorGear(actuator) => copy.actuator_gear_mut()[model.first_output(actuator.index())][0] = value,
+            Self::Field(FieldNumber { array, row, column, .. }) => copy.set_number(array, row, column, value),
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 mod field;
 mod random;
 
-pub use self::field::Parameter;
+pub use self::field::{FieldNumber, Parameter};
 pub use self::random::{Distribution, Random};
 use crate::error::{Error, InvalidKind, Result};
 use crate::model::{Model, ModelMut};

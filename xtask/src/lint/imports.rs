@@ -11,7 +11,7 @@ use super::{read, sources};
 /// Known cycles: two of their files, and the number of files. A simulation belongs to a model, and
 /// a load simulates muscles to find their ranges of lengths. Renderers share the pipelines that a
 /// device keeps, whose creation needs the device.
-const KNOWN: [([&str; 2], usize); 2] = [(["data", "model"], 17), (["render/gpu", "render/pass/pipeline"], 15)];
+const KNOWN: [([&str; 2], usize); 2] = [(["data", "model"], 18), (["render/gpu", "render/pass/pipeline"], 15)];
 
 /// Path of a module in the crate.
 type Module = Vec<String>;

@@ -1,0 +1,23 @@
+//! Fields of the views that 2.2.2 does not have. The build script generates them from the table of
+//! fields of the linked engine: `build/views.rs`.
+
+#![allow(non_snake_case, reason = "the engine's own spelling, which users search for")]
+#![allow(unused_braces, reason = "a constant as a number of columns")]
+
+use std::fmt::Debug;
+
+#[allow(unused_imports, reason = "2.2.2 has no newer fields")]
+use super::{Owner, View, ViewMut, range};
+use crate::data::Data;
+use crate::kind;
+use crate::model::Model;
+#[allow(unused_imports, reason = "as above")]
+use crate::model::ModelMut;
+
+/// Fields for the `Display` output of a view.
+pub(super) trait NewerFields<'a> {
+    /// Returns the names and the values.
+    fn newer_fields(&self) -> Vec<(&'static str, Box<dyn Debug + 'a>)>;
+}
+
+include!(concat!(env!("OUT_DIR"), "/views.rs"));
