@@ -52,6 +52,8 @@ mod compile;
 mod control;
 mod element;
 mod element_id;
+mod keyframes;
+mod layout;
 mod lineages;
 mod names;
 mod paths;
@@ -178,6 +180,7 @@ impl Spec {
     fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
+        keyframes::remember_all(&mut tree);
         Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new() }
     }
 

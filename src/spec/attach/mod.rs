@@ -2,14 +2,17 @@
 
 mod angles;
 mod classes;
+mod initial;
 mod pose;
 mod positions;
 mod settings;
 mod units;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-pub(super) use self::classes::{heirs, inseparable, separate_own};
+pub(super) use self::classes::{defaults_of, effective, heirs, inseparable, separate_own};
+pub(super) use self::initial::Defaults;
 pub(super) use self::positions::resolved;
 use self::units::Angles;
 use super::attributes::Named;
@@ -18,7 +21,7 @@ use super::names::{self, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
 use super::value::Value;
-use super::{Spec, attributes, paths};
+use super::{Spec, attributes, keyframes, paths};
 use crate::error::{Error, InvalidKind, Result};
 use crate::kind::{self, Kind};
 use crate::math::{self, Pose};
@@ -65,8 +68,19 @@ impl Mount {
 }
 
 /// Sections whose elements are copied. The order does not matter to the compiler.
-const COPIED: [&str; 10] =
-    ["default", "extension", "custom", "asset", "contact", "equality", "tendon", "actuator", "sensor", "deformable"];
+const COPIED: [&str; 11] = [
+    "default",
+    "extension",
+    "custom",
+    "asset",
+    "contact",
+    "equality",
+    "tendon",
+    "actuator",
+    "sensor",
+    "deformable",
+    "keyframe",
+];
 
 /// # Attachment
 impl Spec {
@@ -160,9 +174,10 @@ impl Spec {
         let elements: Vec<Index> = worlds.into_iter().flat_map(|world| child.children(world).to_vec()).collect();
         let mut bodies = Vec::new();
         let mut attached = self.attached.clone();
+        let mut copies = HashMap::new();
         for element in elements {
             let element = pose::moved(&mut child, element, &pose, &angles)?;
-            let copy = tree.copy(&child, element, body);
+            let copy = tree.copy_into(&child, element, body, &mut copies);
             attached.insert(copy);
             if tree.tag(copy) == "body" {
                 bodies.push(self.id(copy));
@@ -172,7 +187,9 @@ impl Spec {
             let elements = child.sections(section).flat_map(|index| child.children(index)).copied();
             for element in elements {
                 let section = tree.section(section);
-                attached.insert(tree.copy(&child, element, section));
+                let copy = tree.copy_into(&child, element, section, &mut copies);
+                keyframes::map_owners(&mut tree, copy, &copies);
+                attached.insert(copy);
             }
         }
         self.tree = tree;
@@ -344,7 +361,7 @@ fn add_prefix(child: &mut Tree, prefix: &str, body: &str) {
 fn shared_name(tree: &Tree, child: &Tree) -> Option<(Named, String)> {
     let all = |tree: &Tree| {
         let elements = tree.descendants(Tree::ROOT).into_iter();
-        let named = elements.filter(|&index| tree.tag(index) != "worldbody" && tree.tag(index) != "key");
+        let named = elements.filter(|&index| tree.tag(index) != "worldbody");
         let named = named.filter(|&index| !(tree.tag(index) == "default" && tree.parent(index) == Some(Tree::ROOT)));
         let named = named.filter_map(|index| Some((names::named(tree, index)?, names::name(tree, index)?.to_owned())));
         named.collect::<Vec<_>>()

@@ -57,6 +57,7 @@ fn attaching_equals_the_joined_text() {
            <equality><weld body1='left_hand' body2='stand' anchor='0 0 2'/></equality>
            <actuator><motor name='left_torque' joint='left_hinge'/></actuator>
            <sensor><framepos objtype='site' objname='left_tip' reftype='body' refname='left_arm'/></sensor>
+           <keyframe><key qpos='0 0 0 1 0 0 0 1'/></keyframe>
          </mujoco>",
     );
 }

@@ -10,6 +10,8 @@ mod editing;
 mod engine_spec;
 mod generated;
 mod kept;
+mod keyframes;
+mod keyframes_generated;
 mod moved;
 mod names;
 mod operations;
