@@ -54,6 +54,7 @@ mod element;
 mod element_id;
 mod keyframes;
 mod layout;
+mod lenient;
 mod lineages;
 mod names;
 mod paths;

@@ -2,6 +2,7 @@
 
 mod angles;
 mod classes;
+mod inertia;
 mod initial;
 mod pose;
 mod positions;

@@ -19,6 +19,7 @@ mod oracle;
 mod random;
 mod reading;
 mod removal;
+mod settings;
 mod text;
 
 use mujoco_safe::Model;
