@@ -144,13 +144,16 @@ fn join(tree: &Tree, key: Index, attribute: &str, owners: &[Entry], present: &[E
     let mut at = 0;
     let mut is_rest_placed = rest.is_empty() || !unknown.iter().any(|entry| present.contains(entry));
     let stop = loop {
-        let Some(entry) = present.get(at) else { return Ok(Some(joined)) };
+        let Some(entry) = present.get(at) else { break None };
         if !rest.is_empty() && present[at..].starts_with(unknown) {
             joined.extend_from_slice(rest);
             is_rest_placed = true;
             at += unknown.len();
             // The number of values in the rest is not known.
             break unknown.first();
+        }
+        if entry.width.is_none() {
+            break Some(entry);
         }
         let given = value(entry).unwrap_or_default();
         joined.extend_from_slice(given);
@@ -163,7 +166,8 @@ fn join(tree: &Tree, key: Index, attribute: &str, owners: &[Entry], present: &[E
     // The compiler adds the default values of the other elements.
     let is_lost = present[at..].iter().any(|entry| value(entry).is_some_and(|given| !given.is_empty()));
     if is_lost || !is_rest_placed {
-        let element = stop.map_or(String::new(), |entry| names::describe(tree, entry.index));
+        let element = stop.or(unknown.first()).filter(|entry| tree.contains(entry.index));
+        let element = element.map_or("a removed element".to_owned(), |entry| names::describe(tree, entry.index));
         let found =
             format!("values that cannot be placed: the number or the defaults of those of {element} are not known");
         return invalid(found, "values that are set after all changes of the elements");

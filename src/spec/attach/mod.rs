@@ -99,18 +99,25 @@ impl Spec {
     /// class of their own, which its elements get, also those that are added later.
     ///
     /// References to the world become references to the body, and anchors of constraints in the
-    /// world move with the pose. Options, statistics, visualiser settings, sizes and keyframes of
-    /// the other spec are not copied. The settings of `compiler` that concern the model as a whole,
+    /// world move with the pose. Keyframes are copied, and the values of each follow their elements
+    /// (see [the module](super#keyframes)): those of the elements of the other spec are the values
+    /// without a keyframe. A free joint keeps its values, which are in the frame of the world.
+    /// Options, statistics, visualiser settings and sizes of the other spec are not copied. The settings of `compiler` that concern the model as a whole,
     /// such as `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
     ///
-    /// The settings of `compiler` that concern inertia and meshes must agree, such as
-    /// `balanceinertia` and `fitaabb`. A spec without bodies and meshes takes these settings from
-    /// the first spec that is attached.
+    /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
+    /// without bodies, or without meshes, takes them from the first spec that is attached. The
+    /// bodies of other specs keep the mass and inertia of their own settings if a text can express
+    /// them: with `<inertial>` and `diaginertia` in all bodies under another `inertiafromgeom`
+    /// (except `true` of this spec), `inertiagrouprange`, `boundmass`, `boundinertia` or
+    /// `balanceinertia`, and with any bodies if theirs is `inertiafromgeom="true"` and this spec's
+    /// `auto`. A spec without meshes may differ in the settings of meshes, one without free joints
+    /// in `alignfree`. All else is an error, which names the setting.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings
-    /// differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
+    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, also that of a
+    /// keyframe, if the bodies depend on settings that differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
     /// element cannot be moved to the pose, or has an attribute that only engines newer than the
     /// supported ones have, or for a prefix and a skin whose file names bodies. The pose must be
     /// the pose of the body for elements that refer to the frame of the world: vertices of flexes,

@@ -109,3 +109,83 @@ fn keyframes_of_attached_specs_are_kept_with_the_prefix() {
     key(&model, "a_home", &[0.1, 0.2, 0.0, 0.0], &[0.3, 0.4, 0.0, 0.0], &[0.5, 0.6, 0.0, 0.0]);
     key(&model, "b_home", &[0.0, 0.0, 0.1, 0.2], &[0.0, 0.0, 0.3, 0.4], &[0.0, 0.0, 0.5, 0.6]);
 }
+
+/// Elements whose number of values only the compiler knows: composites and flexes.
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn values_beside_elements_of_unknown_size_are_placed_or_an_error() {
+    let cloth = "<flexcomp name='f' type='grid' count='3 3 1' spacing='.1 .1 .1' mass='1' radius='.01'/>";
+    // Newer compilers pad the values of the cloth.
+    let mut spec = parse(TWO);
+    let world = spec.world();
+    spec.edit(world).add("flexcomp").unwrap();
+    let mut spec = parse(&spec.to_xml().replace("<flexcomp/>", cloth));
+    let model = spec.compile().unwrap();
+    assert_eq!(model.key_qpos().row(0)[..3], [0.1, 0.2, 0.0]);
+
+    // Its values belong together, and those before it follow their elements.
+    let qpos: Vec<f64> = (0..model.nq()).map(|number| number as f64).collect();
+    spec.keyframe_mut("home").unwrap().set_qpos(&qpos);
+    remove_first(&mut spec);
+    assert_eq!(spec.compile().unwrap().key_qpos().row(0), &qpos[1..]);
+    let mut outer = parse("<mujoco><worldbody><body><joint/><geom size='.1'/></body></worldbody></mujoco>");
+    let mount = Mount::body(outer.world());
+    outer.attach(&spec, mount, "c_").unwrap();
+    assert_eq!(outer.compile().unwrap().key_qpos().row(0), [&[0.0], &qpos[1..]].concat());
+    add_hinge(&mut outer, "last");
+    assert_eq!(outer.compile().unwrap().key_qpos().row(0), [&[0.0], &qpos[1..], &[0.0]].concat());
+
+    // A cloth before an element with values.
+    let mut spec = parse(TWO);
+    let body = spec.body("b1").unwrap().id();
+    spec.edit(body).add("flexcomp").unwrap().set_name("f").set("count", [3, 3, 1]).unwrap();
+    let error = spec.compile().unwrap_err().to_string();
+    assert!(error.contains("flexcomp 'f'") && error.contains("'qpos' of key 'home'"), "{error}");
+    assert!(spec.keyframe("home").unwrap().numbers("qpos").is_err());
+    assert!(Model::from_xml_str(&spec.to_xml()).is_err());
+    spec.keyframe_mut("home").unwrap().unset("qpos");
+    assert!(spec.compile().unwrap_err().to_string().contains("'qvel' of key 'home'"));
+}
+
+/// The copies of an element have values each.
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn values_follow_the_copies_of_elements() {
+    let mut spec = parse(
+        "<mujoco><worldbody><body name='a'><joint/><geom size='.1'/></body>
+           <replicate count='2' sep='_'><body name='b'><joint name='j'/><geom size='.1'/></body>
+             <body name='c'><joint name='k' type='slide'/><geom size='.1'/></body></replicate>
+           <body name='d'><joint/><geom size='.1'/></body></worldbody>
+         <keyframe><key name='home' qpos='1 2 3 4 5 6' qvel='1 2 3 4 5 6'/></keyframe></mujoco>",
+    );
+    let first = spec.body("a").unwrap().id();
+    spec.remove(first).unwrap();
+    key(&spec.compile().unwrap(), "home", &[2.0, 3.0, 4.0, 5.0, 6.0], &[2.0, 3.0, 4.0, 5.0, 6.0], &[]);
+    let copied = spec.body("b").unwrap().id();
+    let replicate = spec.element(copied).parent().unwrap();
+    spec.edit(replicate).set("count", 3).unwrap();
+    let expected = [2.0, 3.0, 4.0, 5.0, 0.0, 0.0, 6.0];
+    key(&spec.compile().unwrap(), "home", &expected, &expected, &[]);
+    spec.remove(copied).unwrap();
+    key(&spec.compile().unwrap(), "home", &[3.0, 5.0, 0.0, 6.0], &[3.0, 5.0, 0.0, 6.0], &[]);
+}
+
+/// These have two and three controls.
+#[cfg(engine_since = "4.0.0")]
+#[test]
+fn actuators_of_unknown_size_end_the_known_controls() {
+    let text = TWO
+        .replace("<motor name='m2'", "<pid name='p' joint='j1'/><motor name='m2'")
+        .replace("ctrl='.5 .6'", "ctrl='.5 .1 .2 .6'");
+    let mut spec = parse(&text);
+    add_hinge(&mut spec, "j3");
+    let model = spec.compile().unwrap();
+    key(&model, "home", &[0.1, 0.2, 0.0], &[0.3, 0.4, 0.0], &[0.5, 0.1, 0.2, 0.6, 0.0]);
+    let first = spec.actuator("m1").unwrap().id();
+    spec.remove(first).unwrap();
+    key(&spec.compile().unwrap(), "home", &[0.1, 0.2, 0.0], &[0.3, 0.4, 0.0], &[0.1, 0.2, 0.6, 0.0]);
+    let pid = spec.actuator("p").unwrap().id();
+    spec.remove(pid).unwrap();
+    let error = spec.compile().unwrap_err().to_string();
+    assert!(error.contains("'ctrl' of key 'home'"), "{error}");
+}
