@@ -64,7 +64,8 @@ impl<'s, K> Element<'s, K> {
         self.spec.tree.node(self.index).attributes.iter().map(|(name, value)| (&name[..], &value[..]))
     }
 
-    /// Returns the numbers in an attribute, or `None` if the element does not have it. The values of
+    /// Returns the numbers in an attribute, or `None` if the element does not have it. The values
+    /// of
     /// a keyframe are those of the present elements, as [`Spec::compile`] places them.
     ///
     /// # Errors

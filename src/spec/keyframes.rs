@@ -9,9 +9,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::attach::Defaults;
-use super::layout::{self, Entry, VECTORS};
+use super::layout::{self, VECTORS};
 use super::names;
-use super::tree::{Index, Tree};
+use super::tree::{Entry, Index, Tree};
 use super::value::{self, Value};
 use crate::error::{Error, InvalidKind, Result};
 
@@ -121,11 +121,11 @@ fn join(tree: &Tree, key: Index, attribute: &str, owners: &[Entry], present: &[E
     let (known, unknown) =
         owners.split_at(owners.iter().position(|entry| entry.width.is_none()).unwrap_or(owners.len()));
     let mut start = 0;
-    let mut values: HashMap<(Index, &[usize]), (usize, &[f64])> = HashMap::new();
+    let mut values = HashMap::new();
     for entry in known {
         let width = entry.width.unwrap_or_default();
         let [from, to] = [start, start + width].map(|end| end.min(numbers.len()));
-        values.insert((entry.index, &entry.copies), (width, &numbers[from..to]));
+        values.insert((entry.index, &entry.copies[..]), (width, &numbers[from..to]));
         start += width;
     }
     // The values that belong to these together.

@@ -2,21 +2,11 @@
 
 use super::attach::effective;
 use super::names;
-use super::tree::{Index, Tree};
+use super::tree::{Entry, Index, Tree};
 use crate::kind::Kind;
 
 /// Attributes of a keyframe with the values of all elements of a kind.
 pub(super) const VECTORS: [&str; 6] = ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"];
-
-/// Element with values in a vector.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
-    pub(super) index: Index,
-    /// Number of the copy that each `replicate` around the element makes, from the outside.
-    pub(super) copies: Vec<usize>,
-    /// Number of values, `None` if only the compiler knows it.
-    pub(super) width: Option<usize>,
-}
 
 /// Number of elements and copies beyond which the layout is not known.
 const MOST: usize = 1_000_000;
@@ -109,7 +99,7 @@ fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
         match (tree.tag(body), vector) {
             ("body", "mpos") if is_mocap => entries.push(Entry { index: body, copies: copies.clone(), width: Some(3) }),
             ("body", "mquat") if is_mocap => {
-                entries.push(Entry { index: body, copies: copies.clone(), width: Some(4) })
+                entries.push(Entry { index: body, copies: copies.clone(), width: Some(4) });
             }
             ("body" | "worldbody", _) => {}
             ("composite" | "flexcomp", "mpos" | "mquat") => continue,

@@ -3,8 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::layout::Entry;
-
 /// Index of an element in a [`Tree`]. The index of a removed element is not used again.
 pub(super) type Index = u32;
 
@@ -17,6 +15,16 @@ pub(super) struct Position {
     pub(super) angle: String,
     /// Value of the attribute if it is a length.
     pub(super) length: String,
+}
+
+/// Element with values in a vector of a keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) index: Index,
+    /// Number of the copy that each `replicate` around the element makes, from the outside.
+    pub(super) copies: Vec<usize>,
+    /// Number of values, `None` if only the compiler knows it.
+    pub(super) width: Option<usize>,
 }
 
 /// Element of MJCF: a tag, attributes in the order of the text, and elements in it.

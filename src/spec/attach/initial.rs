@@ -1,7 +1,7 @@
 //! Values of elements in the initial configuration.
 
-use super::super::layout::{Entry, joint_type};
-use super::super::tree::{Index, Tree};
+use super::super::layout::joint_type;
+use super::super::tree::{Entry, Index, Tree};
 use super::super::{paths, value};
 use super::units::Angles;
 use super::{classes, pose};

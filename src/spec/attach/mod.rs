@@ -102,7 +102,8 @@ impl Spec {
     /// world move with the pose. Keyframes are copied, and the values of each follow their elements
     /// (see [the module](super#keyframes)): those of the elements of the other spec are the values
     /// without a keyframe. A free joint keeps its values, which are in the frame of the world.
-    /// Options, statistics, visualiser settings and sizes of the other spec are not copied. The settings of `compiler` that concern the model as a whole,
+    /// Options, statistics, visualiser settings and sizes of the other spec are not copied. The
+    /// settings of `compiler` that concern the model as a whole,
     /// such as `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
     ///
     /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
@@ -117,7 +118,8 @@ impl Spec {
     /// # Errors
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, also that of a
-    /// keyframe, if the bodies depend on settings that differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
+    /// keyframe, if the bodies depend on settings that differ, or if a pose or an angle is not a
+    /// list of numbers. [`Error::Unsupported`] if an
     /// element cannot be moved to the pose, or has an attribute that only engines newer than the
     /// supported ones have, or for a prefix and a skin whose file names bodies. The pose must be
     /// the pose of the body for elements that refer to the frame of the world: vertices of flexes,

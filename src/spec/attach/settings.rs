@@ -96,7 +96,9 @@ fn compute_inertia(child: &mut Tree) -> bool {
         "true" => {
             let replaced = |index: &Index| child.parent(*index).is_some_and(|body| inertia::is_from_geoms(child, body));
             let replaced: Vec<Index> = inertias.into_iter().filter(replaced).collect();
-            replaced.into_iter().for_each(|index| child.remove(index));
+            for index in replaced {
+                child.remove(index);
+            }
         }
         "auto" if inertias.is_empty() => {}
         _ => return false,
