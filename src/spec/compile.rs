@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::text::{self, Written};
 use super::tree::{Index, Tree};
-use super::{Spec, attach, names};
+use super::{Spec, attach, keyframes, names};
 use crate::error::{Error, InvalidKind, Result};
 use crate::model::{LoadOptions, Model, TEXT};
 
@@ -16,7 +16,8 @@ impl Spec {
     ///
     /// [`Error::Load`] with the message of the engine's compiler, and the element if the compiler
     /// names its place. The spec is unchanged and can be corrected. [`Error::Invalid`] if a name or
-    /// another attribute has a NUL character.
+    /// another attribute has a NUL character, or if values of a keyframe cannot be placed (see
+    /// [the module](super#keyframes)).
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -45,8 +46,10 @@ impl Spec {
     /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for
     /// [`Model::from_xml_str_with`].
     pub fn compile_with(&self, options: &LoadOptions<'_>) -> Result<Model> {
-        let written = text::write(&attach::resolved(&self.tree));
+        let (tree, placed) = keyframes::joined(attach::resolved(&self.tree));
+        let written = text::write(&tree);
         self.check_characters(&written.text)?;
+        placed?;
         let path = self.directory.as_deref().unwrap_or(Path::new("")).join(TEXT);
         Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options).map_err(|error| match error {
             Error::Load { source_name, message } => {
@@ -58,7 +61,9 @@ impl Spec {
 
     /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine
     /// and [`Spec`] read all names and texts as they are here, also those with control characters,
-    /// which are written as `&#1;`. Other readers of XML may reject these.
+    /// which are written as `&#1;`. Other readers of XML may reject these. Values of a keyframe
+    /// that
+    /// cannot be placed are replaced by a text with the reason, which the compiler rejects.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -69,7 +74,7 @@ impl Spec {
     /// ```
     #[doc(alias = "mj_saveXMLString")]
     pub fn to_xml(&self) -> String {
-        text::write(&attach::resolved(&self.tree)).text
+        text::write(&keyframes::joined(attach::resolved(&self.tree)).0).text
     }
 
     /// Returns an error if an attribute has a NUL character, at which the engine would end its

@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use super::attributes::Named;
 use super::compile::check_character;
 use super::element_id::{Any, ElementId, IntoElementId, SpecKind};
+use super::keyframes;
 use super::names;
 use super::schema::Schema;
 use super::tree::Index;
@@ -51,7 +52,8 @@ impl<'s, K> Element<'s, K> {
     }
 
     /// Returns the text of an attribute, or `None` if the element does not have it. The value may
-    /// then come from a class of defaults.
+    /// then come from a class of defaults. The values of a keyframe are in the order in which they
+    /// were set; [`numbers`](Self::numbers) has the present one.
     #[doc(alias = "mjs_getString")]
     pub fn attribute(&self, name: &str) -> Option<&'s str> {
         self.spec.tree.attribute(self.index, name)
@@ -62,14 +64,20 @@ impl<'s, K> Element<'s, K> {
         self.spec.tree.node(self.index).attributes.iter().map(|(name, value)| (&name[..], &value[..]))
     }
 
-    /// Returns the numbers in an attribute, or `None` if the element does not have it.
+    /// Returns the numbers in an attribute, or `None` if the element does not have it. The values
+    /// of
+    /// a keyframe are those of the present elements, as [`Spec::compile`] places them.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if the attribute is not a list of numbers.
+    /// [`Error::Invalid`] if the attribute is not a list of numbers, or if values of a keyframe
+    /// cannot be placed.
     #[doc(alias = "mjs_getDouble")]
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
+        if let Some(values) = keyframes::values(&self.spec.tree, self.index, name)? {
+            return Ok(Some(values));
+        }
         let numbers = value::numbers(text).ok_or_else(|| {
             let what = format!("attribute '{name}' of {}", names::describe(&self.spec.tree, self.index));
             Error::invalid(InvalidKind::Text, what, format!("'{text}'"), "a list of numbers")
@@ -204,6 +212,7 @@ impl<'s, K> ElementMut<'s, K> {
     pub(super) fn put(&mut self, attribute: &str, value: &impl Value) -> &mut Self {
         let text = value.text().into_owned();
         self.spec.tree.node_mut(self.index).set(attribute, text);
+        keyframes::remember(&mut self.spec.tree, self.index, attribute);
         self
     }
 

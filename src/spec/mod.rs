@@ -44,6 +44,56 @@
 //! `spec.geom_mut(id)`.
 //!
 //! The methods do not check values: the compiler does, and its error names the element.
+//!
+//! # Keyframes
+//!
+//! The values of a keyframe (`qpos`, `qvel`, `act`, `ctrl`, `mpos`, `mquat`) are set as vectors, in
+//! the order that the compiler gives the elements that the spec has at that time: bodies with those
+//! in them before the next body, the joints of a body in the order of the text, then actuators.
+//! Later they follow their elements: the values of a removed element are removed, and a new one has
+//! those of the initial configuration, also in the middle: the reference position of a joint, the
+//! pose of a free or mocap body, otherwise 0. Missing values at the end of a vector are these too.
+//! An element whose number of values changes, such as a hinge that becomes a ball, counts as new.
+//! [`Spec::compile`] and [`Spec::to_xml`] write the vectors for the present elements, and
+//! [`Element::numbers`] returns them.
+//!
+//! ```
+//! use mujoco_safe::spec::Spec;
+//!
+//! let mut spec = Spec::from_xml_str(
+//!     "<mujoco>
+//!        <worldbody>
+//!          <body name='left'><joint/><geom size='.1'/></body>
+//!          <body name='right' pos='1 0 0'><joint/><geom size='.1'/></body>
+//!        </worldbody>
+//!        <keyframe><key name='home' qpos='.1 .2'/></keyframe>
+//!      </mujoco>",
+//! )?;
+//! let left = spec.body("left")?.id();
+//! spec.remove(left)?;
+//! assert_eq!(spec.compile()?.keyframe("home")?.qpos(), [0.2]);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! Only the compiler knows how many values the elements have that `composite`, `flexcomp` and
+//! `attach` create, how many activations and controls plugins and the actuators `pid`,
+//! `orientation` and `dcmotor` have, and the pose of a new free or mocap body in `replicate` and of
+//! a new free body that is aligned with its inertia. If such an element is new, the vector ends
+//! before it, and newer engines (3.5.0, not 2.2.2) pad it. The values from the first such element
+//! to the end of a vector stay together. If values cannot be placed by these rules, because one
+//! comes after a new element of this kind, for example, or if a vector was set with more values
+//! than the spec had, `compile` returns an error after a change of the elements, until the vector
+//! is set again. `plastic` stays as it is.
+//!
+//! # Texts
+//!
+//! A spec reads the texts that the engine's reader accepts, also those that are not XML: `--` in
+//! comments, `&` and `<` in values of attributes, a `<!DOCTYPE>`, blanks before the declaration,
+//! and elements after the root, which are ignored. An exception is `&` after a reference (`&lt;`)
+//! in the same value, in whose place the engine reads another character.
+//!
+//! The elements that `replicate`, `composite`, `flexcomp` and `attach` create have no id in a spec,
+//! because the compiler creates them. [`Model`] has them, with their names.
 
 mod add;
 mod attach;
@@ -52,6 +102,9 @@ mod compile;
 mod control;
 mod element;
 mod element_id;
+mod keyframes;
+mod layout;
+mod lenient;
 mod lineages;
 mod names;
 mod paths;
@@ -178,6 +231,7 @@ impl Spec {
     fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
+        keyframes::remember_all(&mut tree);
         Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new() }
     }
 

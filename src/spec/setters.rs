@@ -321,13 +321,13 @@ setters! {
     Keyframe {
         /// Sets the time, seconds.
         set_time "time": f64;
-        /// Sets the positions, of length `nq`.
+        /// Sets the positions, of length `nq`, for the present elements.
         set_qpos "qpos": &[f64];
-        /// Sets the velocities, of length `nv`.
+        /// Sets the velocities, of length `nv`, for the present elements.
         set_qvel "qvel": &[f64];
-        /// Sets the activations, of length `na`.
+        /// Sets the activations, of length `na`, for the present elements.
         set_act "act": &[f64];
-        /// Sets the controls, of length `nu`.
+        /// Sets the controls, of length `nu`, for the present elements.
         set_ctrl "ctrl": &[f64];
     }
 }

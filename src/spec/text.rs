@@ -1,17 +1,24 @@
 //! Reading and writing of MJCF as text.
 
 use super::tree::{Index, Tree};
-use super::{control, value};
+use super::{control, lenient, value};
 
 /// Largest depth of elements, which the compiler has too.
 const MOST_NESTED: usize = 400;
 
 /// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader,
-/// it accepts references to control characters.
+/// it accepts references to control characters and the other forms of [`lenient`].
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
     let hidden = control::hide(text)?;
     let text = hidden.as_deref().unwrap_or(text);
-    let document = roxmltree::Document::parse(text).map_err(|error| error.to_string())?;
+    let corrected;
+    let (document, text) = match roxmltree::Document::parse(text) {
+        Ok(document) => (document, text),
+        Err(error) => {
+            corrected = lenient::to_xml(text);
+            (roxmltree::Document::parse(&corrected).map_err(|_| error.to_string())?, &corrected[..])
+        }
+    };
     let root = document.root_element();
     let mut tree = Tree::new(root.tag_name().name());
     // Pairs of an element of the document and its copy in the tree.

@@ -1,5 +1,8 @@
 //! Elements of a model description, as a tree with stable indices.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 /// Index of an element in a [`Tree`]. The index of a removed element is not used again.
 pub(super) type Index = u32;
 
@@ -14,6 +17,16 @@ pub(super) struct Position {
     pub(super) length: String,
 }
 
+/// Element with values in a vector of a keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) index: Index,
+    /// Number of the copy that each `replicate` around the element makes, from the outside.
+    pub(super) copies: Vec<usize>,
+    /// Number of values, `None` if only the compiler knows it.
+    pub(super) width: Option<usize>,
+}
+
 /// Element of MJCF: a tag, attributes in the order of the text, and elements in it.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -21,6 +34,8 @@ pub(super) struct Node {
     pub(super) attributes: Vec<(String, String)>,
     /// Positions from a spec with another unit of angles. The attribute has one of the two values.
     pub(super) positions: Vec<Position>,
+    /// Vectors of a keyframe, and the elements to which their numbers belong.
+    pub(super) owners: Vec<(String, Arc<Vec<Entry>>)>,
     pub(super) children: Vec<Index>,
     /// `None` for the root.
     pub(super) parent: Option<Index>,
@@ -28,7 +43,14 @@ pub(super) struct Node {
 
 impl Node {
     fn new(tag: &str, parent: Option<Index>) -> Self {
-        Self { tag: tag.to_owned(), attributes: Vec::new(), positions: Vec::new(), children: Vec::new(), parent }
+        Self {
+            tag: tag.to_owned(),
+            attributes: Vec::new(),
+            positions: Vec::new(),
+            owners: Vec::new(),
+            children: Vec::new(),
+            parent,
+        }
     }
 
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
@@ -36,7 +58,7 @@ impl Node {
     }
 
     pub(super) fn set(&mut self, name: &str, value: String) {
-        self.positions.retain(|position| position.attribute != name);
+        self.forget(name);
         match self.attributes.iter_mut().find(|(found, _)| found == name) {
             Some((_, old)) => *old = value,
             // A name is the first attribute in the text, as is usual.
@@ -47,8 +69,14 @@ impl Node {
 
     pub(super) fn unset(&mut self, name: &str) -> Option<String> {
         let position = self.attributes.iter().position(|(found, _)| found == name)?;
-        self.positions.retain(|position| position.attribute != name);
+        self.forget(name);
         Some(self.attributes.remove(position).1)
+    }
+
+    /// Removes what belongs to the old value of an attribute.
+    fn forget(&mut self, name: &str) {
+        self.positions.retain(|position| position.attribute != name);
+        self.owners.retain(|(attribute, _)| attribute != name);
     }
 }
 
@@ -148,6 +176,17 @@ impl Tree {
 
     /// Appends a copy of an element of another tree, with the elements in it, to those in `parent`.
     pub(super) fn copy(&mut self, from: &Self, source: Index, parent: Index) -> Index {
+        self.copy_into(from, source, parent, &mut HashMap::new())
+    }
+
+    /// Copies like [`copy`](Self::copy), and inserts the copy of each element into `copies`.
+    pub(super) fn copy_into(
+        &mut self,
+        from: &Self,
+        source: Index,
+        parent: Index,
+        copies: &mut HashMap<Index, Index>,
+    ) -> Index {
         let mut first = None;
         let mut open = vec![(source, parent)];
         while let Some((source, parent)) = open.pop() {
@@ -155,6 +194,8 @@ impl Tree {
             let copy = self.add(parent, &node.tag);
             self.node_mut(copy).attributes.clone_from(&node.attributes);
             self.node_mut(copy).positions.clone_from(&node.positions);
+            self.node_mut(copy).owners.clone_from(&node.owners);
+            copies.insert(source, copy);
             open.extend(node.children.iter().rev().map(|&child| (child, copy)));
             first.get_or_insert(copy);
         }

@@ -67,7 +67,12 @@ impl Angles {
             return Ok(());
         }
         if tree.tag(index) == "replicate" {
-            return Err(not_convertible("<replicate euler>"));
+            let numbers = parsed(tree, index, attribute, &text)?;
+            let Some(angles) = self.about_one_axis(&numbers, new) else {
+                return Err(not_convertible("<replicate euler> about several axes"));
+            };
+            tree.node_mut(index).set(attribute, angles.text().into_owned());
+            return Ok(());
         }
         let competes = is_default(tree, index)
             || ORIENTATIONS[1..].iter().any(|other| classes::of_class(tree, index, other).is_some());
@@ -87,6 +92,17 @@ impl Angles {
             node.set("quat", quat.text().into_owned());
         }
         Ok(())
+    }
+
+    /// Returns the same rotation about one axis in another order of Euler angles.
+    fn about_one_axis(&self, numbers: &[f64], new: &Self) -> Option<[f64; 3]> {
+        let mut turned = numbers.iter().zip(self.eulerseq.chars()).filter(|(angle, _)| **angle != 0.0);
+        let mut angles = [0.0; 3];
+        if let Some((angle, axis)) = turned.next() {
+            let place = new.eulerseq.chars().position(|other| other.eq_ignore_ascii_case(&axis))?;
+            *angles.get_mut(place)? = self.in_unit_of(new, *angle);
+        }
+        (numbers.len() == 3 && turned.next().is_none()).then_some(angles)
     }
 
     /// Returns the quaternion of an orientation, as the compiler computes it.

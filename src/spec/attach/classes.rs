@@ -27,7 +27,7 @@ pub(super) const ACTUATORS: [&str; 13] = [
 ];
 
 /// Returns an attribute of an element, or of its class of defaults if the element does not have it.
-pub(super) fn effective<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Option<&'t str> {
+pub(in super::super) fn effective<'t>(tree: &'t Tree, index: Index, attribute: &str) -> Option<&'t str> {
     tree.attribute(index, attribute).or_else(|| of_class(tree, index, attribute))
 }
 
@@ -67,6 +67,22 @@ pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Inde
         sections.truncate(1 + sections.iter().position(|found| found == section).unwrap_or_default());
     }
     sections.into_iter().rev().find_map(in_class)
+}
+
+/// Returns the defaults of an actuator in its class and in those around it, from the outside.
+pub(in super::super) fn defaults_of(tree: &Tree, actuator: Index) -> Vec<Index> {
+    let class = tree.attribute(actuator, "class").unwrap_or(MAIN);
+    let sections: Vec<Index> = tree.sections("default").collect();
+    let class = names::find(tree, Named::Class, class).filter(|class| !sections.contains(class));
+    let mut classes: Vec<Index> =
+        class.into_iter().flat_map(|class| std::iter::once(class).chain(ancestors(tree, class))).collect();
+    // A class has no defaults of later sections.
+    let outer = sections.iter().position(|section| classes.last() == Some(section));
+    let sections = &sections[..outer.map_or(sections.len(), |outer| outer + 1)];
+    classes.pop();
+    let classes = sections.iter().copied().chain(classes.into_iter().rev());
+    let children = classes.flat_map(|class| tree.children(class)).copied();
+    children.filter(|&child| ACTUATORS.contains(&tree.tag(child))).collect()
 }
 
 /// Returns the elements that have an attribute from the defaults in a class.

@@ -2,14 +2,18 @@
 
 mod angles;
 mod classes;
+mod inertia;
+mod initial;
 mod pose;
 mod positions;
 mod settings;
 mod units;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-pub(super) use self::classes::{heirs, inseparable, separate_own};
+pub(super) use self::classes::{defaults_of, effective, heirs, inseparable, separate_own};
+pub(super) use self::initial::Defaults;
 pub(super) use self::positions::resolved;
 use self::units::Angles;
 use super::attributes::Named;
@@ -18,7 +22,7 @@ use super::names::{self, Names, WORLD};
 use super::schema::Schema;
 use super::tree::{Index, Tree};
 use super::value::Value;
-use super::{Spec, attributes, paths};
+use super::{Spec, attributes, keyframes, paths};
 use crate::error::{Error, InvalidKind, Result};
 use crate::kind::{self, Kind};
 use crate::math::{self, Pose};
@@ -65,8 +69,19 @@ impl Mount {
 }
 
 /// Sections whose elements are copied. The order does not matter to the compiler.
-const COPIED: [&str; 10] =
-    ["default", "extension", "custom", "asset", "contact", "equality", "tendon", "actuator", "sensor", "deformable"];
+const COPIED: [&str; 11] = [
+    "default",
+    "extension",
+    "custom",
+    "asset",
+    "contact",
+    "equality",
+    "tendon",
+    "actuator",
+    "sensor",
+    "deformable",
+    "keyframe",
+];
 
 /// # Attachment
 impl Spec {
@@ -84,18 +99,27 @@ impl Spec {
     /// class of their own, which its elements get, also those that are added later.
     ///
     /// References to the world become references to the body, and anchors of constraints in the
-    /// world move with the pose. Options, statistics, visualiser settings, sizes and keyframes of
-    /// the other spec are not copied. The settings of `compiler` that concern the model as a whole,
+    /// world move with the pose. Keyframes are copied, and the values of each follow their elements
+    /// (see [the module](super#keyframes)): those of the elements of the other spec are the values
+    /// without a keyframe. A free joint keeps its values, which are in the frame of the world.
+    /// Options, statistics, visualiser settings and sizes of the other spec are not copied. The
+    /// settings of `compiler` that concern the model as a whole,
     /// such as `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
     ///
-    /// The settings of `compiler` that concern inertia and meshes must agree, such as
-    /// `balanceinertia` and `fitaabb`. A spec without bodies and meshes takes these settings from
-    /// the first spec that is attached.
+    /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
+    /// without bodies, or without meshes, takes them from the first spec that is attached. The
+    /// bodies of other specs keep the mass and inertia of their own settings if a text can express
+    /// them: with `<inertial>` and `diaginertia` in all bodies under another `inertiafromgeom`
+    /// (except `true` of this spec), `inertiagrouprange`, `boundmass`, `boundinertia` or
+    /// `balanceinertia`, and with any bodies if theirs is `inertiafromgeom="true"` and this spec's
+    /// `auto`. A spec without meshes may differ in the settings of meshes, one without free joints
+    /// in `alignfree`. All else is an error, which names the setting.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, if these settings
-    /// differ, or if a pose or an angle is not a list of numbers. [`Error::Unsupported`] if an
+    /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, also that of a
+    /// keyframe, if the bodies depend on settings that differ, or if a pose or an angle is not a
+    /// list of numbers. [`Error::Unsupported`] if an
     /// element cannot be moved to the pose, or has an attribute that only engines newer than the
     /// supported ones have, or for a prefix and a skin whose file names bodies. The pose must be
     /// the pose of the body for elements that refer to the frame of the world: vertices of flexes,
@@ -160,9 +184,10 @@ impl Spec {
         let elements: Vec<Index> = worlds.into_iter().flat_map(|world| child.children(world).to_vec()).collect();
         let mut bodies = Vec::new();
         let mut attached = self.attached.clone();
+        let mut copies = HashMap::new();
         for element in elements {
             let element = pose::moved(&mut child, element, &pose, &angles)?;
-            let copy = tree.copy(&child, element, body);
+            let copy = tree.copy_into(&child, element, body, &mut copies);
             attached.insert(copy);
             if tree.tag(copy) == "body" {
                 bodies.push(self.id(copy));
@@ -172,7 +197,9 @@ impl Spec {
             let elements = child.sections(section).flat_map(|index| child.children(index)).copied();
             for element in elements {
                 let section = tree.section(section);
-                attached.insert(tree.copy(&child, element, section));
+                let copy = tree.copy_into(&child, element, section, &mut copies);
+                keyframes::map_owners(&mut tree, copy, &copies);
+                attached.insert(copy);
             }
         }
         self.tree = tree;
@@ -344,7 +371,7 @@ fn add_prefix(child: &mut Tree, prefix: &str, body: &str) {
 fn shared_name(tree: &Tree, child: &Tree) -> Option<(Named, String)> {
     let all = |tree: &Tree| {
         let elements = tree.descendants(Tree::ROOT).into_iter();
-        let named = elements.filter(|&index| tree.tag(index) != "worldbody" && tree.tag(index) != "key");
+        let named = elements.filter(|&index| tree.tag(index) != "worldbody");
         let named = named.filter(|&index| !(tree.tag(index) == "default" && tree.parent(index) == Some(Tree::ROOT)));
         let named = named.filter_map(|index| Some((names::named(tree, index)?, names::name(tree, index)?.to_owned())));
         named.collect::<Vec<_>>()

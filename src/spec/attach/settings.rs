@@ -5,7 +5,7 @@ use super::super::names;
 use super::super::paths;
 use super::super::tree::{Index, Tree};
 use super::super::value;
-use super::{BODY, classes};
+use super::{BODY, classes, inertia};
 use crate::error::{Error, InvalidKind, Result};
 use crate::kind::Kind;
 use crate::spec::schema::Schema;
@@ -32,7 +32,8 @@ const OF_MESHES: [&str; 3] = ["convexhull", "exactmeshinertia", "fitaabb"];
 const AUTOLIMITS: &str = if cfg!(engine_since = "2.3.0") { "true" } else { "false" };
 
 /// Adapts a spec to the settings of the one to which it is attached, or returns an error. A spec
-/// without bodies takes the settings of the attached one that it does not have.
+/// without bodies, or without meshes, takes those settings of the attached one that it does not
+/// have.
 pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
     if paths::setting(child, "coordinate") == Some("global") {
         return Err(Error::Unsupported("cannot attach a spec with global coordinates".to_owned()));
@@ -55,14 +56,23 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
         if is_same || (same_inertia && attribute == "inertiafromgeom" && ours != Some("false")) {
             continue;
         }
-        if ours.is_some() || has_bodies || (has_meshes && OF_MESHES.contains(&attribute)) {
+        let is_of_meshes = OF_MESHES.contains(&attribute);
+        if ours.is_some() || (has_bodies && !is_of_meshes) || (has_meshes && is_of_meshes) {
+            let theirs = theirs.to_owned();
+            if let Some(ours) = ours.or(default)
+                && inertia::adapt(child, attribute, &theirs, ours)
+            {
+                continue;
+            }
             let what = format!("'{attribute}' of <compiler> in the attached spec");
             let ours = ours.or(default).map_or("absent".to_owned(), |ours| format!("'{ours}'"));
             return Err(Error::invalid(
                 InvalidKind::Unsuitable,
                 what,
                 format!("'{theirs}'"),
-                format!("{ours}, as in this spec"),
+                format!(
+                    "{ours}, as in this spec, or bodies whose <inertial> has the mass and a 'diaginertia' for both"
+                ),
             ));
         }
         let theirs = theirs.to_owned();
@@ -83,7 +93,13 @@ fn compute_inertia(child: &mut Tree) -> bool {
     let inertias: Vec<Index> =
         child.descendants(Tree::ROOT).into_iter().filter(|&index| child.tag(index) == "inertial").collect();
     match paths::setting(child, "inertiafromgeom").unwrap_or("auto") {
-        "true" => inertias.into_iter().for_each(|index| child.remove(index)),
+        "true" => {
+            let replaced = |index: &Index| child.parent(*index).is_some_and(|body| inertia::is_from_geoms(child, body));
+            let replaced: Vec<Index> = inertias.into_iter().filter(replaced).collect();
+            for index in replaced {
+                child.remove(index);
+            }
+        }
         "auto" if inertias.is_empty() => {}
         _ => return false,
     }

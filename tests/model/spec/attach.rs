@@ -57,6 +57,7 @@ fn attaching_equals_the_joined_text() {
            <equality><weld body1='left_hand' body2='stand' anchor='0 0 2'/></equality>
            <actuator><motor name='left_torque' joint='left_hinge'/></actuator>
            <sensor><framepos objtype='site' objname='left_tip' reftype='body' refname='left_arm'/></sensor>
+           <keyframe><key qpos='0 0 0 1 0 0 0 1'/></keyframe>
          </mujoco>",
     );
 }
@@ -282,8 +283,8 @@ fn conflicts_are_errors_and_change_nothing() {
     };
     let repeated = error(CHILD, mount, "").to_string();
     assert!(repeated.contains("exists"), "{repeated}");
-    let settings = error("<mujoco><compiler balanceinertia='true'/></mujoco>", mount, "a_").to_string();
-    assert!(settings.contains("balanceinertia") && settings.contains("'false'"), "{settings}");
+    let settings = error("<mujoco><compiler settotalmass='3'/></mujoco>", mount, "a_").to_string();
+    assert!(settings.contains("settotalmass") && settings.contains("'-1'"), "{settings}");
     let numbers = "<mujoco><worldbody><geom pos='1 2'/></worldbody></mujoco>";
     let invalid = error(numbers, mount.with_pos([1.0, 0.0, 0.0]), "a_");
     assert!(matches!(invalid, Error::Invalid { .. }), "{invalid}");

@@ -145,8 +145,10 @@ fn settings_of_meshes_do_not_change_geoms_in_the_world() {
     let child =
         "<mujoco><compiler fitaabb='true'/><worldbody><body name='b'><geom size='.1'/></body></worldbody></mujoco>";
     let mount = Mount::body(spec.world());
-    let error = spec.attach(&parse(child), mount, "").unwrap_err();
+    let with_mesh =
+        child.replace("<worldbody>", "<asset><mesh name='n' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody>");
+    let error = spec.attach(&parse(&with_mesh), mount, "").unwrap_err();
     assert!(error.to_string().contains("fitaabb"), "{error}");
-    spec.attach(&parse(&child.replace("true", "false")), mount, "").unwrap();
+    spec.attach(&parse(child), mount, "").unwrap();
     assert_eq!(spec.compile().unwrap().geom_size()[0], before[0]);
 }

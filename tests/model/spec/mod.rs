@@ -10,6 +10,8 @@ mod editing;
 mod engine_spec;
 mod generated;
 mod kept;
+mod keyframes;
+mod keyframes_generated;
 mod moved;
 mod names;
 mod operations;
@@ -17,6 +19,7 @@ mod oracle;
 mod random;
 mod reading;
 mod removal;
+mod settings;
 mod text;
 
 use mujoco_safe::Model;

@@ -81,3 +81,36 @@ fn a_nul_character_is_an_error() {
     assert!(Spec::from_xml_str(&spec.to_xml()).is_err());
     assert!(Spec::from_xml_str("<mujoco model='a&#0;b'/>").is_err());
 }
+
+/// The engine's reader accepts more than XML.
+#[test]
+fn texts_that_are_not_xml_are_read_as_the_engine_reads_them() {
+    let world = "<worldbody><body name='b'><geom size='.1'/></body></worldbody>";
+    let texts = [
+        format!("<mujoco><!-- ---- arm ---- -->{world}<!-- <body>\n--- --></mujoco>"),
+        format!("<mujoco><!--- arm --->{world}</mujoco>"),
+        format!("<!DOCTYPE mujoco>\n<mujoco>{world}</mujoco>"),
+        format!("\n <?xml version='1.0'?>\n<mujoco>{world}</mujoco>"),
+        format!("<mujoco>{}</mujoco>", world.replace("'b'", "'a & b &c; &amp'")),
+        format!("<mujoco>{}</mujoco>", world.replace("'b'", "'a<b>'")),
+        format!("<mujoco>{world}</mujoco><!-- end --><x/>"),
+    ];
+    for text in texts {
+        assert!(roxmltree::Document::parse(&text).is_err(), "{text}");
+        let spec = Spec::from_xml_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let model = Model::from_xml_str(&text).unwrap();
+        let name = spec.element(spec.ids::<mujoco_safe::kind::Body>()[1]).name();
+        assert_eq!(name, model.body(1).unwrap().name(), "{text}");
+        super::same(&spec, &text);
+    }
+    for broken in [
+        "<mujoco><worldbody></mujoco>",
+        "<mujoco",
+        "<mujoco><!-- </mujoco>",
+        "<mujoco a='&'",
+        "<mujoco a='&lt; &'/>",
+        "",
+    ] {
+        assert!(Spec::from_xml_str(broken).is_err(), "{broken}");
+    }
+}

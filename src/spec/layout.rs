@@ -1,0 +1,169 @@
+//! Order in which the compiler lays out the values of joints, actuators and mocap bodies.
+
+use super::attach::effective;
+use super::names;
+use super::tree::{Entry, Index, Tree};
+use crate::kind::Kind;
+
+/// Attributes of a keyframe with the values of all elements of a kind.
+pub(super) const VECTORS: [&str; 6] = ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"];
+
+/// Number of elements and copies beyond which the layout is not known.
+const MOST: usize = 1_000_000;
+
+/// Returns the elements with values in a vector, in the order of the compiled model.
+pub(super) fn of(tree: &Tree, vector: &str) -> Vec<Entry> {
+    match vector {
+        "act" | "ctrl" => of_actuators(tree, vector),
+        _ => of_bodies(tree, vector),
+    }
+}
+
+fn of_actuators(tree: &Tree, vector: &str) -> Vec<Entry> {
+    // A model that is attached by an element can have actuators.
+    let mut entries: Vec<Entry> = tree
+        .descendants(Tree::ROOT)
+        .into_iter()
+        .filter(|&index| tree.tag(index) == "attach")
+        .map(|index| Entry { index, copies: Vec::new(), width: None })
+        .collect();
+    for index in tree.sections("actuator").flat_map(|section| tree.children(section)).copied() {
+        let (activations, controls) = widths(tree, index);
+        let width = if vector == "act" { activations } else { controls };
+        entries.push(Entry { index, copies: Vec::new(), width });
+    }
+    entries
+}
+
+/// Returns the numbers of activations and of controls of an actuator. The shortcuts of `general`
+/// in a class set the same defaults.
+fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
+    /// Dynamics and gain that an element sets.
+    #[derive(Clone, Copy)]
+    struct State<'t> {
+        activations: Option<usize>,
+        controls: Option<usize>,
+        dimension: Option<&'t str>,
+    }
+    let simple = |activations| State { activations: Some(activations), controls: Some(1), dimension: None };
+    let unknown = State { activations: None, controls: None, dimension: None };
+    let mut state = simple(0);
+    let mut is_filter = false;
+    for place in super::attach::defaults_of(tree, index).into_iter().chain([index]) {
+        state = match tree.tag(place) {
+            "motor" | "velocity" | "damper" | "adhesion" => simple(0),
+            "intvelocity" | "cylinder" | "muscle" => simple(1),
+            "position" => match tree.attribute(place, "timeconst").map(|text| text.trim().parse::<f64>()) {
+                Some(Ok(time)) => simple(usize::from(time != 0.0)),
+                Some(Err(_)) => unknown,
+                None => simple(usize::from(is_filter)),
+            },
+            "general" => {
+                let activations = match tree.attribute(place, "dyntype") {
+                    None => state.activations,
+                    Some("none") => Some(0),
+                    Some("integrator" | "filter" | "filterexact" | "muscle" | "user") => Some(1),
+                    Some(_) => None,
+                };
+                let controls = match tree.attribute(place, "gaintype") {
+                    None => state.controls,
+                    Some("fixed" | "affine" | "muscle" | "user") => Some(1),
+                    Some(_) => None,
+                };
+                State { activations, controls, dimension: tree.attribute(place, "actdim").or(state.dimension) }
+            }
+            _ => unknown,
+        };
+        is_filter = match tree.tag(place) {
+            "position" => state.activations == Some(1),
+            "general" => tree.attribute(place, "dyntype").map_or(is_filter, |dynamics| dynamics == "filterexact"),
+            _ => false,
+        };
+    }
+    let activations = match (state.activations, state.dimension.map(|text| text.trim().parse::<i64>())) {
+        (activations, None | Some(Ok(..0))) => activations,
+        (Some(_), Some(Ok(dimension))) => usize::try_from(dimension).ok(),
+        _ => None,
+    };
+    (activations, state.controls)
+}
+
+fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    let mut left = MOST;
+    // Bodies, and elements that create bodies.
+    let mut open: Vec<(Index, Vec<usize>)> = tree.sections("worldbody").map(|world| (world, Vec::new())).collect();
+    open.reverse();
+    while let Some((body, copies)) = open.pop() {
+        let is_mocap = tree.attribute(body, "mocap") == Some("true");
+        match (tree.tag(body), vector) {
+            ("body", "mpos") if is_mocap => entries.push(Entry { index: body, copies: copies.clone(), width: Some(3) }),
+            ("body", "mquat") if is_mocap => {
+                entries.push(Entry { index: body, copies: copies.clone(), width: Some(4) });
+            }
+            ("body" | "worldbody", _) => {}
+            ("composite" | "flexcomp", "mpos" | "mquat") => continue,
+            _ => {
+                entries.push(Entry { index: body, copies, width: None });
+                continue;
+            }
+        }
+        let Some(elements) = elements(tree, body, &copies, &mut left) else {
+            entries.push(Entry { index: body, copies, width: None });
+            return entries;
+        };
+        let is_joint = |index| names::kind(tree, index) == Some(Kind::Joint);
+        for (index, copies) in elements.iter().filter(|(index, _)| {
+            !matches!(vector, "mpos" | "mquat")
+                && tree.tag(body) == "body"
+                && (is_joint(*index) || tree.tag(*index) == "composite")
+        }) {
+            let width = if is_joint(*index) { dimensions(tree, *index, vector) } else { None };
+            entries.push(Entry { index: *index, copies: copies.clone(), width });
+        }
+        let creates = |tag: &str| matches!(tag, "body" | "composite" | "flexcomp" | "attach");
+        open.extend(elements.into_iter().rev().filter(|(index, _)| creates(tree.tag(*index))));
+    }
+    entries
+}
+
+/// Returns the elements of a body, those in frames and the copies that it contains, or `None` if
+/// there are too many.
+fn elements(tree: &Tree, body: Index, copies: &[usize], left: &mut usize) -> Option<Vec<(Index, Vec<usize>)>> {
+    let mut found = Vec::new();
+    let mut open: Vec<(Index, Vec<usize>)> =
+        tree.children(body).iter().rev().map(|&child| (child, copies.to_vec())).collect();
+    while let Some((index, copies)) = open.pop() {
+        *left = left.checked_sub(1)?;
+        let children = tree.children(index).iter().rev();
+        match tree.tag(index) {
+            "frame" => open.extend(children.map(|&child| (child, copies.clone()))),
+            "replicate" => {
+                let count: usize =
+                    tree.attribute(index, "count")?.trim().parse().ok().filter(|&count| count <= *left)?;
+                for number in (0..count).rev() {
+                    let copies = [&copies[..], &[number]].concat();
+                    open.extend(tree.children(index).iter().rev().map(|&child| (child, copies.clone())));
+                }
+                *left = left.checked_sub(open.len())?;
+            }
+            _ => found.push((index, copies)),
+        }
+    }
+    Some(found)
+}
+
+/// Type of a joint.
+pub(super) fn joint_type(tree: &Tree, joint: Index) -> &str {
+    if tree.tag(joint) == "freejoint" { "free" } else { effective(tree, joint, "type").unwrap_or("hinge") }
+}
+
+fn dimensions(tree: &Tree, joint: Index, vector: &str) -> Option<usize> {
+    let is_position = vector == "qpos";
+    match joint_type(tree, joint) {
+        "free" => Some(if is_position { 7 } else { 6 }),
+        "ball" => Some(if is_position { 4 } else { 3 }),
+        "hinge" | "slide" => Some(1),
+        _ => None,
+    }
+}
