@@ -16,14 +16,14 @@ const PARAMETERS: usize = sys::mjNEQDATA as usize;
 
 /// # Equality constraints
 impl Data {
-    /// Sets a constraint of the type weld or connect to the present relative pose of its bodies, and
-    /// activates it: a gripper grasps an object. [`set_equality_active`](Self::set_equality_active)
-    /// releases it.
+    /// Sets a constraint of the type weld or connect to the present relative pose of its bodies,
+    /// and activates it: a gripper grasps an object.
+    /// [`set_equality_active`](Self::set_equality_active) releases it.
     ///
     /// Welds: the relative pose becomes that of the bodies in the present positions. The anchor in
     /// the second body and the scale of torques stay. Connections: the anchor in the first body
-    /// stays, and that in the second body becomes the same point. The call computes the poses of the
-    /// present state first, also of mocap bodies.
+    /// stays, and that in the second body becomes the same point. The call computes the poses of
+    /// the present state first, also of mocap bodies.
     ///
     /// Both are parameters of the model: a shared model is copied first, as in
     /// [`edit_model`](Self::edit_model), so other simulations do not change. They remain until the
@@ -35,9 +35,9 @@ impl Data {
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Invalid`] for a
     /// constraint of another type and for poses that are not finite, [`Error::Unstable`] for an
-    /// invalid position, [`Error::Unsupported`] for a
-    /// constraint of two sites, which has no parameters, because the engine makes the sites coincide,
-    /// and the errors of [`edit_model`](Self::edit_model).
+    /// invalid position, [`Error::Unsupported`] for a constraint of two sites, which has no
+    /// parameters, because the engine makes the sites coincide, and the errors of
+    /// [`edit_model`](Self::edit_model).
     ///
     /// # Panics
     ///

@@ -110,8 +110,8 @@ fields!(Actuator on Model {
 
 /// # Methods of [`Actuator`](super::Actuator)
 impl<'a> View<'a, Model, kind::Actuator> {
-    /// Returns the name of an input, counted from 0, for example `"position"`. `None` if the type of
-    /// the actuator gives its inputs no names, and with engines before 3.11.
+    /// Returns the name of an input, counted from 0, for example `"position"`. `None` if the type
+    /// of the actuator gives its inputs no names, and with engines before 3.11.
     ///
     /// # Panics
     ///

@@ -87,11 +87,11 @@
 //!
 //! # Fields of newer engines
 //!
-//! These pages have the fields of MuJoCo 2.2.2. With a newer engine, each view has a method for each
-//! further array with a value or a row for each element, or for each part of an element, such as a
-//! degree of freedom of a joint or a vertex of a flex. The methods are generated from the engine's
-//! table of fields when the crate is compiled. Their names are those of the arrays without the
-//! abbreviation of the kind: `camera.resolution()` is a row of `cam_resolution`, and
+//! These pages have the fields of MuJoCo 2.2.2. With a newer engine, each view has a method for
+//! each further array with a value or a row for each element, or for each part of an element, such
+//! as a degree of freedom of a joint or a vertex of a flex. The methods are generated from the
+//! engine's table of fields when the crate is compiled. Their names are those of the arrays without
+//! the abbreviation of the kind: `camera.resolution()` is a row of `cam_resolution`, and
 //! `joint.qfrc_damper()` of a simulation a part of `qfrc_damper`. A name that is a word of Rust, or
 //! that a view has already, stays complete: `light.light_type()`. Arrays of floating-point numbers
 //! that safe code may write have setters on the mutable views. `cargo doc` with `MUJOCO_DIR` set

@@ -5,8 +5,8 @@ use crate::error::{Error, InvalidKind, Result};
 use crate::field_docs::FieldDoc;
 use crate::kind::Kind;
 
-/// Array of floating-point numbers that a program can choose: it is writable, and does not depend on
-/// others.
+/// Array of floating-point numbers that a program can choose: it is writable, and does not depend
+/// on others.
 #[derive(Clone, Copy)]
 pub(crate) struct NumberArray {
     pub(crate) name: &'static str,
@@ -56,8 +56,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] for an array whose numbers
-    /// a program cannot choose, and [`Error::Invalid`] for a number outside of the array.
+    /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] for an array whose
+    /// numbers a program cannot choose, and [`Error::Invalid`] for a number outside of the array.
     pub(crate) fn find_number(&self, array: &str, row: usize, column: usize) -> Result<NumberArray> {
         let Some(found) = self.number_array(array) else {
             // An unknown name is an error with the similar names.

@@ -52,7 +52,8 @@ with_methods!(FlexRayOptions {
 pub struct FlexHit {
     /// Distance from the start of the ray, in units of the length of its direction.
     pub distance: f64,
-    /// Vertex of the flex that is nearest to the intersection, counted from the flex's first vertex.
+    /// Vertex of the flex that is nearest to the intersection, counted from the flex's first
+    /// vertex.
     pub vertex: usize,
 }
 
@@ -63,9 +64,11 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown key,
-    /// [`Error::NotComputed`](crate::Error::NotComputed) before [`com_pos`](Self::com_pos), which computes the vertices, and
-    /// [`Error::Invalid`](crate::Error::Invalid) for a direction of length zero or a value that is not finite.
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown key,
+    /// [`Error::NotComputed`](crate::Error::NotComputed) before [`com_pos`](Self::com_pos), which
+    /// computes the vertices, and [`Error::Invalid`](crate::Error::Invalid) for a direction of
+    /// length zero or a value that is not finite.
     ///
     /// # Panics
     ///
@@ -84,8 +87,8 @@ impl Data {
         check_ray(&point, &direction)?;
         let FlexRayOptions { layer, vertices, edges, faces, skin } = *options;
         let mut vertex = -1;
-        // SAFETY: a flex of this model, whose vertices were computed, two vectors of three elements,
-        // and a place for the vertex.
+        // SAFETY: a flex of this model, whose vertices were computed, two vectors of three
+        // elements, and a place for the vertex.
         let distance = unsafe {
             sys::adapted::ray_flex(
                 self.model().as_ptr(),

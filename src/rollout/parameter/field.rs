@@ -111,8 +111,9 @@ impl Valid {
 impl Parameter {
     /// Returns the parameter for a number in an array of the model, by the engine's name of the
     /// array, the row and the column: [`Parameters`](super::Parameters) then gives it another value
-    /// in each simulation. The row is the index of the element, or of a part of an element, such as a
-    /// degree of freedom in `dof_damping`. The column is 0 in an array with one number in each row.
+    /// in each simulation. The row is the index of the element, or of a part of an element, such as
+    /// a degree of freedom in `dof_damping`. The column is 0 in an array with one number in each
+    /// row.
     ///
     /// All arrays of floating-point numbers are parameters that [`ModelMut`](crate::ModelMut) has
     /// for writing, except those that other arrays determine, such as `body_subtreemass`: limits
@@ -122,14 +123,16 @@ impl Parameter {
     ///
     /// A value is that of the array: no other number changes with it, except the derived quantities
     /// that the documentation of the array's accessor lists, such as
-    /// [`body_pos_mut`](crate::ModelMut::body_pos_mut). Those that it lists as not updated stay, for
-    /// example the mass of a body with another `geom_size`. A quaternion has four parameters, which
-    /// the caller normalises. The values are not checked further: a negative damping is valid.
+    /// [`body_pos_mut`](crate::ModelMut::body_pos_mut). Those that it lists as not updated stay,
+    /// for example the mass of a body with another `geom_size`. A quaternion has four parameters,
+    /// which the caller normalises. The values are not checked further: a negative damping is
+    /// valid.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] with the reason for a field
-    /// that cannot be a parameter, and [`Error::Invalid`] for a row or a column outside of the array.
+    /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] with the reason for a
+    /// field that cannot be a parameter, and [`Error::Invalid`] for a row or a column outside of
+    /// the array.
     ///
     /// ```
     /// use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
