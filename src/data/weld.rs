@@ -62,6 +62,7 @@ impl Data {
     ///     data.mocap_pos_mut()[0][2] += 0.001;                  // the hand rises by half a metre
     ///     data.step()?;
     /// }
+    /// data.step_n(500)?;
     /// assert!((data.body("cube")?.xpos()[2] - 0.55).abs() < 0.01);
     /// data.set_equality_active("grasp", false)?;
     /// data.step_n(500)?;

@@ -97,5 +97,6 @@
 //! the program's rpath.
 //!
 //! *Other systems than Linux.* Text that the engine prints to `stderr` is not captured, models with
-//! [some sensors of distances](super::promises#distances) are rejected with engines since 3.3.0,
-//! and no program starts with an engine that lacks a function of its headers.
+//! some sensors of distances are rejected with engines since 3.3.0
+//! ([`promises`](super::promises)), and no program starts with an engine that lacks a function of
+//! its headers.

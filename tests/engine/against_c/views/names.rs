@@ -8,7 +8,7 @@ use mujoco_safe::sys;
 use super::models;
 
 /// The kinds and their `mjtObj`, from the header.
-const OBJECTS: [(Kind, u32); 21] = [
+const OBJECTS: [(Kind, u32); 23] = [
     (Kind::Body, sys::mjOBJ_BODY),
     (Kind::Joint, sys::mjOBJ_JOINT),
     (Kind::Geom, sys::mjOBJ_GEOM),
@@ -30,6 +30,8 @@ const OBJECTS: [(Kind, u32); 21] = [
     (Kind::Text, sys::mjOBJ_TEXT),
     (Kind::Tuple, sys::mjOBJ_TUPLE),
     (Kind::Keyframe, sys::mjOBJ_KEY),
+    (Kind::Flex, sys::mjOBJ_FLEX),
+    (Kind::Plugin, sys::mjOBJ_PLUGIN),
 ];
 
 #[test]
