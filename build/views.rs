@@ -4,9 +4,8 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write as _;
 
+use crate::accessors;
 use crate::facts::{BY_HAND, WITHOUT_ACCESSOR};
-use crate::writable::{Access, access};
-use crate::{accessors, derived};
 
 /// Kinds with a view on a model: the lookup method, and the size that counts the elements.
 const KINDS: [(&str, &str, &str); 23] = [
@@ -144,8 +143,7 @@ pub(crate) fn generate(table: &str, default: &str, version: u32, element: &str) 
                 continue;
             }
             let taken = hand_written.get(&((*kind).to_owned(), owner.to_owned()));
-            let mut view =
-                View { kind, owner, version, readers: String::new(), writers: String::new(), names: Vec::new() };
+            let mut view = View { kind, owner, readers: String::new(), names: Vec::new() };
             for field in fields.get(&(index, owner)).into_iter().flatten() {
                 let short = short(field.name);
                 let is_taken = |name: &str| {
@@ -224,9 +222,7 @@ fn columns(columns: &str) -> Columns {
 struct View<'t> {
     kind: &'t str,
     owner: &'t str,
-    version: u32,
     readers: String,
-    writers: String,
     names: Vec<String>,
 }
 
@@ -265,43 +261,20 @@ impl View<'_> {
             "    /// {}\n    ///\n    /// Engine array `{array}`.\n{alias}    #[inline]\n    pub fn {method}(&self) -> {result} {{\n        {model}{value}\n    }}\n",
             accessors::meaning(field.comment)
         );
-        let owner = self.owner;
-        let access = access(owner, array, field.ctype, self.version);
-        if access != Access::ReadOnly && (owner != "Model" || derived::is_known(array)) && field.range.is_none() {
-            let _ = match result.as_str() {
-                "f64" | "f32" => writeln!(
-                    self.writers,
-                    "    /// Sets `{method}`.\n    #[inline]\n    pub fn set_{method}(&mut self, value: {result}) {{\n        let index = self.id.index();\n        self.owner.{array}_mut()[index] = value;\n    }}\n"
-                ),
-                row if row.contains(';') => writeln!(
-                    self.writers,
-                    "    /// Returns a mutable reference to `{method}`.\n    #[inline]\n    pub fn {method}_mut(&mut self) -> &mut {} {{\n        let index = self.id.index();\n        &mut self.owner.{array}_mut()[index]\n    }}\n",
-                    row.trim_start_matches("&'a ")
-                ),
-                "&'a [f64]" => writeln!(
-                    self.writers,
-                    "    /// Returns a mutable reference to `{method}`.\n    #[inline]\n    pub fn {method}_mut(&mut self) -> &mut [f64] {{\n        let index = self.id.index();\n        self.owner.{array}_mut().into_row(index)\n    }}\n"
-                ),
-                _ => Ok(()),
-            };
-        }
         self.names.push(method.to_owned());
         true
     }
 
     /// Returns the `impl` blocks.
     fn text(&self) -> String {
-        let Self { kind, owner, readers, writers, names, .. } = self;
+        let Self { kind, owner, readers, names } = self;
         let suffix = if *owner == "Data" { "Data" } else { "" };
-        let page = |suffix: &str| format!("# Newer fields of [`{kind}{suffix}`](crate::element::{kind}{suffix})");
         let mut text = String::new();
         if !readers.is_empty() {
-            let _ = writeln!(text, "/// {}\nimpl<'a> View<'a, {owner}, kind::{kind}> {{\n{readers}}}\n", page(suffix));
-        }
-        if !writers.is_empty() {
-            let writer = if *owner == "Data" { "Data" } else { "ModelMut<'_>" };
-            let page = page(&format!("{suffix}Mut"));
-            let _ = writeln!(text, "/// {page}\nimpl ViewMut<'_, {writer}, kind::{kind}> {{\n{writers}}}\n");
+            let _ = writeln!(
+                text,
+                "/// # Newer fields of [`{kind}{suffix}`](crate::element::{kind}{suffix})\nimpl<'a> View<'a, {owner}, kind::{kind}> {{\n{readers}}}\n"
+            );
         }
         let pairs: Vec<String> = names.iter().map(|name| format!("(\"{name}\", Box::new(self.{name}()))")).collect();
         let list = pairs.join(", ");

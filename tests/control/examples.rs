@@ -38,7 +38,10 @@ fn swing_up(model: &Arc<Model>, seed: u64) {
 
 #[test]
 fn the_pole_is_swung_up_and_held() {
-    swing_up(&Arc::new(sample::cartpole()), 1);
+    // The other runs have the swing-up in predictive.
+    if cases(false, true) {
+        swing_up(&Arc::new(sample::cartpole()), 1);
+    }
 }
 
 #[test]
