@@ -1,5 +1,7 @@
 //! Numbers in the model's arrays, by the name of the array: parameters of batches.
 
+use mujoco_sys::{mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_SDF};
+
 use super::Model;
 use crate::error::{Error, InvalidKind, Result};
 use crate::field_docs::FieldDoc;
@@ -57,7 +59,8 @@ impl Model {
     /// # Errors
     ///
     /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] for an array whose
-    /// numbers a program cannot choose, and [`Error::Invalid`] for a number outside of the array.
+    /// numbers a program cannot choose and for the size of a geom with an asset, and
+    /// [`Error::Invalid`] for a number outside of the array.
     pub(crate) fn find_number(&self, array: &str, row: usize, column: usize) -> Result<NumberArray> {
         let Some(found) = self.number_array(array) else {
             // An unknown name is an error with the similar names.
@@ -70,6 +73,10 @@ impl Model {
                 let what = format!("the {what} of {array}");
                 return Err(Error::invalid(InvalidKind::OutOfRange, what, index, format!("less than {count}")));
             }
+        }
+        if array == "geom_size" && [mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_SDF].contains(&(self.geom_type()[row] as u32)) {
+            let geom = self.described(Kind::Geom, row);
+            return Err(Error::Unsupported(format!("geom_size as a parameter: the asset of {geom} determines it")));
         }
         Ok(found)
     }

@@ -131,8 +131,8 @@ impl Parameter {
     /// # Errors
     ///
     /// [`Error::NoSuchField`] for an unknown name, [`Error::Unsupported`] with the reason for a
-    /// field that cannot be a parameter, and [`Error::Invalid`] for a row or a column outside of
-    /// the array.
+    /// field that cannot be a parameter and for the size of a mesh or a height field, and
+    /// [`Error::Invalid`] for a row or a column outside of the array.
     ///
     /// ```
     /// use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
