@@ -4,13 +4,12 @@
 //! `[user, cursor, times (n), values (n × dim)]`. The engine converts the cursor to the index of
 //! the newest sample without a check. Safe code therefore changes the buffers only through
 //! [`Data::set_state`], which checks the cursors, and by functions that write whole buffers. Any
-//! other value is safe: the engine searches the
-//! times within the buffer, also if they are not in order.
+//! other value is safe: the engine searches the times within the buffer, also if they are not in
+//! order.
 
-use std::cmp::Ordering;
 use std::ffi::c_int;
 
-use mujoco_sys::adapted;
+use mujoco_sys::{self as sys, adapted};
 
 use super::Data;
 use crate::error::{Error, Result};
@@ -46,7 +45,8 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] for a
-    /// wrong length, and [`Error::Invalid`] for a time that is NaN.
+    /// wrong length, [`Error::Invalid`] for a time that is NaN, and [`Error::Unsupported`] for the
+    /// buffer of an actuator with several controls.
     ///
     /// # Panics
     ///
@@ -63,6 +63,9 @@ impl Data {
         let actuator = actuator.id_in(model)?.index();
         Error::check_length("values", values.len(), model.controls_of(actuator).len())?;
         let interpolation = model.interpolation(0, actuator, time, interpolation)?;
+        if values.len() != 1 && model.buffer(0, actuator).is_some() {
+            return Err(Error::Unsupported("samples of an actuator with several controls".to_owned()));
+        }
         // SAFETY: an actuator of this model, and a place for each of its controls. The cursors of
         // the buffers are valid.
         unsafe {
@@ -122,8 +125,9 @@ impl Data {
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] unless
     /// there are as many times as samples (`nsample`), and as many values as times and controls,
-    /// and [`Error::Invalid`] for times that do not increase. An actuator without a buffer, and
-    /// every actuator of engines before 3.5, has no samples.
+    /// and [`Error::Invalid`] for times that are not finite or do not increase by 1e-15 s.
+    /// [`Error::Unsupported`] for an actuator with several controls. An actuator without a buffer,
+    /// and every actuator of engines before 3.5, has no samples.
     ///
     /// # Panics
     ///
@@ -178,8 +182,15 @@ impl Data {
         let (samples, address) = self.model().buffer(kind, element).map_or((0, 0), |([samples, _], at)| (samples, at));
         Error::check_length("times", times.len(), samples)?;
         Error::check_length("values", values.len(), samples * dim)?;
-        if let Some(pair) = times.windows(2).find(|pair| pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less)) {
-            return Err(Error::out_of_range("a time of a sample", pair[1], format!("greater than {}", pair[0])));
+        if let Some(time) = times.iter().chain(&user).find(|time| !time.is_finite()) {
+            return Err(Error::not_finite("a time of a sample", time));
+        }
+        // The engine's function has this limit, too.
+        if let Some(pair) = times.windows(2).find(|pair| pair[1] - pair[0] < sys::mjMINVAL) {
+            return Err(Error::out_of_range("a time of a sample", pair[1], format!("1e-15 s after {}", pair[0])));
+        }
+        if kind == 0 && dim != 1 {
+            return Err(Error::Unsupported("samples of an actuator with several controls".to_owned()));
         }
         if samples == 0 {
             return Ok(());

@@ -272,8 +272,9 @@ impl Data {
     }
 
     /// Copies the parts of the state that are set in `spec` from another simulation, without
-    /// allocation. Otherwise as [`set_state`](Self::set_state) with the
-    /// [`state`](Self::state) of the other simulation.
+    /// allocation. Otherwise as [`set_state`](Self::set_state) with the [`state`](Self::state) of
+    /// the other simulation. Edits of its model, such as
+    /// [`weld_at_present_pose`](Self::weld_at_present_pose), are not copied.
     ///
     /// # Errors
     ///

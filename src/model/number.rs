@@ -23,7 +23,7 @@ pub(crate) struct NumberArray {
 const NO_ARRAY: &str = "it is no array of the model";
 
 /// Sizes that count the elements of a kind.
-const KINDS: [(&str, Kind); 14] = [
+const KINDS: &[(&str, Kind)] = &[
     ("nbody", Kind::Body),
     ("njnt", Kind::Joint),
     ("ngeom", Kind::Geom),
@@ -36,6 +36,9 @@ const KINDS: [(&str, Kind); 14] = [
     ("neq", Kind::Equality),
     ("ntendon", Kind::Tendon),
     ("nactuator", Kind::Actuator),
+    // Before 3.11 each actuator has one control.
+    #[cfg(not(engine_since = "3.11.0"))]
+    ("nu", Kind::Actuator),
     ("nsensor", Kind::Sensor),
     ("nkey", Kind::Keyframe),
 ];
@@ -68,6 +71,9 @@ impl Model {
             let why = Self::fields().find(|field| field.name == array).map_or(NO_ARRAY, |field| reason(&field));
             return Err(Error::Unsupported(format!("{array} as a parameter: {why}")));
         };
+        if array == "eq_data" {
+            return Err(Error::Unsupported(format!("{array} as a parameter: update_constants computes a part of it")));
+        }
         for (what, index, count) in [("row", row, found.rows), ("column", column, found.columns)] {
             if index >= count {
                 let what = format!("the {what} of {array}");

@@ -42,7 +42,7 @@ fn batch_of(model: &Arc<Model>, parameters: &[Parameter]) -> Batch<'static> {
     Batch::new(model, 2).unwrap().with_parameters(all).unwrap()
 }
 
-/// Compares a batch with an edited model for the first and the last number of each array.
+/// Compares a batch with an edited model for some numbers of each array.
 macro_rules! compare {
     ($model:ident $seen:ident $($writer:ident($field:ident))*) => {$(
         for (row, column) in [(0, 0), (1, 0), (0, 1), (2, 1)] {
@@ -92,6 +92,7 @@ fn fields_that_cannot_be_parameters_have_a_reason() {
     let model = mujoco_safe::sample::cartpole();
     for (array, reason) in [
         ("body_subtreemass", "update_constants"),
+        ("eq_data", "update_constants"),
         ("body_parentid", "memory accesses"),
         ("nbody", "no array"),
         ("wrap_prm", "not known"),
@@ -109,6 +110,25 @@ fn fields_that_cannot_be_parameters_have_a_reason() {
     assert!(error.to_string().contains("jnt_range[1] of joint 'slider'"), "{error}");
     let twice = Parameters::new().with(&model, range, Distribution::Unchanged).unwrap();
     assert!(matches!(twice.with(&model, range, Distribution::Unchanged), Err(Error::Invalid { .. })));
+
+    // Two parameters that would write one number.
+    let joint = model.joint("slider").unwrap().id();
+    let mass = Parameter::MassFactor(model.body("cart").unwrap().id());
+    for (first, array, row) in [(Parameter::JointDamping(joint), "dof_damping", 0), (mass, "body_inertia", 1)] {
+        let number = Parameter::field(&model, array, row, 0).unwrap();
+        for [first, second] in [[first, number], [number, first]] {
+            let one = Parameters::new().with(&model, first, Distribution::Unchanged).unwrap();
+            assert!(matches!(one.with(&model, second, Distribution::Unchanged), Err(Error::Invalid { .. })), "{array}");
+        }
+    }
+    // A finite number that is none as `f32`.
+    let colour = Parameter::field(&model, "geom_rgba", 0, 0).unwrap();
+    let error = Parameters::new().with(&model, colour, Distribution::Uniform { low: 0.0, high: 1e39 }).unwrap_err();
+    assert!(error.to_string().contains("3.4e38"), "{error}");
+    let force = Parameter::field(&model, "actuator_forcerange", 0, 1).unwrap();
+    let names = Parameters::new().with(&model, force, Distribution::Unchanged).unwrap();
+    let name = names.names().next().unwrap().to_owned();
+    assert!(name.starts_with("actuator_forcerange[1] of actuator "), "{name}");
 }
 
 #[test]

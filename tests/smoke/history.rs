@@ -282,6 +282,12 @@ fn buffers_are_filled_as_by_the_c_functions() {
     assert!(matches!(data.init_ctrl_history("delayed", &times, &values[1..]), Err(Error::Shape { .. })));
     let error = data.init_ctrl_history("delayed", &values.map(|value| -value), &values).unwrap_err();
     assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    for wrong in [f64::NAN, f64::NEG_INFINITY, times[1] - 1e-17] {
+        let wrong = [wrong, times[1], times[2], times[3], times[4], times[5]];
+        let error = data.init_sensor_history("late", &wrong, &values, 0.25).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    }
+    assert!(matches!(data.init_sensor_history("late", &times, &values, f64::NAN), Err(Error::Invalid { .. })));
     assert_eq!(data.history(), theirs);
 }
 

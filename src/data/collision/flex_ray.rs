@@ -18,7 +18,8 @@ pub struct FlexRayOptions {
     /// Layer of the elements of a solid flex, from the outside.
     #[doc(alias = "flex_layer")]
     pub layer: u16,
-    /// Includes the spheres around the vertices.
+    /// Includes the spheres around the vertices. Without effect beside edges, whose capsules
+    /// contain them.
     #[doc(alias = "flg_vert")]
     pub vertices: bool,
     /// Includes the capsules around the edges.
@@ -27,7 +28,8 @@ pub struct FlexRayOptions {
     /// Includes the faces of the elements.
     #[doc(alias = "flg_face")]
     pub faces: bool,
-    /// Includes the smooth skin.
+    /// Includes the skin. For a flex of two or three dimensions the engine then includes the edges
+    /// too, and ignores `layer` and `vertices`.
     #[doc(alias = "flg_skin")]
     pub skin: bool,
 }
@@ -59,8 +61,8 @@ pub struct FlexHit {
 
 /// # Rays
 impl Data {
-    /// Returns the nearest intersection of a ray with a flex, in which
-    /// [`ray`](Self::ray) finds no geoms. The flex can be of engines from 3.0.
+    /// Returns the nearest intersection of a ray with a flex, which [`ray`](Self::ray) does not
+    /// find. Engines before 3.0 have no flexes.
     ///
     /// # Errors
     ///

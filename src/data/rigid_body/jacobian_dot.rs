@@ -71,10 +71,10 @@ impl Data {
         let model = self.model();
         let body = body.id_in(&**model)?.index();
         self.check_parts("jac_dot", INPUTS)?;
-        let outputs = [("translation", translation.as_deref_mut()), ("rotation", rotation.as_deref_mut())];
-        for (what, output) in outputs {
-            let Some(output) = output else { continue };
-            Error::check_shape(what, output.shape(), (3, model.nv()))?;
+        for (what, output) in [("translation", &translation), ("rotation", &rotation)] {
+            output.as_ref().map_or(Ok(()), |output| Error::check_shape(what, output.shape(), (3, model.nv())))?;
+        }
+        for output in [translation.as_deref_mut(), rotation.as_deref_mut()].into_iter().flatten() {
             output.as_mut_slice().fill(0.0);
         }
         let origin = self.subtree_com()[ffi::size(model.body_rootid()[body])];

@@ -63,7 +63,7 @@ pub enum Parameter {
     #[doc(alias = "actuator_gear")]
     ActuatorGear(ActuatorId),
     /// Number in any array of the model that a program can choose: see [`Parameter::field`].
-    /// Finite.
+    /// Finite, also as `f32`.
     Field(FieldNumber),
 }
 
@@ -82,6 +82,8 @@ pub struct FieldNumber {
 #[derive(Clone, Copy)]
 pub(super) enum Valid {
     Finite,
+    /// A number that is finite as `f32`, too.
+    Single,
     NotNegative,
     Positive,
     Factor,
@@ -92,6 +94,7 @@ impl Valid {
         value.is_finite()
             && match self {
                 Self::Finite => true,
+                Self::Single => value.abs() <= f64::from(f32::MAX),
                 Self::NotNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::Factor => (1e-6..=1e6).contains(&value),
@@ -101,6 +104,7 @@ impl Valid {
     pub(super) fn text(self) -> &'static str {
         match self {
             Self::Finite => "finite",
+            Self::Single => "finite and at most 3.4e38 in magnitude",
             Self::NotNegative => "finite and not negative",
             Self::Positive => "finite and positive",
             Self::Factor => "from 1e-6 to 1e6",
@@ -167,8 +171,8 @@ impl Parameter {
             | Self::CentreOfMass(..)
             | Self::ActuatorGain(..)
             | Self::ActuatorBias(..)
-            | Self::ActuatorGear(_)
-            | Self::Field(_) => Valid::Finite,
+            | Self::ActuatorGear(_) => Valid::Finite,
+            Self::Field(_) => Valid::Single,
             Self::JointStiffness(_)
             | Self::JointDamping(_)
             | Self::JointFrictionLoss(_)
@@ -195,6 +199,20 @@ impl Parameter {
             | Self::ActuatorGain(..)
             | Self::ActuatorBias(..) => false,
             Self::Field(number) => number.has_derived,
+        }
+    }
+
+    /// Returns `true` if two parameters can write the same number: equal ones, and a number of an
+    /// array that another parameter writes for an element.
+    pub(super) fn overlaps(self, other: Self) -> bool {
+        let [ours, theirs] = [self, other].map(|parameter| parameter.field_name().0.split('[').next());
+        let is_scaled = |name: Option<&str>| matches!(name, Some("body_mass" | "body_inertia"));
+        match (self, other) {
+            (Self::Field(_), Self::Field(_)) => self == other,
+            (Self::Field(_), Self::MassFactor(_)) => is_scaled(ours),
+            (Self::MassFactor(_), Self::Field(_)) => is_scaled(theirs),
+            (Self::Field(_), _) | (_, Self::Field(_)) => ours == theirs,
+            _ => self == other,
         }
     }
 

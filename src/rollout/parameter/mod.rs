@@ -81,12 +81,16 @@ impl Parameters {
     /// ```
     pub fn with(mut self, model: &Model, parameter: Parameter, distribution: Distribution) -> Result<Self> {
         let name = parameter.name(model)?;
-        if self.columns.iter().any(|column| column.parameter == parameter) {
+        if let Some(other) = self.columns.iter().find(|column| column.parameter.overlaps(parameter)) {
             return Err(Error::invalid(
                 InvalidKind::Duplicate,
                 "the list of parameters",
-                format!("given {name} twice"),
-                "without repetitions",
+                if other.parameter == parameter {
+                    format!("given {name} twice")
+                } else {
+                    format!("given {name} beside {}", other.name)
+                },
+                "without two parameters for one array, except different numbers of it by Parameter::field",
             ));
         }
         let valid = parameter.valid();

@@ -147,8 +147,9 @@ fn values_beside_elements_of_unknown_size_are_placed_or_an_error() {
     assert!(spec.compile().unwrap_err().to_string().contains("'qvel' of key 'home'"));
 }
 
-/// The copies of an element have values each.
-#[cfg(engine_since = "3.5.0")]
+/// The copies of an element have values each. The compiler of 3.5.0 compares the keyframes with
+/// the model before it is copied.
+#[cfg(engine_since = "3.17.0")]
 #[test]
 fn values_follow_the_copies_of_elements() {
     let mut spec = parse(

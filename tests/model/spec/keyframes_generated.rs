@@ -331,6 +331,10 @@ impl Generator {
 }
 
 #[test]
+#[cfg_attr(
+    all(engine_since = "3.2.0", not(engine_since = "3.17.0")),
+    ignore = "joint types in classes are rejected beside keyframes"
+)]
 fn values_of_keyframes_follow_their_elements() {
     let first: u64 = std::env::var("SKIP").map_or(0, |number| number.parse().unwrap());
     for seed in first..first + cases(60, 600) {
