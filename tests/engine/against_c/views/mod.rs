@@ -115,7 +115,8 @@ macro_rules! check_fields {
             let mut listed: Vec<&str> = text.lines().skip(3).filter_map(|line| line.split(':').next()).collect();
             checked.sort_unstable();
             listed.sort_unstable();
-            // Those that only newer engines have are checked by `newer_fields` of the program smoke.
+            // Those that only newer engines have are checked by `newer_fields` of the program
+            // smoke.
             if cfg!(engine_since = "2.3.0") {
                 listed.retain(|field| checked.binary_search(field).is_ok());
             }
