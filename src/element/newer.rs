@@ -3,16 +3,15 @@
 
 #![allow(non_snake_case, reason = "the engine's own spelling, which users search for")]
 #![allow(unused_braces, reason = "a constant as a number of columns")]
+#![allow(clippy::elidable_lifetime_names, reason = "some methods return values with the lifetime")]
 
 use std::fmt::Debug;
 
 #[allow(unused_imports, reason = "2.2.2 has no newer fields")]
-use super::{Owner, View, ViewMut, range};
+use super::{Owner, View, range};
 use crate::data::Data;
 use crate::kind;
 use crate::model::Model;
-#[allow(unused_imports, reason = "as above")]
-use crate::model::ModelMut;
 
 /// Fields for the `Display` output of a view.
 pub(super) trait NewerFields<'a> {
