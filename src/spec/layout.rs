@@ -11,6 +11,9 @@ pub(super) const VECTORS: [&str; 6] = ["qpos", "qvel", "act", "ctrl", "mpos", "m
 /// Number of elements and copies beyond which the layout is not known.
 const MOST: usize = 1_000_000;
 
+/// Number of activations of an actuator beyond which the layout is not known.
+const MOST_ACTIVATIONS: usize = 1_000;
+
 /// Returns the elements with values in a vector, in the order of the compiled model.
 pub(super) fn of(tree: &Tree, vector: &str) -> Vec<Entry> {
     match vector {
@@ -82,7 +85,7 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
     }
     let activations = match (state.activations, state.dimension.map(|text| text.trim().parse::<i64>())) {
         (activations, None | Some(Ok(..0))) => activations,
-        (Some(_), Some(Ok(dimension))) => usize::try_from(dimension).ok(),
+        (Some(_), Some(Ok(dimension))) => usize::try_from(dimension).ok().filter(|&width| width <= MOST_ACTIVATIONS),
         _ => None,
     };
     (activations, state.controls)
@@ -139,13 +142,12 @@ fn elements(tree: &Tree, body: Index, copies: &[usize], left: &mut usize) -> Opt
         match tree.tag(index) {
             "frame" => open.extend(children.map(|&child| (child, copies.clone()))),
             "replicate" => {
-                let count: usize =
-                    tree.attribute(index, "count")?.trim().parse().ok().filter(|&count| count <= *left)?;
+                let count: usize = tree.attribute(index, "count")?.trim().parse().ok()?;
+                *left = left.checked_sub(count.checked_mul(tree.children(index).len().max(1))?)?;
                 for number in (0..count).rev() {
                     let copies = [&copies[..], &[number]].concat();
                     open.extend(tree.children(index).iter().rev().map(|&child| (child, copies.clone())));
                 }
-                *left = left.checked_sub(open.len())?;
             }
             _ => found.push((index, copies)),
         }

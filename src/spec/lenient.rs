@@ -87,9 +87,9 @@ fn push_text(text: &str, xml: &mut String) {
 
 /// Returns `true` if a text starts with a reference that all readers know.
 fn is_reference(text: &str) -> bool {
-    let Some(name) = text.strip_prefix('&').and_then(|text| text.split_once(';')).map(|(name, _)| name) else {
-        return false;
-    };
+    let Some(rest) = text.strip_prefix('&') else { return false };
+    let Some((end, _)) = rest.char_indices().take(64).find(|(_, character)| *character == ';') else { return false };
+    let name = &rest[..end];
     let is_number = |digits: &str, radix| !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(radix));
     match name.strip_prefix('#') {
         Some(number) => number.strip_prefix('x').map_or_else(|| is_number(number, 10), |digits| is_number(digits, 16)),

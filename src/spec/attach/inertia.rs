@@ -21,7 +21,8 @@ pub(super) fn adapt(child: &mut Tree, attribute: &str, theirs: &str, ours: &str)
         // The setting of the outer spec is one of the whole model.
         "settotalmass" => theirs.trim().parse().is_ok_and(|mass: f64| mass <= 0.0),
         "inertiafromgeom" => ours != "true" && are_inertias_explicit(child),
-        "inertiagrouprange" => are_inertias_explicit(child),
+        // Else the geoms of the outer range replace explicit inertias.
+        "inertiagrouprange" => paths::setting(child, "inertiafromgeom") != Some("true") && are_inertias_explicit(child),
         "boundmass" => bound(child, "mass", theirs, ours),
         "boundinertia" => bound(child, "diaginertia", theirs, ours),
         "balanceinertia" => theirs != "true" || balance(child),
@@ -100,9 +101,12 @@ fn balance(child: &mut Tree) -> bool {
     if has_meshes(child) && !are_inertias_explicit(child) {
         return false;
     }
+    // The compiler applies this bound first.
+    let least = paths::setting(child, "boundinertia").and_then(|text| text.trim().parse().ok()).unwrap_or(0.0_f64);
     for index in inertials(child) {
         let numbers = child.attribute(index, "diaginertia").and_then(value::numbers).unwrap_or_default();
         let [a, b, c] = numbers[..] else { return false };
+        let [a, b, c] = [a.max(least), b.max(least), c.max(least)];
         if a + b < c || a + c < b || b + c < a {
             child.node_mut(index).set("diaginertia", [(a + b + c) / 3.0; 3].text().into_owned());
         }

@@ -190,3 +190,24 @@ fn actuators_of_unknown_size_end_the_known_controls() {
     let error = spec.compile().unwrap_err().to_string();
     assert!(error.contains("'ctrl' of key 'home'"), "{error}");
 }
+
+/// Sizes of which no array can be made, and the time of texts with many copies.
+#[test]
+fn huge_sizes_in_texts_are_harmless() {
+    let geoms = "<geom size='.1'/>".repeat(1000);
+    let copies = format!(
+        "<mujoco><worldbody><replicate count='900000'>{geoms}</replicate><body><joint/><geom size='.1'/></body></worldbody>
+           <keyframe><key qpos='0'/></keyframe></mujoco>"
+    );
+    let _ = Spec::from_xml_str(&copies).unwrap().to_xml();
+    let actuator = "<general joint='j' dyntype='user' actdim='9223372036854775807'/>";
+    let mut spec = parse(&format!(
+        "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+           <actuator>{}</actuator><keyframe><key name='k' act='1'/></keyframe></mujoco>",
+        actuator.repeat(3)
+    ));
+    spec.add_actuator(ActuatorElement::Motor).set_joint("j");
+    let _ = (spec.to_xml(), spec.compile(), spec.keyframe("k").unwrap().numbers("act"));
+    let references = format!("<mujoco model='{}'/>", "&".repeat(1_000_000));
+    let _ = Spec::from_xml_str(&references);
+}

@@ -45,7 +45,6 @@ fn attached_bodies_keep_the_inertia_of_their_own_settings() {
     check(inferred, fixed, small);
     check(fixed, inferred, small);
     check("", "inertiafromgeom='true'", small);
-    check("", "inertiafromgeom='true' inertiagrouprange='1 2'", small);
     check("", "inertiagrouprange='1 2'", small);
     check("inertiagrouprange='1 2'", "", small);
     check("", "boundmass='1'", small);
@@ -53,6 +52,7 @@ fn attached_bodies_keep_the_inertia_of_their_own_settings() {
     check("boundmass='.2' boundinertia='.05'", "boundmass='.6'", small);
     check("", "balanceinertia='true'", "mass='.5' diaginertia='.1 .5 .1'");
     check("", "balanceinertia='true' boundinertia='.2'", "mass='.5' diaginertia='.1 .5 .1'");
+    check("boundinertia='.2'", "balanceinertia='true' boundinertia='.2'", "mass='.5' diaginertia='.1 .5 .1'");
     check("balanceinertia='true'", "", small);
     check("fitaabb='true'", "", small);
     check("", "inertiafromgeom='false' boundmass='.01' boundinertia='.01' balanceinertia='true'", small);
