@@ -146,8 +146,12 @@ mod data_views {
 
 /// Returns models with the features of newer engines.
 fn models() -> Vec<Model> {
-    let mut texts = vec![include_str!("../models/every_element.xml").to_owned(), MODEL.to_owned()];
-    if cfg!(engine_since = "2.3.7") {
+    let mut texts = vec![MODEL.to_owned()];
+    // The compilers of these versions cannot read its mesh.
+    if cfg!(not(all(engine_since = "2.3.3", not(engine_since = "3.1.3")))) {
+        texts.push(include_str!("../models/every_element.xml").to_owned());
+    }
+    if cfg!(engine_since = "3.0.0") {
         texts.push(ACTUATED.to_owned());
     }
     if cfg!(engine_since = "3.0.0") {
@@ -247,8 +251,8 @@ fn every_newer_field_of_a_view_is_the_row_of_its_element() {
     }
     // The models set values in these.
     let expected: &[(&str, bool)] = &[
-        ("jnt_actfrcrange", cfg!(engine_since = "2.3.7")),
-        ("body_gravcomp", cfg!(engine_since = "2.3.7")),
+        ("jnt_actfrcrange", cfg!(engine_since = "3.0.0")),
+        ("body_gravcomp", cfg!(engine_since = "3.0.0")),
         ("qfrc_damper", cfg!(engine_since = "3.0.0")),
         ("cam_resolution", cfg!(engine_since = "3.0.0")),
         ("flex_rgba", cfg!(engine_since = "3.0.0")),
