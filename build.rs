@@ -1,8 +1,7 @@
 //! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets
 //! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
-//! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`, and the
-//! fields of the views that 2.2.2 does not have. For
-//! engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
+//! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`, and
+//! the fields of the views that 2.2.2 does not have. For engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
 //! table of their files, and for those with which all tests run `cfg(tested_in_full)`.
 
 #[path = "build/accessors.rs"]

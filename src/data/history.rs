@@ -22,6 +22,10 @@ use crate::model::Model;
 /// interpolation, and the address.
 type Buffers<'a> = (&'static str, &'a [[i32; 2]], &'a [i32]);
 
+/// Indices of [`Model::history_buffers`].
+const ACTUATORS: usize = 0;
+const SENSORS: usize = 1;
+
 /// Interpolation between the samples of a buffer of delays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
@@ -62,9 +66,9 @@ impl Data {
         let model = &**self.model();
         let actuator = actuator.id_in(model)?.index();
         Error::check_length("values", values.len(), model.controls_of(actuator).len())?;
-        let interpolation = model.interpolation(0, actuator, time, interpolation)?;
-        if values.len() != 1 && model.buffer(0, actuator).is_some() {
-            return Err(Error::Unsupported("samples of an actuator with several controls".to_owned()));
+        let interpolation = model.interpolation(ACTUATORS, actuator, time, interpolation)?;
+        if model.buffer(ACTUATORS, actuator).is_some() {
+            check_one_control(values.len())?;
         }
         // SAFETY: an actuator of this model, and a place for each of its controls. The cursors of
         // the buffers are valid.
@@ -104,7 +108,7 @@ impl Data {
         let id = sensor.id_in(model)?;
         let sensor = id.index();
         Error::check_length("values", values.len(), model.sensor(id).dim())?;
-        let interpolation = model.interpolation(1, sensor, time, interpolation)?;
+        let interpolation = model.interpolation(SENSORS, sensor, time, interpolation)?;
         if !model.has_history(sensor) {
             values.copy_from_slice(self.sensor(id).data()?);
             return Ok(());
@@ -141,7 +145,7 @@ impl Data {
     ) -> Result<()> {
         let actuator = actuator.id_in(&**self.model())?.index();
         let dim = self.model().controls_of(actuator).len();
-        self.init_history(0, actuator, dim, times, values, None)
+        self.init_history(ACTUATORS, actuator, dim, times, values, None)
     }
 
     /// Fills the buffer of samples of a sensor: `times`, in seconds, and for each time the reading.
@@ -165,7 +169,7 @@ impl Data {
     ) -> Result<()> {
         let id = sensor.id_in(&**self.model())?;
         let dim = self.model().sensor(id).dim();
-        self.init_history(1, id.index(), dim, times, values, Some(phase))
+        self.init_history(SENSORS, id.index(), dim, times, values, Some(phase))
     }
 
     /// Writes a buffer in the layout `[user, cursor, times, values]`. `kind` is an index of
@@ -189,8 +193,8 @@ impl Data {
         if let Some(pair) = times.windows(2).find(|pair| pair[1] - pair[0] < sys::mjMINVAL) {
             return Err(Error::out_of_range("a time of a sample", pair[1], format!("1e-15 s after {}", pair[0])));
         }
-        if kind == 0 && dim != 1 {
-            return Err(Error::Unsupported("samples of an actuator with several controls".to_owned()));
+        if kind == ACTUATORS {
+            check_one_control(dim)?;
         }
         if samples == 0 {
             return Ok(());
@@ -229,15 +233,7 @@ impl Model {
 
     /// Returns `true` if a sensor has a buffer of earlier samples.
     pub(crate) fn has_history(&self, sensor: usize) -> bool {
-        #[cfg(engine_since = "3.5.0")]
-        {
-            self.sensor_history()[sensor][0] > 0
-        }
-        #[cfg(not(engine_since = "3.5.0"))]
-        {
-            assert!(sensor < self.nsensor(), "Bug: sensor {sensor} of {}", self.nsensor());
-            false
-        }
+        self.buffer(SENSORS, sensor).is_some()
     }
 
     /// Returns [`Error::Unsupported`] for a model with delays, whose states of earlier steps a
@@ -314,4 +310,12 @@ impl Model {
         debug_assert_eq!(history.len(), self.history_len(), "Bug: a history has the length of the model's buffers");
         Ok(())
     }
+}
+
+/// Checks that an actuator has one control: the layout of its samples is not known else.
+fn check_one_control(controls: usize) -> Result<()> {
+    if controls == 1 {
+        return Ok(());
+    }
+    Err(Error::Unsupported("samples of an actuator with several controls".to_owned()))
 }

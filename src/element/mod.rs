@@ -93,8 +93,8 @@
 //! engine's table of fields when the crate is compiled. Their names are those of the arrays without
 //! the abbreviation of the kind: `camera.resolution()` is a row of `cam_resolution`, and
 //! `joint.qfrc_damper()` of a simulation a part of `qfrc_damper`. A name that is a word of Rust, or
-//! that a view has already, stays complete: `light.light_type()`. Arrays of floating-point numbers
-//! that safe code may write have setters on the mutable views. `cargo doc` with `MUJOCO_DIR` set
+//! that a view has already, stays complete: `light.light_type()`. They
+//! only read. `cargo doc` with `MUJOCO_DIR` set
 //! lists the methods, and formatting a view with `{}` their values.
 //!
 //! # Writing to a model

@@ -62,8 +62,7 @@ impl Spec {
     /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine
     /// and [`Spec`] read all names and texts as they are here, also those with control characters,
     /// which are written as `&#1;`. Other readers of XML may reject these. Values of a keyframe
-    /// that
-    /// cannot be placed are replaced by a text with the reason, which the compiler rejects.
+    /// that cannot be placed are replaced by a text with the reason, which the compiler rejects.
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;

@@ -65,8 +65,7 @@ impl<'s, K> Element<'s, K> {
     }
 
     /// Returns the numbers in an attribute, or `None` if the element does not have it. The values
-    /// of
-    /// a keyframe are those of the present elements, as [`Spec::compile`] places them.
+    /// of a keyframe are those of the present elements, as [`Spec::compile`] places them.
     ///
     /// # Errors
     ///

@@ -100,9 +100,9 @@ fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
     while let Some((body, copies)) = open.pop() {
         let is_mocap = tree.attribute(body, "mocap") == Some("true");
         match (tree.tag(body), vector) {
-            ("body", "mpos") if is_mocap => entries.push(Entry { index: body, copies: copies.clone(), width: Some(3) }),
-            ("body", "mquat") if is_mocap => {
-                entries.push(Entry { index: body, copies: copies.clone(), width: Some(4) });
+            ("body", "mpos" | "mquat") if is_mocap => {
+                let width = Some(if vector == "mpos" { 3 } else { 4 });
+                entries.push(Entry { index: body, copies: copies.clone(), width });
             }
             ("body" | "worldbody", _) => {}
             ("composite" | "flexcomp", "mpos" | "mquat") => continue,

@@ -72,15 +72,16 @@ fn push_text(text: &str, xml: &mut String) {
     // break of Windows in the same value.
     let mut is_shifted = false;
     for (position, character) in text.char_indices() {
+        let starts_reference = is_reference(&text[position..]);
         match character {
             '<' => *xml += "&lt;",
-            '&' if !is_reference(&text[position..]) && !is_shifted => *xml += "&amp;",
+            '&' if !starts_reference && !is_shifted => *xml += "&amp;",
             _ => xml.push(character),
         }
         match (quote, character) {
             (None, '\'' | '"') => quote = Some(character),
             (Some(open), _) if open == character => (quote, is_shifted) = (None, false),
-            _ => is_shifted |= character == '\r' || is_reference(&text[position..]),
+            _ => is_shifted |= character == '\r' || starts_reference,
         }
     }
 }

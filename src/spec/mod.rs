@@ -87,10 +87,10 @@
 //!
 //! # Texts
 //!
-//! A spec reads the texts that the engine's reader accepts, also those that are not XML: `--` in
-//! comments, `&` and `<` in values of attributes, a `<!DOCTYPE>`, blanks before the declaration,
-//! and elements after the root, which are ignored. An exception is `&` after a reference (`&lt;`)
-//! in the same value, in whose place the engine reads another character.
+//! A spec reads XML, and as the engine's reader does also `--` in comments, `&` and `<` in values
+//! of attributes, a `<!DOCTYPE>`, blanks before the declaration, and elements after the root, which
+//! are ignored. An exception is `&` after a reference (`&lt;`) in the same value, in whose place
+//! the engine reads another character.
 //!
 //! The elements that `replicate`, `composite`, `flexcomp` and `attach` create have no id in a spec,
 //! because the compiler creates them. [`Model`] has them, with their names.

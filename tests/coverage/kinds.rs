@@ -67,7 +67,7 @@ fn every_kind_has_a_view() {
 fn the_page_of_kinds_is_up_to_date() {
     let mut page = "Every kind of element and its fields: the name in MuJoCo.jl's named access, the name here, and the additional fields\n\
          here. An address with a count is a range here, and an id is typed. With a newer engine, each view also\n\
-         has the [fields that 2.2.2 lacks](crate::element#fields-of-newer-engines), among them all those of flexes and plugins.\n"
+         has the [fields that 2.2.2 lacks](crate::element#fields-of-newer-engines), such as those of flexes and plugins.\n"
         .to_owned();
     for ((kind, owner), fields) in declared() {
         let view = if owner == "Data" { format!("{kind}Data") } else { kind.clone() };

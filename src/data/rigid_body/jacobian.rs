@@ -377,7 +377,7 @@ impl Data {
         Ok(())
     }
 
-    fn zero_jacobian(&self) -> Jacobian {
+    pub(super) fn zero_jacobian(&self) -> Jacobian {
         let nv = self.model().nv();
         Jacobian { linear: Matrix::zeros(3, nv), angular: Matrix::zeros(3, nv) }
     }

@@ -44,8 +44,7 @@ impl Data {
     /// ```
     #[doc(alias = "mj_jacDot")]
     pub fn jac_dot(&self, point: [f64; 3], body: impl IntoId<kind::Body>) -> Result<Jacobian> {
-        let nv = self.model().nv();
-        let mut rate = Jacobian { linear: Matrix::zeros(3, nv), angular: Matrix::zeros(3, nv) };
+        let mut rate = self.zero_jacobian();
         self.jac_dot_into(point, body, Some(&mut rate.linear), Some(&mut rate.angular))?;
         Ok(rate)
     }

@@ -56,32 +56,29 @@ pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Inde
         let mut settings = tree.children(class).iter().rev().filter(|&&child| is_default(tree.tag(child)));
         settings.find(|&&child| child != index && tree.attribute(child, attribute).is_some()).copied()
     };
+    around(tree, class).into_iter().find_map(in_class)
+}
+
+/// Returns a class of defaults, the classes around it, and the sections of `main` that act on it,
+/// from the inside.
+fn around(tree: &Tree, class: &str) -> Vec<Index> {
     let mut sections: Vec<Index> = tree.sections("default").collect();
+    let mut classes = Vec::new();
     if let Some(class) = names::find(tree, Named::Class, class).filter(|class| !sections.contains(class)) {
-        let around: Vec<Index> = std::iter::once(class).chain(ancestors(tree, class)).collect();
-        let (section, classes) = around.split_last().unwrap_or((&class, &[]));
-        if let Some(found) = classes.iter().copied().find_map(in_class) {
-            return Some(found);
-        }
+        classes.push(class);
+        classes.extend(ancestors(tree, class));
+        let section = classes.pop();
         // A class has no defaults of later sections.
-        sections.truncate(1 + sections.iter().position(|found| found == section).unwrap_or_default());
+        sections.truncate(1 + sections.iter().position(|&found| Some(found) == section).unwrap_or_default());
     }
-    sections.into_iter().rev().find_map(in_class)
+    classes.extend(sections.into_iter().rev());
+    classes
 }
 
 /// Returns the defaults of an actuator in its class and in those around it, from the outside.
 pub(in super::super) fn defaults_of(tree: &Tree, actuator: Index) -> Vec<Index> {
-    let class = tree.attribute(actuator, "class").unwrap_or(MAIN);
-    let sections: Vec<Index> = tree.sections("default").collect();
-    let class = names::find(tree, Named::Class, class).filter(|class| !sections.contains(class));
-    let mut classes: Vec<Index> =
-        class.into_iter().flat_map(|class| std::iter::once(class).chain(ancestors(tree, class))).collect();
-    // A class has no defaults of later sections.
-    let outer = sections.iter().position(|section| classes.last() == Some(section));
-    let sections = &sections[..outer.map_or(sections.len(), |outer| outer + 1)];
-    classes.pop();
-    let classes = sections.iter().copied().chain(classes.into_iter().rev());
-    let children = classes.flat_map(|class| tree.children(class)).copied();
+    let classes = around(tree, tree.attribute(actuator, "class").unwrap_or(MAIN));
+    let children = classes.into_iter().rev().flat_map(|class| tree.children(class)).copied();
     children.filter(|&child| ACTUATORS.contains(&tree.tag(child))).collect()
 }
 

@@ -63,7 +63,7 @@ fn creates_bodies(tree: &Tree) -> bool {
     tree.descendants(Tree::ROOT).into_iter().any(creates)
 }
 
-fn inertials(tree: &Tree) -> Vec<Index> {
+pub(super) fn inertials(tree: &Tree) -> Vec<Index> {
     tree.descendants(Tree::ROOT).into_iter().filter(|&index| tree.tag(index) == "inertial").collect()
 }
 

@@ -100,30 +100,31 @@ impl Spec {
     ///
     /// References to the world become references to the body, and anchors of constraints in the
     /// world move with the pose. Keyframes are copied, and the values of each follow their elements
-    /// (see [the module](super#keyframes)): those of the elements of the other spec are the values
-    /// without a keyframe. A free joint keeps its values, which are in the frame of the world.
-    /// Options, statistics, visualiser settings and sizes of the other spec are not copied. The
-    /// settings of `compiler` that concern the model as a whole,
-    /// such as `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
+    /// (see [the module](super#keyframes)): in a keyframe of one spec, the elements of the other
+    /// one have their initial values. Free joints and mocap bodies keep their values, which are in
+    /// the frame of the world. Options, statistics, visualiser settings and sizes of the other spec
+    /// are not copied. The settings of `compiler` that concern the model as a whole, such as
+    /// `fusestatic`, `discardvisual` and `lengthrange`, are taken from this spec.
     ///
     /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
     /// without bodies, or without meshes, takes them from the first spec that is attached. The
     /// bodies of other specs keep the mass and inertia of their own settings if a text can express
     /// them: with `<inertial>` and `diaginertia` in all bodies under another `inertiafromgeom`
-    /// (except `true` of this spec), `inertiagrouprange`, `boundmass`, `boundinertia` or
-    /// `balanceinertia`, and with any bodies if theirs is `inertiafromgeom="true"` and this spec's
-    /// `auto`. A spec without meshes may differ in the settings of meshes, one without free joints
-    /// in `alignfree`. All else is an error, which names the setting.
+    /// (except `true` of this spec), `inertiagrouprange` (except with `true` of theirs),
+    /// `boundmass`, `boundinertia` or `balanceinertia`, and with any bodies if theirs is
+    /// `inertiafromgeom="true"` and this spec's `auto`. A spec without meshes may differ in the
+    /// settings of meshes, one without free joints in `alignfree`. A total mass that this spec sets
+    /// (`settotalmass`) is that of the whole model. All else is an error, which names the setting.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`], and this spec is unchanged, if a name exists already, also that of a
     /// keyframe, if the bodies depend on settings that differ, or if a pose or an angle is not a
-    /// list of numbers. [`Error::Unsupported`] if an
-    /// element cannot be moved to the pose, or has an attribute that only engines newer than the
-    /// supported ones have, or for a prefix and a skin whose file names bodies. The pose must be
-    /// the pose of the body for elements that refer to the frame of the world: vertices of flexes,
-    /// bones of skins, targets of cameras and lights, frames of sensors, and `relpose`.
+    /// list of numbers. [`Error::Unsupported`] if an element cannot be moved to the pose, or has an
+    /// attribute that only engines newer than the supported ones have, or for a prefix and a skin
+    /// whose file names bodies. The pose must be the pose of the body for elements that refer to
+    /// the frame of the world: vertices of flexes, bones of skins, targets of cameras and lights,
+    /// frames of sensors, and `relpose`.
     ///
     /// # Panics
     ///

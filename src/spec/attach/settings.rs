@@ -90,8 +90,7 @@ pub(super) fn are_limits_automatic(tree: &Tree) -> bool {
 /// Removes the inertias that the compiler replaces by inertias computed from the geoms. Returns
 /// `true` if all inertias are computed from geoms.
 fn compute_inertia(child: &mut Tree) -> bool {
-    let inertias: Vec<Index> =
-        child.descendants(Tree::ROOT).into_iter().filter(|&index| child.tag(index) == "inertial").collect();
+    let inertias = inertia::inertials(child);
     match paths::setting(child, "inertiafromgeom").unwrap_or("auto") {
         "true" => {
             let replaced = |index: &Index| child.parent(*index).is_some_and(|body| inertia::is_from_geoms(child, body));

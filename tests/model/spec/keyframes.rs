@@ -211,3 +211,20 @@ fn huge_sizes_in_texts_are_harmless() {
     let references = format!("<mujoco model='{}'/>", "&".repeat(1_000_000));
     let _ = Spec::from_xml_str(&references);
 }
+
+/// The values of mocap bodies are in the frame of the world.
+#[test]
+fn values_in_the_frame_of_the_world_stay_at_a_mount_with_a_pose() {
+    let child = parse(
+        "<mujoco><worldbody><body name='m' mocap='true' pos='1 2 3'/></worldbody>
+           <keyframe><key name='k' mpos='4 5 6' mquat='0 1 0 0'/></keyframe></mujoco>",
+    );
+    let mut spec = parse(TWO);
+    let mount = Mount::body(spec.world()).with_pos([0.0, 0.0, 10.0]);
+    spec.attach(&child, mount, "c_").unwrap();
+    let model = spec.compile().unwrap();
+    let key = model.keyframe("c_k").unwrap().id().index();
+    assert_eq!(model.body_pos()[model.body("c_m").unwrap().index()], [1.0, 2.0, 13.0]);
+    assert_eq!(model.key_mpos().row(key), [4.0, 5.0, 6.0]);
+    assert_eq!(model.key_mquat().row(key), [0.0, 1.0, 0.0, 0.0]);
+}

@@ -58,7 +58,7 @@ fn attached_bodies_keep_the_inertia_of_their_own_settings() {
     check("", "inertiafromgeom='false' boundmass='.01' boundinertia='.01' balanceinertia='true'", small);
 }
 
-/// What a text cannot express is an error.
+/// Inertias that a text cannot express are errors.
 #[test]
 fn inertias_that_only_the_compiler_knows_are_errors() {
     let small = "mass='.5' diaginertia='.5 .1 .5'";
