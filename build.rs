@@ -1,8 +1,9 @@
 //! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets
 //! `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and generates the
 //! accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`, and
-//! the fields of the views that 2.2.2 does not have. For engines whose binary models can be validated it sets `cfg(validates_binaries)` and generates the
-//! table of their files, and for those with which all tests run `cfg(tested_in_full)`.
+//! the fields of the views that 2.2.2 does not have. For engines whose binary models can be
+//! validated it sets `cfg(validates_binaries)` and generates the table of their files, and for those
+//! with which all tests run `cfg(tested_in_full)`.
 
 #[path = "build/accessors.rs"]
 mod accessors;
@@ -38,10 +39,26 @@ const THRESHOLDS: [&str; 25] = [
     "4.0.0",
 ];
 
+/// Source of the views, whose names the generated fields do not take.
+const VIEWS: &str = concat!(
+    include_str!("src/element/actuator.rs"),
+    include_str!("src/element/asset.rs"),
+    include_str!("src/element/attachment.rs"),
+    include_str!("src/element/common.rs"),
+    include_str!("src/element/constraint.rs"),
+    include_str!("src/element/custom.rs"),
+    include_str!("src/element/deformable.rs"),
+    include_str!("src/element/fields.rs"),
+    include_str!("src/element/kinematics.rs"),
+    include_str!("src/element/mesh.rs"),
+    include_str!("src/element/mod.rs"),
+    include_str!("src/element/sensor.rs"),
+    include_str!("src/element/tendon.rs"),
+);
+
 fn main() {
     // Otherwise it depends on its own files only, for which it is compiled again.
     println!("cargo::rerun-if-env-changed=DEP_MUJOCO_VERSION");
-    println!("cargo::rerun-if-changed=src/element");
 
     // Absent in a documentation build without an engine, which uses the bindings of 2.2.2.
     let version: u32 =
@@ -64,7 +81,7 @@ fn main() {
     if version > 222 {
         generate(&fields, version);
     }
-    let [views, view_fields] = views::generate(&read(&fields), &read(&default_fields()), version, &element_sources());
+    let [views, view_fields] = views::generate(&read(&fields), &read(&default_fields()), version, VIEWS);
     write("views.rs", &views);
     write("view_fields.rs", &view_fields);
     let is_proved = matches!(variable("DEP_MUJOCO_TESTS").as_deref(), Some("all" | "most") | None);
@@ -120,12 +137,6 @@ fn generate(table: &Path, version: u32) {
 /// Returns the path of the field table of 2.2.2.
 fn default_fields() -> PathBuf {
     PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"))
-}
-
-/// Returns the source of `src/element`, which has the hand-written fields of the views.
-fn element_sources() -> String {
-    let folder = std::fs::read_dir("src/element").expect("Cargo runs the build script in the folder of the crate");
-    folder.map(|entry| read(&entry.expect("a readable folder").path())).collect()
 }
 
 /// Returns the contents of a table.
