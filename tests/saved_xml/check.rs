@@ -218,6 +218,44 @@ fn a_text_without_its_files_is_rejected() {
 }
 
 #[test]
+fn the_text_of_a_model_is_that_of_its_file() {
+    let _lock = super::lock_engine();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("saved.xml");
+    let mut model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
+    model.edit().set_timestep(0.003).unwrap();
+    let text = model.to_xml().unwrap();
+    model.save_xml(&path).unwrap();
+    assert_eq!(text, std::fs::read_to_string(&path).unwrap());
+
+    model.edit().body_mass_mut()[1] = 7.0;
+    let error = model.to_xml().unwrap_err();
+    assert!(matches!(&error, Error::XmlLosesEdits { .. }) && error.to_string().contains("body_mass"), "{error}");
+    let (text, lost) = model.to_xml_with(&SaveXmlOptions::default().with_check(XmlCheck::Report)).unwrap();
+    assert!(text.starts_with("<mujoco") && lost.iter().any(|lost| lost.field == "body_mass"), "{lost:?}");
+    assert_eq!(Model::from_xml_str(&text).unwrap().timestep(), 0.003);
+    assert!(matches!(model.to_xml(), Err(Error::XmlReplaced)));
+
+    // A file in memory, which the check finds only among the options.
+    let files = assets::all();
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
+    let options = LoadOptions::default().with_files(&files);
+    let model = Model::from_xml_str_with(assets::MODEL, &options).unwrap();
+    let error = model.to_xml().unwrap_err().to_string();
+    assert!(error.contains("cannot save to a text") && error.contains("does not load"), "{error}");
+    let model = Model::from_xml_str_with(assets::MODEL, &options).unwrap();
+    let (text, lost) = model.to_xml_with(&SaveXmlOptions::default().with_files(&files)).unwrap();
+    assert_eq!(lost, []);
+    assert_eq!(Model::from_xml_str_with(&text, &options).unwrap().nmesh(), model.nmesh());
+
+    // A name in another encoding.
+    std::fs::write(&path, b"<mujoco><worldbody><geom name='caf\xe9' size='.1'/></worldbody></mujoco>").unwrap();
+    let model = Model::from_xml_path(&path).unwrap();
+    let error = model.to_xml().unwrap_err().to_string();
+    assert!(error.contains("not UTF-8"), "{error}");
+}
+
+#[test]
 fn the_text_has_the_changes_of_the_compiler() {
     let _lock = super::lock_engine();
     let folder = folder();

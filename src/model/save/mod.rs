@@ -220,12 +220,63 @@ impl Model {
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<UnsavedField>> {
         let path = path.as_ref();
-        let (text, reloaded) = self.to_xml(path, options)?;
+        let (text, lost) = self.checked_xml(path, options)?;
+        file::replace(path, |out| out.write_all(&text))?;
+        Ok(lost)
+    }
+
+    /// Returns the model as MJCF, unless the text would load as a different model. Equivalent to
+    /// [`to_xml_with`](Self::to_xml_with) with the default options.
+    ///
+    /// # Errors
+    ///
+    /// As for [`to_xml_with`](Self::to_xml_with).
+    ///
+    /// ```standalone_crate
+    /// use mujoco_safe::Model;
+    ///
+    /// let mut model = Model::from_xml_str(
+    ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
+    /// )?;
+    /// model.edit().set_timestep(0.001)?;
+    /// assert!(model.to_xml()?.contains(r#"<option timestep="0.001"/>"#));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn to_xml(&self) -> Result<String> {
+        self.to_xml_with(&SaveXmlOptions::default()).map(|(text, _)| text)
+    }
+
+    /// Returns the model as MJCF after a check of the text, as
+    /// [`save_xml_with`](Self::save_xml_with) writes it, and the fields that the text cannot
+    /// represent. The text names files of assets. The check loads it as
+    /// [`from_xml_str`](Self::from_xml_str) does, with files from `options.files` or relative to
+    /// the current directory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`save_xml_with`](Self::save_xml_with), with the path `a text`, and [`Error::Save`]
+    /// if a name in the model is not UTF-8.
+    #[doc(alias = "mj_saveLastXML")]
+    #[doc(alias = "mj_saveXMLString")]
+    pub fn to_xml_with(&self, options: &SaveXmlOptions) -> Result<(String, Vec<UnsavedField>)> {
+        // Its folder is the current directory.
+        let path = Path::new("a text");
+        let (text, lost) = self.checked_xml(path, options)?;
+        let text = String::from_utf8(text).map_err(|_| Error::Save {
+            path: path.to_owned(),
+            reason: "a name in the model is not UTF-8".to_owned(),
+        })?;
+        Ok((text, lost))
+    }
+
+    /// Returns the text of the model, and the fields that it cannot represent.
+    fn checked_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Vec<UnsavedField>)> {
+        let (text, reloaded) = self.written_xml(path, options)?;
         let lost = reloaded.map_or(Ok(Vec::new()), |reloaded| compare::lost(self, &reloaded))?;
         if !lost.is_empty() && options.check == XmlCheck::Require {
             return Err(Error::XmlLosesEdits { path: path.to_owned(), fields: lost });
         }
-        file::replace(path, |out| out.write_all(&text))?;
-        Ok(lost)
+        Ok((text, lost))
     }
 }

@@ -50,7 +50,7 @@ impl Model {
     /// Loading replaces the engine's tree with the tree of the text. The tree still fits this model
     /// if all numbers of elements agree, so the model can be saved again. One lock covers writing
     /// and loading, because another load in between would replace the tree.
-    pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
+    pub(super) fn written_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
             return Err(Error::XmlReplaced);
