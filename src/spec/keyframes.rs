@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::attach::Defaults;
+use super::attach::{self, Defaults};
 use super::layout::{self, VECTORS};
 use super::names;
 use super::tree::{Entry, Index, Tree};
@@ -89,10 +89,9 @@ pub(super) fn joined(tree: Cow<'_, Tree>) -> (Cow<'_, Tree>, Result<()>) {
 /// Returns the values of a vector of a keyframe in the order of the present elements, or `None` if
 /// the text has this order.
 pub(super) fn values(tree: &Tree, index: Index, attribute: &str) -> Result<Option<Vec<f64>>> {
-    match owners(tree, index, attribute) {
-        Some(owners) => join(tree, index, attribute, owners, &layout::of(tree, attribute)),
-        None => Ok(None),
-    }
+    let Some(owners) = owners(tree, index, attribute) else { return Ok(None) };
+    let tree = attach::resolved(tree);
+    join(&tree, index, attribute, owners, &layout::of(&tree, attribute))
 }
 
 fn keys(tree: &Tree) -> impl Iterator<Item = Index> {

@@ -1,12 +1,44 @@
 //! Order in which the compiler lays out the values of joints, actuators and mocap bodies.
 
-use super::attach::effective;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use super::attach::{self, effective};
 use super::names;
 use super::tree::{Entry, Index, Tree};
 use crate::kind::Kind;
 
 /// Attributes of a keyframe with the values of all elements of a kind.
 pub(super) const VECTORS: [&str; 6] = ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"];
+
+/// Attributes that do not determine how many values an element has: names, which attachments
+/// change, places and looks.
+const WITHOUT_VALUES: [&str; 25] = [
+    "name",
+    "class",
+    "prefix",
+    "model",
+    "instance",
+    "joint",
+    "jointinparent",
+    "tendon",
+    "site",
+    "refsite",
+    "cranksite",
+    "slidersite",
+    "body",
+    "material",
+    "rgba",
+    "group",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "mass",
+    "spacing",
+    "radius",
+];
 
 /// Number of elements and copies beyond which the layout is not known.
 const MOST: usize = 1_000_000;
@@ -22,18 +54,42 @@ pub(super) fn of(tree: &Tree, vector: &str) -> Vec<Entry> {
     }
 }
 
+fn entry(tree: &Tree, index: Index, copies: Vec<usize>, width: Option<usize>) -> Entry {
+    let makeup = if width.is_none() { makeup(tree, index) } else { 0 };
+    Entry { index, copies, width, makeup }
+}
+
+/// Returns a hash of what determines the number of values of an element, as far as the tree has it:
+/// the contents of files and the settings of plugin instances may change it too.
+fn makeup(tree: &Tree, index: Index) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    let is_actuator = names::kind(tree, index) == Some(Kind::Actuator);
+    let classes = if is_actuator { attach::defaults_of(tree, index) } else { Vec::new() };
+    for element in classes.into_iter().flat_map(|default| tree.descendants(default)).chain(tree.descendants(index)) {
+        tree.tag(element).hash(&mut hasher);
+        for (attribute, value) in &tree.node(element).attributes {
+            if attribute == "file" {
+                value.rsplit(['/', '\\']).next().hash(&mut hasher);
+            } else if !WITHOUT_VALUES.contains(&&attribute[..]) {
+                (attribute, value).hash(&mut hasher);
+            }
+        }
+    }
+    hasher.finish()
+}
+
 fn of_actuators(tree: &Tree, vector: &str) -> Vec<Entry> {
     // A model that is attached by an element can have actuators.
     let mut entries: Vec<Entry> = tree
         .descendants(Tree::ROOT)
         .into_iter()
         .filter(|&index| tree.tag(index) == "attach")
-        .map(|index| Entry { index, copies: Vec::new(), width: None })
+        .map(|index| entry(tree, index, Vec::new(), None))
         .collect();
     for index in tree.sections("actuator").flat_map(|section| tree.children(section)).copied() {
         let (activations, controls) = widths(tree, index);
         let width = if vector == "act" { activations } else { controls };
-        entries.push(Entry { index, copies: Vec::new(), width });
+        entries.push(entry(tree, index, Vec::new(), width));
     }
     entries
 }
@@ -51,16 +107,24 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
     let simple = |activations| State { activations: Some(activations), controls: Some(1), dimension: None };
     let unknown = State { activations: None, controls: None, dimension: None };
     let mut state = simple(0);
-    let mut is_filter = false;
-    for place in super::attach::defaults_of(tree, index).into_iter().chain([index]) {
-        state = match tree.tag(place) {
-            "motor" | "velocity" | "damper" | "adhesion" => simple(0),
+    // Whether a `position` without a time constant has the filter of its classes. Unknown after
+    // other elements, which keep a part of it that depends on the engine.
+    let mut has_filter = Some(false);
+    let mut is_general = true;
+    for place in attach::defaults_of(tree, index).into_iter().chain([index]) {
+        let tag = tree.tag(place);
+        state = match tag {
+            "motor" | "velocity" | "damper" => simple(0),
+            // It keeps the activation of its classes with some engines only.
+            "adhesion" if state.activations != Some(0) => State { activations: None, ..simple(0) },
+            "adhesion" => simple(0),
             "intvelocity" | "cylinder" | "muscle" => simple(1),
-            "position" => match tree.attribute(place, "timeconst").map(|text| text.trim().parse::<f64>()) {
-                Some(Ok(time)) => simple(usize::from(time != 0.0)),
-                Some(Err(_)) => unknown,
-                None => simple(usize::from(is_filter)),
-            },
+            "position" => {
+                if let Some(text) = tree.attribute(place, "timeconst") {
+                    has_filter = text.trim().parse::<f64>().ok().map(|time| time != 0.0);
+                }
+                State { activations: has_filter.map(usize::from), ..simple(0) }
+            }
             "general" => {
                 let activations = match tree.attribute(place, "dyntype") {
                     None => state.activations,
@@ -77,10 +141,13 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
             }
             _ => unknown,
         };
-        is_filter = match tree.tag(place) {
-            "position" => state.activations == Some(1),
-            "general" => tree.attribute(place, "dyntype").map_or(is_filter, |dynamics| dynamics == "filterexact"),
-            _ => false,
+        let dynamics = tree.attribute(place, "dyntype").filter(|_| tag == "general");
+        is_general &= tag == "general" && tree.attribute(place, "dynprm").is_none();
+        has_filter = match (tag, dynamics) {
+            ("position", _) | ("general", None) => has_filter,
+            ("general", Some("filterexact")) => is_general.then_some(true),
+            ("general", Some(_)) => Some(false),
+            _ => has_filter.filter(|has| !has),
         };
     }
     let activations = match (state.activations, state.dimension.map(|text| text.trim().parse::<i64>())) {
@@ -102,17 +169,17 @@ fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
         match (tree.tag(body), vector) {
             ("body", "mpos" | "mquat") if is_mocap => {
                 let width = Some(if vector == "mpos" { 3 } else { 4 });
-                entries.push(Entry { index: body, copies: copies.clone(), width });
+                entries.push(entry(tree, body, copies.clone(), width));
             }
             ("body" | "worldbody", _) => {}
             ("composite" | "flexcomp", "mpos" | "mquat") => continue,
             _ => {
-                entries.push(Entry { index: body, copies, width: None });
+                entries.push(entry(tree, body, copies, None));
                 continue;
             }
         }
         let Some(elements) = elements(tree, body, &copies, &mut left) else {
-            entries.push(Entry { index: body, copies, width: None });
+            entries.push(entry(tree, body, copies, None));
             return entries;
         };
         let is_joint = |index| names::kind(tree, index) == Some(Kind::Joint);
@@ -122,7 +189,7 @@ fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
                 && (is_joint(*index) || tree.tag(*index) == "composite")
         }) {
             let width = if is_joint(*index) { dimensions(tree, *index, vector) } else { None };
-            entries.push(Entry { index: *index, copies: copies.clone(), width });
+            entries.push(entry(tree, *index, copies.clone(), width));
         }
         let creates = |tag: &str| matches!(tag, "body" | "composite" | "flexcomp" | "attach");
         open.extend(elements.into_iter().rev().filter(|(index, _)| creates(tree.tag(*index))));

@@ -25,6 +25,8 @@ pub(super) struct Entry {
     pub(super) copies: Vec<usize>,
     /// Number of values, `None` if only the compiler knows it.
     pub(super) width: Option<usize>,
+    /// Hash of what determines a number that only the compiler knows.
+    pub(super) makeup: u64,
 }
 
 /// Element of MJCF: a tag, attributes in the order of the text, and elements in it.

@@ -33,8 +33,11 @@ impl<'t> Defaults<'t> {
         match joint_type(self.tree, joint) {
             "ball" => Some(vec![1.0, 0.0, 0.0, 0.0]),
             "free" => {
-                let align = self.tree.attribute(joint, "align").or_else(|| paths::setting(self.tree, "alignfree"));
                 // The compiler turns the body to its inertia.
+                let align = match self.tree.attribute(joint, "align") {
+                    None | Some("auto") => paths::setting(self.tree, "alignfree"),
+                    own => own,
+                };
                 if align == Some("true") {
                     return None;
                 }

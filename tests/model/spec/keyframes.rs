@@ -1,9 +1,12 @@
 //! Keyframes of edited and attached specs. The expected values are those of `mjSpec` of 4.0.1.
 
+#[cfg(engine_since = "3.2.5")]
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
 use mujoco_safe::{Error, Model};
 
 use super::parse;
+use crate::cases::cases;
 
 const TWO: &str = "<mujoco><worldbody>
     <body name='b1'><joint name='j1'/><geom size='.1'/></body>
@@ -147,6 +150,67 @@ fn values_beside_elements_of_unknown_size_are_placed_or_an_error() {
     assert!(spec.compile().unwrap_err().to_string().contains("'qvel' of key 'home'"));
 }
 
+/// A cloth of another size before a joint would give the joint one of its values.
+#[cfg(engine_since = "3.0.0")]
+#[test]
+fn a_change_of_a_size_that_only_the_compiler_knows_is_an_error() {
+    let text = |count: &str| {
+        format!(
+            "<mujoco><worldbody>
+               <flexcomp name='f' type='grid' count='{count}' spacing='.1 .1 .1' mass='1' radius='.01'/>
+               <body name='b' pos='0 0 1'><joint/><geom size='.1'/></body></worldbody></mujoco>"
+        )
+    };
+    let size = |count: &str| parse(&text(count)).compile().unwrap().nq();
+    let values: Vec<f64> = (0..size("3 3 1")).map(|number| number as f64).collect();
+    let mut spec = parse(&text("3 3 1"));
+    spec.add_keyframe().set_name("k").set_qpos(&values);
+    let flex = spec.element(spec.world()).children().next().unwrap();
+    // Attributes that do not change it.
+    spec.edit(flex).set("rgba", [1.0, 0.0, 0.0, 1.0]).unwrap().set("spacing", [0.2, 0.2, 0.2]).unwrap();
+    assert_eq!(spec.compile().unwrap().keyframe("k").unwrap().qpos(), values);
+    spec.edit(flex).set("count", [2, 3, 1]).unwrap();
+    let error = spec.compile().unwrap_err().to_string();
+    assert!(error.contains("'qpos' of key 'k'"), "{error}");
+    spec.edit(flex).set("count", [3, 3, 1]).unwrap();
+    assert_eq!(spec.compile().unwrap().keyframe("k").unwrap().qpos(), values);
+}
+
+/// An element decides between its units when the key is read, as when it is compiled.
+#[test]
+fn numbers_of_a_key_have_the_reference_of_an_attached_slide() {
+    let child = parse(
+        "<mujoco><compiler angle='radian'/><default><joint type='slide' ref='.5'/></default>
+           <worldbody><body name='b'><joint name='j'/><geom size='.1'/></body></worldbody></mujoco>",
+    );
+    let mut spec = parse(TWO);
+    let mount = Mount::body(spec.world());
+    spec.attach(&child, mount, "c_").unwrap();
+    let model = spec.compile().unwrap();
+    assert_eq!(model.keyframe("home").unwrap().qpos(), [0.1, 0.2, 0.5]);
+    assert_eq!(spec.keyframe("home").unwrap().numbers("qpos").unwrap().unwrap(), [0.1, 0.2, 0.5]);
+}
+
+/// The engine turns a new free body to its inertia.
+#[cfg(engine_since = "3.2.5")]
+#[test]
+fn the_pose_of_an_aligned_free_body_is_left_to_the_compiler() {
+    for align in [None, Some("auto")] {
+        let mut spec = parse(&TWO.replace("<mujoco>", "<mujoco><compiler alignfree='true'/>"));
+        let body = spec.add_body(spec.world()).set_name("b").set("euler", [0.0, 0.0, 30.0]).unwrap().id();
+        let mut body_mut = spec.edit(body);
+        let mut joint = body_mut.add("freejoint").unwrap();
+        if let Some(align) = align {
+            joint.set("align", align).unwrap();
+        }
+        spec.add_geom(body).set_type(GeomType::Box).set_size(&[0.3, 0.2, 0.1]).set_pos([1.0, 0.0, 0.0]);
+        let model = spec.compile().unwrap();
+        let aligned = &model.qpos0()[2..];
+        assert!(aligned[0] > 0.8, "{aligned:?}");
+        assert_eq!(&model.keyframe("home").unwrap().qpos()[2..], aligned, "{align:?}");
+    }
+}
+
 /// The copies of an element have values each. The compiler of 3.5.0 compares the keyframes with
 /// the model before it is copied.
 #[cfg(engine_since = "3.17.0")]
@@ -189,6 +253,63 @@ fn actuators_of_unknown_size_end_the_known_controls() {
     spec.remove(pid).unwrap();
     let error = spec.compile().unwrap_err().to_string();
     assert!(error.contains("'ctrl' of key 'home'"), "{error}");
+}
+
+/// The engine compiles each actuator beside one with an activation, which must keep its value.
+#[test]
+fn the_activations_of_every_actuator_in_every_class_are_known() {
+    const ELEMENTS: [&str; 16] = [
+        "general",
+        "general dyntype='none'",
+        "general dyntype='integrator'",
+        "general dyntype='filter'",
+        "general dyntype='filterexact'",
+        "general dyntype='user'",
+        "motor",
+        "position",
+        "position timeconst='0'",
+        "position timeconst='.1'",
+        "velocity",
+        "intvelocity actrange='0 1'",
+        "damper ctrlrange='0 1'",
+        "cylinder",
+        "muscle lengthrange='0 1'",
+        "adhesion ctrlrange='0 1' body='b'",
+    ];
+    let of_class = |element: &str| format!("<{}/>", element.replace(" body='b'", "").replace(" lengthrange='0 1'", ""));
+    let (mut compiled, mut unknown, mut failures) = (0, 0, Vec::new());
+    let combinations = ELEMENTS.len() * (ELEMENTS.len() + 1) * ELEMENTS.len();
+    for number in (0..combinations).step_by(cases(13, 1)) {
+        let outer = of_class(ELEMENTS[number % ELEMENTS.len()]);
+        let inner = ELEMENTS.get(number / ELEMENTS.len() % (ELEMENTS.len() + 1)).map(|element| of_class(element));
+        let element = ELEMENTS[number / ELEMENTS.len() / (ELEMENTS.len() + 1)];
+        let target = if element.starts_with("adhesion") { "" } else { "joint='j'" };
+        let text = |values: &str| {
+            format!(
+                "<mujoco><default><default class='o'>{outer}<default class='i'>{}</default></default></default>
+                   <worldbody><body name='b'><joint name='j'/><geom size='.1'/></body></worldbody>
+                   <actuator><{element} name='a' class='i' {target}/><general joint='j' dyntype='integrator'/></actuator>
+                   <keyframe><key name='k' {values}/></keyframe></mujoco>",
+                inner.clone().unwrap_or_default()
+            )
+        };
+        let Ok(model) = parse(&text("")).compile() else { continue };
+        compiled += 1;
+        let values = if model.na() == 1 { "act='5'" } else { "act='4 5'" };
+        let mut spec = parse(&text(values));
+        let actuator = spec.actuator("a").unwrap().id();
+        spec.remove(actuator).unwrap();
+        let found = spec.compile().map(|model| model.keyframe("k").unwrap().act().to_vec());
+        // Rare, because it depends on the engine.
+        if matches!(&found, Err(error) if error.to_string().contains("cannot be placed")) {
+            unknown += 1;
+        } else if !matches!(&found, Ok(values) if values[..] == [5.0]) {
+            failures.push(format!("{found:?}: {}", text(values)));
+        }
+    }
+    assert!(unknown < compiled / 10, "{unknown} of {compiled}");
+    assert!(failures.is_empty(), "{} of {compiled}: {failures:#?}", failures.len());
+    assert!(compiled > combinations / cases(13, 1) / 3, "{compiled}");
 }
 
 /// Sizes of which no array can be made, and the time of texts with many copies.
