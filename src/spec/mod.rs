@@ -93,7 +93,8 @@
 //! the engine reads another character.
 //!
 //! The elements that `replicate`, `composite`, `flexcomp` and `attach` create have no id in a spec,
-//! because the compiler creates them. [`Model`] has them, with their names.
+//! because the compiler creates them. [`Model`] has them, with their names, and
+//! [`Spec::expanded`] returns a spec with them.
 
 mod add;
 mod attach;
@@ -102,6 +103,7 @@ mod compile;
 mod control;
 mod element;
 mod element_id;
+mod expand;
 mod keyframes;
 mod layout;
 mod lenient;

@@ -32,7 +32,7 @@ use super::package::Packages;
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct LoadOptions<'a> {
-    pub(super) files: Vec<(&'a str, &'a [u8])>,
+    pub(crate) files: Vec<(&'a str, &'a [u8])>,
     pub(super) packages: Packages,
 }
 

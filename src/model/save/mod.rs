@@ -261,7 +261,11 @@ impl Model {
     #[doc(alias = "mj_saveXMLString")]
     pub fn to_xml_with(&self, options: &SaveXmlOptions) -> Result<(String, Vec<UnsavedField>)> {
         // Its folder is the current directory.
-        let path = Path::new("a text");
+        self.checked_text(Path::new("a text"), options)
+    }
+
+    /// As [`to_xml_with`](Self::to_xml_with), for a text that is loaded from `path`.
+    pub(crate) fn checked_text(&self, path: &Path, options: &SaveXmlOptions) -> Result<(String, Vec<UnsavedField>)> {
         let (text, lost) = self.checked_xml(path, options)?;
         let text = String::from_utf8(text).map_err(|_| Error::Save {
             path: path.to_owned(),

@@ -8,6 +8,7 @@ mod counts;
 mod defaults;
 mod editing;
 mod engine_spec;
+mod expanded;
 mod generated;
 mod kept;
 mod keyframes;
