@@ -21,6 +21,7 @@ mod reading;
 mod removal;
 mod settings;
 mod text;
+mod urdf;
 
 use mujoco_safe::Model;
 use mujoco_safe::spec::{Any, ElementId, Spec};
