@@ -55,8 +55,15 @@ impl Generator {
             3 if cfg!(engine_since = "2.3.3") => format!("<capsule radius='{a}' length='{b}'/>"),
             _ => {
                 let file = self.choose(&["one.obj", "two.obj"]);
-                // The engine of 2.2.2 has at most two scales of a file.
-                let scale = self.choose(&["", "", " scale='1 -1 2'", " scale='1 1 1'"]);
+                let scales = ["", "", " scale='1 -1 2'", " scale='1 1 1'", " scale='2 1 1'"];
+                // Older readers mix up the scales of a file.
+                let scale = if cfg!(engine_since = "3.2.5") {
+                    self.choose(&scales)
+                } else if file == "one.obj" {
+                    scales[0]
+                } else {
+                    scales[2]
+                };
                 format!("<mesh filename='{file}'{scale}/>")
             }
         }

@@ -94,7 +94,7 @@ fn what_is_ignored_is_a_warning() {
     let mimic = "joint 'j': <mimic> is ignored: there is no joint 'k'";
     assert_eq!(sorted(text("revolute", "<mimic joint='k'/>")), with(&[mimic]));
     let mimic = "joint 'j': <mimic> is ignored: both joints must have one degree of freedom";
-    assert_eq!(sorted(text("fixed", "<mimic joint='i'/>")), with(&[mimic]));
+    assert_eq!(sorted(text("floating", "<mimic joint='i'/>")), with(&[mimic]));
 
     let more = "<transmission/><gazebo reference='a'><material/></gazebo><gazebo/>
         <material name='m'><texture filename='m.png'/></material>
