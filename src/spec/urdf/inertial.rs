@@ -35,6 +35,8 @@ pub(super) fn pose(urdf: Urdf<'_>, element: Index) -> Result<Attributes> {
 pub(super) struct Inertial {
     pub(super) attributes: Attributes,
     pub(super) mass: f64,
+    /// The link states moments of inertia.
+    pub(super) has_moments: bool,
 }
 
 /// Returns the inertia of a link, if it has one.
@@ -42,37 +44,46 @@ pub(super) fn inertial(urdf: Urdf<'_>, link: Index) -> Result<Option<Inertial>> 
     let Some(element) = urdf.child(link, "inertial")? else { return Ok(None) };
     let [xyz, rpy] = origin(urdf, element)?;
     let [mass] = urdf.required_numbers(urdf.required(element, "mass")?, "value")?;
-    let inertia = urdf.required(element, "inertia")?;
+    let inertia = urdf.child(element, "inertia")?;
+    let has_moments = inertia.is_some();
     let mut moments = [0.0; 6];
-    for (moment, attribute) in moments.iter_mut().zip(MOMENTS) {
-        [*moment] = urdf.required_numbers(inertia, attribute)?;
+    if let Some(inertia) = inertia {
+        for (moment, attribute) in moments.iter_mut().zip(MOMENTS) {
+            [*moment] = urdf.required_numbers(inertia, attribute)?;
+        }
+    }
+    if let Some(angles) = rpy.filter(|angles| *angles != [0.0; 3]) {
+        moments = turned(moments, angles);
     }
     let mut attributes = vec![("pos", xyz.unwrap_or_default().text().into_owned()), ("mass", mass.text().into_owned())];
-    let [xx, yy, zz, xy, xz, yz] = moments;
-    let principal = math::eig3(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
-    let rotation = rpy.filter(|angles| *angles != [0.0; 3]);
-    if rotation.is_none() && principal.eigval[2] >= SMALLEST {
+    let principal = math::eig3(&matrix(moments));
+    if principal.eigval[2] >= SMALLEST {
         attributes.push(("fullinertia", moments.text().into_owned()));
-        return Ok(Some(Inertial { attributes, mass }));
+    } else {
+        attributes.push(("quat", principal.quat.text().into_owned()));
+        attributes.push(("diaginertia", principal.eigval.text().into_owned()));
     }
-    // MJCF has a complete matrix only with the axes of the body.
-    let quat = rotation.map_or(principal.quat, |angles| product(quaternion(angles), principal.quat));
-    attributes.push(("quat", quat.text().into_owned()));
-    attributes.push(("diaginertia", principal.eigval.text().into_owned()));
-    Ok(Some(Inertial { attributes, mass }))
+    Ok(Some(Inertial { attributes, mass, has_moments }))
 }
 
-/// Rotation by angles about the fixed axes x, y and z.
-fn quaternion(angles: [f64; 3]) -> [f64; 4] {
-    let turn = |axis: usize| {
+fn matrix([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> [f64; 9] {
+    [xx, xy, xz, xy, yy, yz, xz, yz, zz]
+}
+
+/// Returns moments about the axes of a link, given those about axes that are turned by angles about
+/// the fixed axes x, y and z: `R I Rᵀ`.
+fn turned(moments: [f64; 6], angles: [f64; 3]) -> [f64; 6] {
+    let [x, y, z] = [0, 1, 2].map(|axis| {
         let half = angles[axis] / 2.0;
         let mut quat = [half.cos(), 0.0, 0.0, 0.0];
         quat[axis + 1] = half.sin();
         quat
+    });
+    let rotation = math::quat2mat(&math::mul_quat(&z, &math::mul_quat(&y, &x)));
+    let inertia = matrix(moments);
+    let moment = |i: usize, j: usize| -> f64 {
+        let product = |k: usize, l: usize| rotation[3 * i + k] * inertia[3 * k + l] * rotation[3 * j + l];
+        (0..9).map(|at| product(at / 3, at % 3)).sum()
     };
-    product(turn(2), product(turn(1), turn(0)))
-}
-
-fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    math::mul_quat(&a, &b)
+    [moment(0, 0), moment(1, 1), moment(2, 2), moment(0, 1), moment(0, 2), moment(1, 2)]
 }

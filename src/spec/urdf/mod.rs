@@ -117,6 +117,9 @@ fn add_bodies(
             if let Some(root) = roots[number] {
                 masses[root] += found.mass;
             }
+            if !found.has_moments {
+                warnings.push(UrdfWarning::NoInertia { link: link.name.to_owned() });
+            }
             if !link.is_world() {
                 add(mjcf, bodies[number], "inertial", found.attributes);
             }

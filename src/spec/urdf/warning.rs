@@ -7,14 +7,20 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum UrdfWarning {
-    /// A root link is fixed to the world. The compiler fuses it, and the links that are fixed to
-    /// it, with the world, and their mass is lost. [`Spec::add_free_base`](super::Spec::add_free_base)
-    /// lets the robot float.
+    /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it, and
+    /// the links that are fixed to it, with the world, and their mass is lost.
+    /// [`Spec::add_free_base`](super::Spec::add_free_base) lets the robot float.
     FixedMass {
         /// Name of the root link.
         link: String,
         /// Sum of the masses that its inertias and those of the links fixed to it state, in kg.
         mass: f64,
+    },
+    /// A link has a mass and no moments of inertia, which are 0 then. The compiler accepts this for a
+    /// link that is fixed to the world or to another one, or with `boundinertia` of `compiler`.
+    NoInertia {
+        /// Name of the link.
+        link: String,
     },
     /// The velocity of a joint is not limited: the engine has no such limit.
     VelocityLimit {
@@ -73,8 +79,12 @@ impl fmt::Display for UrdfWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::FixedMass { link, mass } => {
-                write!(f, "link '{link}' is fixed to the world: its {mass} kg fuse with the world and are lost")
+                write!(
+                    f,
+                    "link '{link}' is fixed to the world, in which {mass} kg are lost: add_free_base lets it float"
+                )
             }
+            Self::NoInertia { link } => write!(f, "link '{link}' has no <inertia>: its moments of inertia are 0"),
             Self::VelocityLimit { joint, velocity } => {
                 write!(f, "joint '{joint}': the velocity limit {velocity} is ignored")
             }

@@ -70,7 +70,10 @@ fn an_error_names_the_element_and_what_is_right() {
         (robot(&link("a", "<collision/>")), &["no <geometry>"]),
         (robot(&link("a", "<inertial/>")), &["more than one <inertial>"]),
         (robot("<link name='a'><inertial/></link>"), &["<inertial> of link 'a'", "no <mass>"]),
-        (robot("<link name='a'><inertial><mass value='1'/></inertial></link>"), &["no <inertia>"]),
+        (
+            robot("<link name='a'><inertial><mass value='1'/><inertia ixx='1'/></inertial></link>"),
+            &["<inertia> of <inertial> of link 'a'", "'iyy'"],
+        ),
         (
             robot("<link name='a'><visual><material name='m'><color/></material></visual></link>"),
             &["<color> of <material> of <visual> of link 'a'", "'rgba'"],

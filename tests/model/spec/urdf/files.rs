@@ -182,6 +182,19 @@ fn saved_files_load_from_elsewhere() {
 #[test]
 fn assets_of_mjcf_are_saved() {
     let folder = super::super::super::assets::folder();
+    let text = "<mujoco>
+        <compiler meshdir='meshes/' texturedir='images/'/>
+        <asset>
+          <mesh name='stl' file='solid.stl'/><mesh file='solid.obj'/>
+          <hfield name='hills' file='hills.bin' size='1 1 1 .1'/><hfield file='dunes.png' size='1 1 1 .1'/>
+          <texture type='2d' file='flat.png'/><material name='flat' texture='flat'/>
+        </asset>
+        <worldbody>
+          <geom type='hfield' hfield='hills'/><geom type='hfield' hfield='dunes'/>
+          <body><freejoint/><geom type='mesh' mesh='stl' material='flat'/><geom type='mesh' mesh='solid'/></body>
+        </worldbody>
+      </mujoco>";
+    put(folder.path().join("model.xml"), text);
     let spec = Spec::from_xml_path(folder.path().join("model.xml")).unwrap();
     let model = spec.compile().unwrap();
     let other = tempfile::tempdir().unwrap();

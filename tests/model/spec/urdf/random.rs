@@ -81,8 +81,8 @@ impl Generator {
                 moments.iter_mut().zip(terms).for_each(|(moment, term)| *moment += term);
             }
             let [xx, yy, zz, xy, xz, yz] = moments;
-            // Some engines forget the orientation of an inertia.
-            let origin = self.origin(cfg!(not(engine_since = "3.1.3")) || cfg!(engine_since = "4.0.0"));
+            // Some engines forget the orientation of an inertia, or have other signs of its axes.
+            let origin = self.origin(cfg!(engine_since = "4.0.0"));
             let mass = self.number(0.1, 5.0);
             let _ = write!(
                 content,

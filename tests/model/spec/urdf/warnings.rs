@@ -38,6 +38,18 @@ fn mass_that_fuses_with_the_world_is_a_warning() {
 }
 
 #[test]
+fn a_mass_without_moments_is_a_warning() {
+    let b = "<link name='b'><inertial><mass value='2'/></inertial></link>";
+    let text = |kind: &str| robot(&(link("a", "") + b + &joint("j", kind, "a", "b", "")));
+    let mut spec = read(&text("fixed"));
+    assert!(spec.urdf_warnings().contains(&UrdfWarning::NoInertia { link: "b".to_owned() }));
+    spec.add_free_base().unwrap();
+    assert_eq!(spec.compile().unwrap().body_mass()[1], 3.5);
+    let moving = read(&text("revolute"));
+    assert!(moving.compile().unwrap_err().to_string().contains("inertia"));
+}
+
+#[test]
 fn a_free_base_needs_one_body() {
     let error = |urdf: &str| read(urdf).add_free_base().unwrap_err().to_string();
     let none = error(&robot("<link name='world'/>"));
