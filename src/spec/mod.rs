@@ -35,6 +35,11 @@
 //! says otherwise), and vertices of meshes and pixels of textures are files, which can be in memory
 //! ([`LoadOptions`]).
 //!
+//! # URDF
+//!
+//! A spec reads URDF too, as MJCF with the same links, joints and geoms: see the page
+//! [`urdf`](crate::guide::urdf) of the guide. [`Spec::urdf_warnings`] lists what is left out.
+//!
 //! # Elements
 //!
 //! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a

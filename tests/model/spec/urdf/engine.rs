@@ -47,6 +47,8 @@ fn limits_equal_the_engines() {
 fn efforts_equal_the_engines() {
     for kind in ["revolute", "continuous", "prismatic", "planar"] {
         for limit in ["effort='3'", "lower='-1' upper='2' effort='5'", "effort='-3'", "effort='inf'"] {
+            let limit =
+                if kind == "continuous" { limit.replace("lower='-1' upper='2' ", "") } else { limit.to_owned() };
             let content = format!("<limit {limit}/>");
             let model = same(&robot(&(link("a", "") + &link("b", "") + &joint("j", kind, "a", "b", &content))));
             assert!(model.jnt_actfrclimited()[0] != 0);
@@ -92,7 +94,7 @@ fn the_orientation_of_an_inertia_counts() {
         let b = format!("<link name='b'>{inertial}</link>");
         let urdf = robot(&("<link name='a'/>".to_owned() + &b + &joint("j", "revolute", "a", "b", "")));
         let model = compiled(&urdf);
-        if cfg!(engine_since = "4.0.0") {
+        if cfg!(engine_since = "3.17.0") {
             check(&model, &Model::from_xml_str(&urdf).unwrap(), &urdf);
         }
         let moments = nalgebra::Matrix3::new(0.3, 0.01, -0.02, 0.01, 0.2, 0.03, -0.02, 0.03, 0.25);

@@ -57,7 +57,7 @@ impl Generator {
                 let file = self.choose(&["one.obj", "two.obj"]);
                 let scales = ["", "", " scale='1 -1 2'", " scale='1 1 1'", " scale='2 1 1'"];
                 // Older readers mix up the scales of a file.
-                let scale = if cfg!(engine_since = "3.2.5") {
+                let scale = if cfg!(engine_since = "3.17.0") {
                     self.choose(&scales)
                 } else if file == "one.obj" {
                     scales[0]
@@ -82,7 +82,7 @@ impl Generator {
             }
             let [xx, yy, zz, xy, xz, yz] = moments;
             // Some engines forget the orientation of an inertia, or have other signs of its axes.
-            let origin = self.origin(cfg!(engine_since = "4.0.0"));
+            let origin = self.origin(cfg!(engine_since = "3.17.0"));
             let mass = self.number(0.1, 5.0);
             let _ = write!(
                 content,

@@ -58,8 +58,10 @@ fn robots_from_urdf_stand_in_a_scene() {
         (0..100).for_each(|_| data.step().unwrap());
     }
     assert_eq!(both[0].qpos(), both[1].qpos());
-    // The attached robot falls as it does alone.
-    let mut alone = Data::new(read(&urdf).compile().unwrap()).unwrap();
+    // The attached robot falls as it does alone. (3.5.0 computes a wrong inertia of fused links.)
+    let mut alone = read(&urdf);
+    alone.section_mut("compiler").unwrap().set("fusestatic", false).unwrap();
+    let mut alone = Data::new(alone.compile().unwrap()).unwrap();
     let mut attached = Data::new({
         let mut scene = Spec::new("scene");
         scene.attach(&read(&urdf), Mount::body(scene.world()), "a/").unwrap();
@@ -69,5 +71,6 @@ fn robots_from_urdf_stand_in_a_scene() {
     for data in [&mut alone, &mut attached] {
         (0..100).for_each(|_| data.step().unwrap());
     }
-    assert!(alone.qpos().iter().zip(attached.qpos()).all(|(a, b)| (a - b).abs() < 1e-12), "{:?}", alone.qpos());
+    let [alone, attached] = [alone.qpos(), attached.qpos()];
+    assert!(alone.iter().zip(attached).all(|(a, b)| (a - b).abs() < 1e-12), "{alone:?} {attached:?}");
 }
