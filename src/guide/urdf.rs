@@ -34,7 +34,8 @@
 //! for warning in robot.urdf_warnings() {
 //!     println!("{warning}");
 //! }
-//! assert_eq!(robot.urdf_warnings()[0], UrdfWarning::VelocityLimit { joint: "hip".to_owned(), velocity: 10.0 });
+//! let fixed = UrdfWarning::FixedMass { link: "trunk".to_owned(), mass: 5.0 };
+//! assert!(robot.urdf_warnings().contains(&fixed));
 //!
 //! // A URDF does not say that the robot floats.
 //! robot.add_free_base()?;
@@ -82,13 +83,13 @@
 //! - by absolute paths and `file://`,
 //! - by `package://name/…` in the directories that
 //!   [`LoadOptions`](crate::LoadOptions::with_package_path) states. Without one for the package, it
-//!   is one of the directories around the URDF that has the name, or whose `package.xml` has it, or a
-//!   folder or `share` folder in one of them,
+//!   is one of the directories around the URDF that has the name, or whose `package.xml` has it, or
+//!   a folder of this name in one of them or in its folder `share`,
 //! - in memory ([`LoadOptions::with_file`](crate::LoadOptions::with_file)), by the last part.
 //!
-//! A mesh in a format that the engine does not read (it reads STL, OBJ and MSH, not Collada) is left
-//! out with a [warning](crate::spec::UrdfWarning::Mesh). So is a visual mesh that is not found. A
-//! collision mesh that is not found is an error.
+//! A mesh in a format that the engine does not read (it reads STL, OBJ and MSH, not Collada) is
+//! left out with a [warning](crate::spec::UrdfWarning::Mesh). So is a visual mesh that is not
+//! found. A collision mesh that is not found is an error.
 //!
 //! [`Spec::save_xml`](crate::spec::Spec::save_xml) writes absolute paths, and
 //! [`Spec::save_xml_with_assets`](crate::spec::Spec::save_xml_with_assets) copies all assets to a
@@ -116,13 +117,19 @@
 //! Velocity limits, textures, `transmission`, `gazebo` and all other elements are ignored, with a
 //! [warning](crate::spec::UrdfWarning).
 //!
-//! The spec compiles to the model that the engine's own reader makes of the URDF, up to rounding and
-//! these differences: meshes are found in more places and are never confused, geoms and meshes have
-//! names, `mimic` and `effort` act also with engines whose readers drop them, continuous joints have
-//! no limits, the orientation of an inertia counts (engines from 3.1.3 on drop it until a release
-//! before 4.0), and what the reader rejects may load (capsules in 2.2.2, a mass without moments,
-//! limits of a floating joint). Angles are in radians (`angle="radian"`) and rotations are about
-//! fixed axes (`eulerseq="XYZ"`), also for elements that are added later.
+//! The spec compiles to the model that the engine's own reader makes of the URDF, up to rounding
+//! and these differences:
+//!
+//! - Meshes are found in more places, and two files of the same name are two meshes. Geoms and
+//!   meshes have names with every engine.
+//! - `mimic` and `effort` act also with engines whose readers ignore them. Continuous joints have
+//!   no limits.
+//! - The orientation of an inertia counts; some engines from 3.1.3 to 3.16 forget it.
+//! - What the reader rejects may load: capsules in 2.2.2, a mass without moments of inertia, limits
+//!   of a floating joint. A link `world` cannot be a child.
+//!
+//! Angles are in radians (`angle="radian"`) and rotations are about fixed axes (`eulerseq="XYZ"`),
+//! also for elements that are added later.
 //!
 //! # Fixed links
 //!

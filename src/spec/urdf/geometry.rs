@@ -117,10 +117,9 @@ impl<'t, 'f> Geometry<'t, 'f> {
         let scale = urdf.numbers(mesh, "scale")?.unwrap_or([1.0; 3]);
         let is_on_disk = self.files.directory.is_some();
         let file = match self.files.find(name) {
-            Found::File(file) => Ok(file),
             Found::Missing(_) if is_visual && is_on_disk => Err("the file does not exist".to_owned()),
-            // The compiler reports it, if it is not in memory then.
-            Found::Missing(file) => Ok(file),
+            // The compiler reports a missing one, if it is not in memory then.
+            Found::File(file) | Found::Missing(file) => Ok(file),
             Found::Unknown(reason) if !is_visual => {
                 return Err(urdf.error(format!("{} '{name}': {reason}", urdf.describe(mesh))));
             }

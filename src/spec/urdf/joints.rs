@@ -49,7 +49,9 @@ pub(super) fn joints(
     if let Some(dynamics) = urdf.child(joint.element, "dynamics")? {
         for (attribute, name) in [("damping", "damping"), ("friction", "frictionloss")] {
             if let Some([value]) = urdf.numbers(dynamics, attribute)? {
-                joints.iter_mut().for_each(|joint| joint.push((name, value.text().into_owned())));
+                for joint in &mut joints {
+                    joint.push((name, value.text().into_owned()));
+                }
             }
         }
     }
@@ -111,15 +113,14 @@ fn limits(
 /// Two axes that form a frame with the third one, which is turned from the z axis by the smallest
 /// angle.
 fn plane(axis: [f64; 3]) -> [[f64; 3]; 2] {
-    let [x, y, z] = axis;
-    // The vector around which the z axis turns.
-    let length = x.hypot(y);
-    let turn = if length < 1e-10 { [1.0, 0.0] } else { [-y / length, x / length] };
-    let half = length.atan2(z) / 2.0;
-    let (c, s) = (half.cos(), half.sin());
-    let [a, b] = [turn[0] * s, turn[1] * s];
-    // The first two columns of the matrix of the quaternion (c, a, b, 0).
-    [[c * c + a * a - b * b, 2.0 * a * b, -2.0 * c * b], [2.0 * a * b, c * c - a * a + b * b, 2.0 * c * a]]
+    // The axis and the angle of the turn.
+    let length = axis[0].hypot(axis[1]);
+    let turn = if length < 1e-10 { [1.0, 0.0] } else { [-axis[1] / length, axis[0] / length] };
+    let (sine, cosine) = (length.atan2(axis[2]) / 2.0).sin_cos();
+    // The first two columns of the matrix of the quaternion (cosine, i, j, 0).
+    let [i, j] = turn.map(|component| component * sine);
+    let square = cosine * cosine;
+    [[square + i * i - j * j, 2.0 * i * j, -2.0 * cosine * j], [2.0 * i * j, square - i * i + j * j, 2.0 * cosine * i]]
 }
 
 /// Equalities by which joints follow others (`mimic`), in the order of the joints.

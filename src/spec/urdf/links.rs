@@ -51,7 +51,7 @@ pub(super) struct Joint<'t> {
 
 /// Links and joints in the order of the text.
 pub(super) struct Links<'t> {
-    pub(super) links: Vec<Link<'t>>,
+    pub(super) all: Vec<Link<'t>>,
     pub(super) joints: Vec<Joint<'t>>,
     /// All links, each one after its parent, and the children of a link in the order of the joints.
     pub(super) order: Vec<usize>,
@@ -100,23 +100,23 @@ impl<'t> Links<'t> {
             order.extend(&children[link]);
             at += 1;
         }
-        let all = Self { links, joints, order };
-        all.check_cycles(urdf)?;
-        Ok(all)
+        let links = Self { all: links, joints, order };
+        links.check_cycles(urdf)?;
+        Ok(links)
     }
 
     /// Returns an error if a link is its own ancestor: such links are below no root.
     fn check_cycles(&self, urdf: Urdf<'_>) -> Result<()> {
-        let mut is_below_root = vec![false; self.links.len()];
+        let mut is_below_root = vec![false; self.all.len()];
         for &link in &self.order {
             is_below_root[link] = true;
         }
         let Some(mut link) = is_below_root.iter().position(|is| !is) else { return Ok(()) };
         // The first link can be below a cycle. After this many parents it is in it.
-        for _ in 0..self.links.len() {
-            link = self.links[link].joint.map_or(link, |joint| self.joints[joint].parent);
+        for _ in 0..self.all.len() {
+            link = self.all[link].joint.map_or(link, |joint| self.joints[joint].parent);
         }
-        let name = abbreviated(self.links[link].name);
+        let name = abbreviated(self.all[link].name);
         Err(urdf.error(format!("link '{name}' is its own ancestor: the joints must form a tree")))
     }
 }

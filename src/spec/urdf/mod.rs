@@ -1,9 +1,9 @@
 //! Conversion of URDF to MJCF.
 //!
 //! The result has the elements that the engine's own reader of URDF creates. What the engine cannot
-//! represent is a [`UrdfWarning`]. The modules are the parts of a URDF: `links` (the tree), `joints`,
-//! `inertial`, `geometry`, `meshes` (files), `settings` (the element `mujoco`); `ignored` finds the
-//! other elements.
+//! represent is a [`UrdfWarning`]. The modules are the parts of a URDF: `links` (the tree),
+//! `joints`, `inertial`, `geometry`, `meshes` (files), `settings` (the element `mujoco`); `ignored`
+//! finds the other elements.
 
 mod element;
 mod geometry;
@@ -58,7 +58,7 @@ pub(super) fn convert(
     let packages = HashMap::new();
     let files = Files { directory, options, folder: settings.folder, strips: settings.strips, packages };
     let mut geometry = Geometry::new(urdf, files, settings.has_visuals)?;
-    let geoms = links.links.iter().map(|link| geometry.geoms(link, &mut warnings)).collect::<Result<Vec<_>>>()?;
+    let geoms = links.all.iter().map(|link| geometry.geoms(link, &mut warnings)).collect::<Result<Vec<_>>>()?;
     if geometry.visuals > 0 {
         warnings.push(UrdfWarning::Visuals { count: geometry.visuals });
     }
@@ -93,12 +93,12 @@ fn add_bodies(
 ) -> Result<()> {
     let world = mjcf.add(Tree::ROOT, "worldbody");
     let has_effort = has_effort(mjcf)?;
-    let mut bodies = vec![world; links.links.len()];
+    let mut bodies = vec![world; links.all.len()];
     // The root to which a link is fixed, and the mass that is fixed to each root.
-    let mut roots: Vec<Option<usize>> = vec![None; links.links.len()];
-    let mut masses = vec![0.0; links.links.len()];
+    let mut roots: Vec<Option<usize>> = vec![None; links.all.len()];
+    let mut masses = vec![0.0; links.all.len()];
     for &number in &links.order {
-        let link = &links.links[number];
+        let link = &links.all[number];
         let joint = link.joint.map(|joint| &links.joints[joint]);
         roots[number] = match joint {
             None => Some(number),
@@ -135,7 +135,7 @@ fn add_bodies(
     }
     let fixed = (0..masses.len()).filter(|&number| fuses && masses[number] > 0.0);
     warnings.extend(
-        fixed.map(|number| UrdfWarning::FixedMass { link: links.links[number].name.to_owned(), mass: masses[number] }),
+        fixed.map(|number| UrdfWarning::FixedMass { link: links.all[number].name.to_owned(), mass: masses[number] }),
     );
     Ok(())
 }

@@ -7,8 +7,8 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum UrdfWarning {
-    /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it, and
-    /// the links that are fixed to it, with the world, and their mass is lost.
+    /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it,
+    /// and the links that are fixed to it, with the world, and their mass is lost.
     /// [`Spec::add_free_base`](super::Spec::add_free_base) lets the robot float.
     FixedMass {
         /// Name of the root link.
@@ -16,8 +16,8 @@ pub enum UrdfWarning {
         /// Sum of the masses that its inertias and those of the links fixed to it state, in kg.
         mass: f64,
     },
-    /// A link has a mass and no moments of inertia, which are 0 then. The compiler accepts this for a
-    /// link that is fixed to the world or to another one, or with `boundinertia` of `compiler`.
+    /// A link has a mass and no moments of inertia, which are 0 then. The compiler accepts this for
+    /// a link that is fixed to the world or to another one, or with `boundinertia` of `compiler`.
     NoInertia {
         /// Name of the link.
         link: String,

@@ -139,7 +139,7 @@ fn geometry_equals_the_engines() {
         if cfg!(engine_since = "2.3.3") { "<capsule radius='.1' length='.5'/>" } else { "<sphere radius='.3'/>" },
     ];
     for visuals in ["true", "false"] {
-        let geometry: String = shapes
+        let geometry: Vec<String> = shapes
             .iter()
             .enumerate()
             .map(|(number, shape)| {
@@ -151,6 +151,7 @@ fn geometry_equals_the_engines() {
                 )
             })
             .collect();
+        let geometry = geometry.concat();
         let urdf = robot(&format!(
             "<mujoco><compiler discardvisual='{visuals}'/></mujoco>
              <material name='red'><color rgba='1 0 0 1'/></material><material name='red'><color rgba='0 0 1 1'/></material>

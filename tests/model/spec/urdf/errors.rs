@@ -101,11 +101,15 @@ fn a_name_with_nul_is_an_error() {
     }
 }
 
+fn repeat(count: usize, text: impl Fn(usize) -> String) -> String {
+    (0..count).map(text).collect::<Vec<_>>().concat()
+}
+
 /// Reading takes a time in proportion to the size, and the compiler's limits are errors.
 #[test]
 fn huge_robots_are_errors() {
     const LINKS: usize = 100_000;
-    let links: String = (0..LINKS).map(|i| format!("<link name='l{i}'/>")).collect();
+    let links = repeat(LINKS, |i| format!("<link name='l{i}'/>"));
     let tree = |parent: &dyn Fn(usize) -> usize| {
         let joints: String = (1..LINKS)
             .map(|i| joint(&format!("j{i}"), "fixed", &format!("l{}", parent(i)), &format!("l{i}"), ""))
@@ -120,11 +124,11 @@ fn huge_robots_are_errors() {
     }
     let cycle = joint("j0", "fixed", &format!("l{}", LINKS - 1), "l0", "");
     assert!(error(&tree(&|i| i - 1).replace("</robot>", &format!("{cycle}</robot>"))).contains("its own ancestor"));
-    let visuals: String = (0..LINKS).map(|i| format!("<t{i}/><visual/>")).collect();
+    let visuals = repeat(LINKS, |i| format!("<t{i}/><visual/>"));
     let spec = Spec::from_xml_str(&robot(&link("a", &visuals))).unwrap();
     assert_eq!(spec.urdf_warnings().len(), LINKS + 2);
     let mesh = "<collision><geometry><mesh filename='a.stl' scale='1 1 ";
-    let meshes: String = (0..20_000).map(|i| format!("{mesh}{i}'/></geometry></collision>")).collect();
+    let meshes = repeat(20_000, |i| format!("{mesh}{i}'/></geometry></collision>"));
     Spec::from_xml_str(&robot(&link("a", &meshes))).unwrap();
     assert!(error(&robot(&("<a>".repeat(500) + &"</a>".repeat(500)))).contains("400"));
 }

@@ -215,18 +215,3 @@ fn assets_of_mjcf_are_saved() {
         assert_eq!(sizes(&Model::from_xml_path(&path).unwrap()), [1.0]);
     }
 }
-
-/// The text of the engine has the names of the files only, so its error tells of the spec.
-#[test]
-fn the_error_of_a_model_that_cannot_be_saved_names_the_spec() {
-    let (folder, _) = two_parts();
-    let options = LoadOptions::default().with_package_path(folder.path());
-    let model = Model::from_xml_path_with(folder.path().join("arm/arm.urdf"), &options);
-    let Ok(model) = model else { return };
-    let other = tempfile::tempdir().unwrap();
-    match model.save_xml(other.path().join("scene.xml")) {
-        Err(Error::XmlReplaced) => {}
-        Err(error) => assert!(error.to_string().contains("Spec::save_xml_with_assets"), "{error}"),
-        Ok(()) => {}
-    }
-}
