@@ -11,6 +11,7 @@
 //! | [`parallel`] | threads, rollouts, batches, determinism |
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
+//! | [`urdf`] | from URDF to a scene: files, warnings, free bases, motors, saving as MJCF |
 //! | [`engines`] | versions of the engine, the search at build time, deployment, platforms |
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
@@ -32,3 +33,4 @@ pub mod pictures;
 pub mod promises;
 pub mod python;
 pub mod troubleshooting;
+pub mod urdf;

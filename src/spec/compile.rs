@@ -1,5 +1,6 @@
 //! Compilation of a spec, and its text.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::text::{self, Written};
@@ -46,10 +47,8 @@ impl Spec {
     /// As for [`compile`](Self::compile), and [`Error::Invalid`] as for
     /// [`Model::from_xml_str_with`].
     pub fn compile_with(&self, options: &LoadOptions<'_>) -> Result<Model> {
-        let (tree, placed) = keyframes::joined(attach::resolved(&self.tree));
+        let tree = self.complete_tree()?;
         let written = text::write(&tree);
-        self.check_characters(&written.text)?;
-        placed?;
         let path = self.directory.as_deref().unwrap_or(Path::new("")).join(TEXT);
         Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options).map_err(|error| match error {
             Error::Load { source_name, message } => {
@@ -76,12 +75,16 @@ impl Spec {
         text::write(&keyframes::joined(attach::resolved(&self.tree)).0).text
     }
 
-    /// Returns an error if an attribute has a NUL character, at which the engine would end its
-    /// text.
-    fn check_characters(&self, text: &str) -> Result<()> {
-        if !text.contains('\0') {
-            return Ok(());
-        }
+    /// Returns the elements as the compiler reads them, or an error if values of a keyframe cannot
+    /// be placed, or an attribute has a NUL character, at which the engine would end its text.
+    pub(super) fn complete_tree(&self) -> Result<Cow<'_, Tree>> {
+        let (tree, placed) = keyframes::joined(attach::resolved(&self.tree));
+        self.check_characters()?;
+        placed?;
+        Ok(tree)
+    }
+
+    fn check_characters(&self) -> Result<()> {
         for index in self.tree.descendants(Tree::ROOT) {
             for (attribute, value) in &self.tree.node(index).attributes {
                 check_character(&self.tree, index, attribute, value)?;

@@ -35,6 +35,11 @@
 //! says otherwise), and vertices of meshes and pixels of textures are files, which can be in memory
 //! ([`LoadOptions`]).
 //!
+//! # URDF
+//!
+//! A spec reads URDF too, as MJCF with the same links, joints and geoms: see the page
+//! [`urdf`](crate::guide::urdf) of the guide. [`Spec::urdf_warnings`] lists what is left out.
+//!
 //! # Elements
 //!
 //! `add_…` methods create elements, and `set_…` methods set their attributes. Attributes without a
@@ -104,6 +109,7 @@ mod control;
 mod element;
 mod element_id;
 mod expand;
+mod free_base;
 mod keyframes;
 mod layout;
 mod lenient;
@@ -112,10 +118,12 @@ mod names;
 mod paths;
 mod read;
 mod remove;
+mod save;
 mod schema;
 mod setters;
 mod text;
 mod tree;
+mod urdf;
 mod value;
 
 use std::collections::HashSet;
@@ -131,6 +139,7 @@ use self::lineages::Lineages;
 use self::read::Sources;
 use self::schema::Schema;
 use self::tree::{Index, Tree};
+pub use self::urdf::UrdfWarning;
 pub use self::value::Value;
 use crate::error::{Error, InvalidKind, Result};
 use crate::file;
@@ -163,6 +172,8 @@ pub struct Spec {
     own_class: Option<Index>,
     /// Elements in the world, in bodies and in sections that attachments have copied.
     attached: HashSet<Index>,
+    /// What the spec does not have of the URDF from which it was read.
+    warnings: Vec<UrdfWarning>,
 }
 
 /// # Creation
@@ -175,17 +186,17 @@ impl Spec {
         // Not the default of 2.2.2.
         let compiler = tree.section("compiler");
         tree.node_mut(compiler).set("autolimits", "true".to_owned());
-        Self::from_tree(tree, None)
+        Self::from_tree((tree, Vec::new()), None)
     }
 
-    /// Reads an MJCF file, and the files that it includes. The names of other files in it stay
-    /// relative to its directory.
+    /// Reads an MJCF file, and the files that it includes, or a URDF file (see [the
+    /// module](self#urdf)). The names of other files in it stay relative to its directory.
     ///
     /// # Errors
     ///
     /// [`Error::File`] if the file cannot be read, [`Error::Load`] if it or an included file is not
-    /// XML, or if it is a URDF. The spec is not compiled, so other mistakes are errors of
-    /// [`compile`](Self::compile).
+    /// XML, or if it is not a URDF whose links form trees, with the element that is wrong. The spec
+    /// is not compiled, so other mistakes are errors of [`compile`](Self::compile).
     ///
     /// ```
     /// use mujoco_safe::spec::Spec;
@@ -197,6 +208,17 @@ impl Spec {
     /// ```
     #[doc(alias = "mj_parseXML")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_xml_path_with(path, &LoadOptions::default())
+    }
+
+    /// Reads an MJCF or URDF file. Included files can be in memory, and a URDF can name meshes by
+    /// `package://` URIs.
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Load`] if the directory of a
+    /// package is not known.
+    pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
         let path = path.as_ref();
         let source_name = path.display().to_string();
         let text = file::read_regular(path).map_err(Error::file(path))?;
@@ -205,11 +227,11 @@ impl Spec {
             message: "the text is not UTF-8".to_owned(),
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        let sources = Sources { directory: Some(directory), options: &LoadOptions::default() };
+        let sources = Sources { directory: Some(directory), options };
         Ok(Self::from_tree(sources.read(&source_name, &text)?, Some(directory.to_owned())))
     }
 
-    /// Reads MJCF text. Included files are read relative to the working directory.
+    /// Reads MJCF or URDF text. Files are relative to the working directory.
     ///
     /// # Errors
     ///
@@ -220,21 +242,22 @@ impl Spec {
         Self::from_xml_str_with(xml, &LoadOptions::default())
     }
 
-    /// Reads MJCF text. Included files can be in memory.
+    /// Reads MJCF or URDF text. Included files and the meshes of a URDF can be in memory; those in
+    /// memory are needed by [`compile_with`](Self::compile_with) again.
     ///
     /// # Errors
     ///
-    /// As for [`from_xml_path`](Self::from_xml_path).
+    /// As for [`from_xml_path_with`](Self::from_xml_path_with).
     pub fn from_xml_str_with(xml: &str, options: &LoadOptions<'_>) -> Result<Self> {
-        let tree = Sources { directory: None, options }.read("the given XML", xml)?;
-        Ok(Self::from_tree(tree, None))
+        let read = Sources { directory: None, options }.read("the given XML", xml)?;
+        Ok(Self::from_tree(read, None))
     }
 
-    fn from_tree(mut tree: Tree, directory: Option<PathBuf>) -> Self {
+    fn from_tree((mut tree, warnings): (Tree, Vec<UrdfWarning>), directory: Option<PathBuf>) -> Self {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
         keyframes::remember_all(&mut tree);
-        Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new() }
+        Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new(), warnings }
     }
 
     /// Returns the name of the model, the attribute `model` of the root.
@@ -251,6 +274,33 @@ impl Spec {
     /// directory.
     pub fn directory(&self) -> Option<&Path> {
         self.directory.as_deref()
+    }
+
+    /// Returns what the spec does not have of the URDF from which it was read, and what acts
+    /// otherwise than it seems. Nothing is printed.
+    ///
+    /// ```
+    /// use mujoco_safe::spec::{Spec, UrdfWarning};
+    ///
+    /// let spec = Spec::from_xml_str(
+    ///     r#"<robot name="box">
+    ///       <link name="box">
+    ///         <inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    ///       </link>
+    ///       <transmission/>
+    ///     </robot>"#,
+    /// )?;
+    /// assert_eq!(
+    ///     spec.urdf_warnings(),
+    ///     [
+    ///         UrdfWarning::FixedMass { link: "box".to_owned(), mass: 2.0 },
+    ///         UrdfWarning::Ignored { what: "<transmission>".to_owned(), count: 1 },
+    ///     ]
+    /// );
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn urdf_warnings(&self) -> &[UrdfWarning] {
+        &self.warnings
     }
 }
 
@@ -350,6 +400,7 @@ impl Clone for Spec {
             directory: self.directory.clone(),
             own_class: self.own_class,
             attached: self.attached.clone(),
+            warnings: self.warnings.clone(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Reading of MJCF files with the files that they include.
+//! Reading of files: MJCF with the files that it includes, and URDF.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::paths::{FILES, directory_of, is_asset};
 use super::text;
 use super::tree::{Index, Tree};
+use super::urdf::{self, UrdfWarning};
 use crate::error::{Error, Result};
 use crate::file;
 use crate::model::LoadOptions;
@@ -22,12 +23,15 @@ pub(super) struct Sources<'a> {
 }
 
 impl Sources<'_> {
-    /// Parses a text and replaces its includes.
-    pub(super) fn read(&self, source_name: &str, text: &str) -> Result<Tree> {
+    /// Parses a text and replaces its includes, or converts a URDF, in which there are none.
+    pub(super) fn read(&self, source_name: &str, text: &str) -> Result<(Tree, Vec<UrdfWarning>)> {
         let mut tree = parsed(source_name, text)?;
+        if urdf::is_urdf(&tree) {
+            return urdf::convert(&tree, source_name, self.directory, self.options);
+        }
         if tree.tag(Tree::ROOT) != "mujoco" {
             let message =
-                format!("the text is a <{}>, not a <mujoco>: a spec describes MJCF only", tree.tag(Tree::ROOT));
+                format!("the text is a <{}>, not a <mujoco> (MJCF) or a <robot> (URDF)", tree.tag(Tree::ROOT));
             return Err(Error::Load { source_name: source_name.to_owned(), message });
         }
         let mut reader = Reader { sources: self, known: HashSet::new(), assets: Vec::new() };
@@ -39,7 +43,7 @@ impl Sources<'_> {
                 self.place_asset(&mut tree, index, &folder);
             }
         }
-        Ok(tree)
+        Ok((tree, Vec::new()))
     }
 
     /// Returns the content of a file, or `None` if there is none.

@@ -207,6 +207,7 @@ fn a_text_without_its_files_is_rejected() {
     let (_, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
     let text = rejected.unwrap_err().to_string();
     assert!(text.contains("memory.xml") && text.contains("does not load from there"), "{text}");
+    assert!(text.contains("Spec::save_xml_with_assets"), "{text}");
     assert!(!path.exists());
     for options in [SaveXmlOptions::default().with_files(&files), SaveXmlOptions::default().with_check(XmlCheck::Skip)]
     {
@@ -283,6 +284,9 @@ fn the_text_has_the_changes_of_the_compiler() {
         assert_eq!(saved.unwrap(), []);
         assert!(std::fs::read_to_string(&path).unwrap().starts_with("<mujoco"));
     }
+    // A spec writes the paths of the files.
+    Spec::from_xml_path_with(&robot, &package).unwrap().save_xml(&path).unwrap();
+    assert_eq!(Model::from_xml_path(&path).unwrap().nmesh(), 1);
     // The writer of 2.2.2 does not support these, and that of 3.5 only the second.
     for (compiler, mass) in [(r#"settotalmass="7""#, 7.0), (r#"boundmass="50""#, 50.0)] {
         let xml = format!(

@@ -1,9 +1,9 @@
 //! Options for loading a model.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::package::Packages;
+use super::package::{self, Packages};
 
 /// Options for loading a model from XML: files in memory, and directories of the ROS packages that
 /// a URDF names.
@@ -34,17 +34,41 @@ use super::package::Packages;
 pub struct LoadOptions<'a> {
     pub(crate) files: Vec<(&'a str, &'a [u8])>,
     pub(super) packages: Packages,
+    pub(crate) has_visuals: bool,
 }
 
 impl<'a> LoadOptions<'a> {
+    /// Extensions of the mesh formats that the engine reads.
+    pub(crate) const MESHES: [&'static str; 3] = package::FORMATS;
+
+    /// Returns `true` if the name of a file is that of a mesh in a format that the engine reads.
+    pub(crate) fn is_mesh(name: &str) -> bool {
+        package::has_known_format(Path::new(name))
+    }
+
     /// Returns the content of a file in memory, which has the same name after the last slash.
     pub(crate) fn file(&self, name: &str) -> Option<&'a [u8]> {
+        self.known(name).map(|(_, content)| content)
+    }
+
+    /// Returns the complete name of a file in memory, which has the same name after the last slash.
+    pub(crate) fn file_name(&self, name: &str) -> Option<&'a str> {
+        self.known(name).map(|(known, _)| known)
+    }
+
+    fn known(&self, name: &str) -> Option<(&'a str, &'a [u8])> {
         fn last(name: &str) -> Option<&str> {
             name.rsplit(['/', '\\']).next()
         }
         let is =
             |&&(known, _): &&(&str, &[u8])| last(known).zip(last(name)).is_some_and(|(a, b)| a.eq_ignore_ascii_case(b));
-        self.files.iter().find(is).map(|&(_, content)| content)
+        self.files.iter().find(is).copied()
+    }
+
+    /// Returns the directory of a package. Of the known ones and those around `directory`, the
+    /// first one that contains the file `inside` is used, else the first one.
+    pub(crate) fn package(&self, package: &str, inside: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
+        self.packages.find(package, inside, directory)
     }
 
     /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height
@@ -85,6 +109,17 @@ impl<'a> LoadOptions<'a> {
     #[must_use]
     pub fn with_package_path(mut self, list: impl AsRef<OsStr>) -> Self {
         self.packages.search(list.as_ref());
+        self
+    }
+
+    /// Keeps the visual geometry of a URDF that a [`Spec`](crate::spec::Spec) reads, in group 1.
+    /// The engine discards it unless the URDF says otherwise
+    /// (`<mujoco><compiler discardvisual="false"/></mujoco>`). A [`Model`](crate::Model) is always
+    /// loaded as the engine does.
+    #[must_use]
+    #[doc(alias = "discardvisual")]
+    pub fn with_visuals(mut self) -> Self {
+        self.has_visuals = true;
         self
     }
 }

@@ -16,7 +16,7 @@ use crate::model::xml_guard::{Tags, decoded};
 const SCHEME: &str = "package://";
 
 /// Extensions of the mesh formats that the engine reads.
-const FORMATS: [&str; 3] = ["stl", "obj", "msh"];
+pub(super) const FORMATS: [&str; 3] = ["stl", "obj", "msh"];
 
 /// Directories of ROS packages.
 #[derive(Clone, Debug, Default)]
@@ -35,19 +35,51 @@ impl Packages {
     }
 
     fn directory(&self, package: &str) -> Option<PathBuf> {
-        let is_package = |directory: &PathBuf| !package.is_empty() && directory.is_dir();
-        self.directories.get(package).cloned().or_else(|| {
-            self.search_path
-                .iter()
-                .flat_map(|path| {
-                    let is_itself = path.file_name() == Some(OsStr::new(package));
-                    [path.join(package), path.join("share").join(package)]
-                        .into_iter()
-                        .chain(is_itself.then(|| path.clone()))
-                })
-                .find(is_package)
-        })
+        let searched = || self.search_path.iter().flat_map(|path| places(path, package));
+        self.directories.get(package).cloned().or_else(|| searched().find(|path| path.is_dir()))
     }
+
+    /// Returns the directory of a package. Without one among the known directories, the package is
+    /// searched for in the directories around `directory`: one that has its name, or whose
+    /// `package.xml` has it. The first with the file `inside` is used, else the first.
+    pub(super) fn find(&self, package: &str, inside: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
+        if let Some(known) = self.directory(package) {
+            return Ok(known);
+        }
+        let around = directory.and_then(|directory| std::path::absolute(directory).ok());
+        let places = around.iter().flat_map(|directory| directory.ancestors()).flat_map(|path| {
+            let named = is_named(path, package).then(|| path.to_owned());
+            named.into_iter().chain(places(path, package))
+        });
+        let found: Vec<PathBuf> = places.filter(|path| path.is_dir()).collect();
+        let with_file = found.iter().find(|path| path.join(inside).is_file());
+        with_file.or(found.first()).cloned().ok_or_else(|| unknown(package))
+    }
+}
+
+/// Returns the directories in which a package can be, given a directory of a search path.
+fn places(path: &Path, package: &str) -> Vec<PathBuf> {
+    if package.is_empty() {
+        return Vec::new();
+    }
+    let is_itself = path.file_name() == Some(OsStr::new(package));
+    let mut places = vec![path.join(package), path.join("share").join(package)];
+    places.extend(is_itself.then(|| path.to_owned()));
+    places
+}
+
+/// Returns `true` if a directory has a `package.xml` with the name of a package.
+fn is_named(path: &Path, package: &str) -> bool {
+    let manifest = file::read_regular(&path.join("package.xml")).unwrap_or_default();
+    let text = String::from_utf8_lossy(&manifest);
+    text.split_once("<name>")
+        .is_some_and(|(_, rest)| rest.split("</name>").next().unwrap_or_default().trim() == package)
+}
+
+fn unknown(package: &str) -> String {
+    format!(
+        "the directory of package '{package}' is unknown; set it with LoadOptions::with_package or with_package_path"
+    )
 }
 
 /// Result of resolving the `package://` URIs of a text.
@@ -118,9 +150,7 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
 /// Returns the path of a mesh, given the URI without its scheme.
 fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
     let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
-    let directory = packages.directory(package).ok_or_else(|| {
-        format!("the directory of package '{package}' is unknown; set it with LoadOptions::with_package or with_package_path")
-    })?;
+    let directory = packages.directory(package).ok_or_else(|| unknown(package))?;
     let path = directory.join(inside);
     if has_known_format(&path) {
         Ok(path)
@@ -154,7 +184,7 @@ fn last_part(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or_default()
 }
 
-fn has_known_format(path: &Path) -> bool {
+pub(super) fn has_known_format(path: &Path) -> bool {
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     FORMATS.iter().any(|known| known.eq_ignore_ascii_case(extension))
 }

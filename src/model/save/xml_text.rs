@@ -25,6 +25,10 @@ const MASS_IN_MESH_DEFAULTS: &str = "the engine's writer raised an exception. Mu
     geoms with a mass and type='mesh' (mujoco#561): move type='mesh' from the class to its geoms, or save the model with \
     save_binary, or read its file as a Spec and save the text of Spec::to_xml";
 
+/// Another way to save a model whose files are in other directories or packages.
+const OF_SPEC: &str = "if it lacks files, read the model's file, MJCF or URDF, as a Spec: Spec::save_xml writes the paths of \
+    all files, and Spec::save_xml_with_assets copies them";
+
 /// Attributes that the engine stores in single precision, in every element that has them.
 const SINGLE: [&str; 12] = [
     "rgba",
@@ -76,7 +80,7 @@ impl Model {
             Ok(reloaded) => Ok((text, Some(reloaded))),
             Err(Error::Load { message, .. }) => Err(Error::Save {
                 path: path.to_owned(),
-                reason: format!("the text does not load from there: {message}"),
+                reason: format!("the text does not load from there: {message}; {OF_SPEC}"),
             }),
             Err(error) => Err(error),
         }

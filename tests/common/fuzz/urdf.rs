@@ -2,6 +2,9 @@
 
 use std::fmt::Write as _;
 
+use mujoco_safe::LoadOptions;
+use mujoco_safe::spec::Spec;
+
 use super::text::{damage, load_and_use};
 use super::{Bytes, Verdict, assets};
 
@@ -72,7 +75,19 @@ pub(super) fn generated_urdf(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
             damage(&mut text, &other, bytes);
         }
     }
-    load_and_use(&String::from_utf8_lossy(&text), &assets::files(), log)
+    let (text, files) = (String::from_utf8_lossy(&text), assets::files());
+    // Half of them as a spec, which is loaded by the text of its MJCF.
+    if bytes.once_in(2) {
+        let options =
+            files.iter().fold(LoadOptions::default(), |options, (name, content)| options.with_file(name, content));
+        let options = if bytes.once_in(2) { options.with_visuals() } else { options };
+        log(&format!("converting\n{text}\n"));
+        return match Spec::from_xml_str_with(&text, &options) {
+            Ok(spec) => load_and_use(&spec.to_xml(), &files, log),
+            Err(_) => Verdict::Rejected,
+        };
+    }
+    load_and_use(&text, &files, log)
 }
 
 fn robot(bytes: &mut Bytes<'_>) -> String {

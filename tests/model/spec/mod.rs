@@ -22,6 +22,7 @@ mod reading;
 mod removal;
 mod settings;
 mod text;
+mod urdf;
 
 use mujoco_safe::Model;
 use mujoco_safe::spec::{Any, ElementId, Spec};

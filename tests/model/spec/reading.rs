@@ -81,7 +81,7 @@ fn assets_of_included_files_are_found() {
 fn mistakes_in_files_are_errors_with_their_cause() {
     let error = |text: &str| Spec::from_xml_str(text).unwrap_err().to_string();
     assert!(error("<mujoco>").contains("the given XML"));
-    assert!(error("<robot name='arm'/>").contains("MJCF only"));
+    assert!(error("<sdf/>").contains("not a <mujoco> (MJCF) or a <robot> (URDF)"));
     assert!(error("<mujoco><include/></mujoco>").contains("'file'"));
     assert!(error("<mujoco><include file='none.xml'/></mujoco>").contains("'none.xml' cannot be read"));
     let deep = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(500), "</body>".repeat(500));

@@ -1,0 +1,100 @@
+//! Parts of a URDF that a spec does not have.
+
+use std::fmt;
+
+/// Part of a URDF that the spec does not have, or that acts otherwise than it seems:
+/// [`Spec::urdf_warnings`](super::Spec::urdf_warnings).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum UrdfWarning {
+    /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it,
+    /// and the links that are fixed to it, with the world, and their mass is lost.
+    /// [`Spec::add_free_base`](super::Spec::add_free_base) lets the robot float.
+    FixedMass {
+        /// Name of the root link.
+        link: String,
+        /// Sum of the masses that its inertias and those of the links fixed to it state, in kg.
+        mass: f64,
+    },
+    /// A link has a mass and no moments of inertia, which are 0 then. The compiler accepts this for
+    /// a link that is fixed to the world or to another one, or with `boundinertia` of `compiler`.
+    NoInertia {
+        /// Name of the link.
+        link: String,
+    },
+    /// The velocity of a joint is not limited: the engine has no such limit.
+    VelocityLimit {
+        /// Name of the joint.
+        joint: String,
+        /// The limit in rad/s or m/s.
+        velocity: f64,
+    },
+    /// The force of a joint is not limited: the engine has no such limit before 3.0, nor for a
+    /// `floating` joint.
+    EffortLimit {
+        /// Name of the joint.
+        joint: String,
+        /// The limit in N m or N.
+        effort: f64,
+    },
+    /// The range of a joint is not limited.
+    Range {
+        /// Name of the joint.
+        joint: String,
+        /// The reason.
+        reason: String,
+    },
+    /// A joint does not follow another one (`mimic`).
+    Mimic {
+        /// Name of the joint.
+        joint: String,
+        /// The reason.
+        reason: String,
+    },
+    /// A mesh, and the geom with it, is left out.
+    Mesh {
+        /// Name of the link.
+        link: String,
+        /// Name of the file in the URDF.
+        file: String,
+        /// The reason.
+        reason: String,
+    },
+    /// The visual geometry is left out, as the engine does:
+    /// [`LoadOptions::with_visuals`](crate::LoadOptions::with_visuals) keeps it.
+    Visuals {
+        /// Number of `visual` elements.
+        count: usize,
+    },
+    /// Elements, or a setting in `mujoco`, that have no meaning for the engine.
+    Ignored {
+        /// The tag and the one around it, or the setting.
+        what: String,
+        /// Number of them.
+        count: usize,
+    },
+}
+
+impl fmt::Display for UrdfWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FixedMass { link, mass } => {
+                write!(
+                    f,
+                    "link '{link}' is fixed to the world, in which {mass} kg are lost: add_free_base lets it float"
+                )
+            }
+            Self::NoInertia { link } => write!(f, "link '{link}' has no <inertia>: its moments of inertia are 0"),
+            Self::VelocityLimit { joint, velocity } => {
+                write!(f, "joint '{joint}': the velocity limit {velocity} is ignored")
+            }
+            Self::EffortLimit { joint, effort } => write!(f, "joint '{joint}': the effort limit {effort} is ignored"),
+            Self::Range { joint, reason } => write!(f, "joint '{joint}' has no limits: {reason}"),
+            Self::Mimic { joint, reason } => write!(f, "joint '{joint}': <mimic> is ignored: {reason}"),
+            Self::Mesh { link, file, reason } => write!(f, "link '{link}': the mesh '{file}' is left out: {reason}"),
+            Self::Visuals { count } => write!(f, "{count} <visual> elements are left out"),
+            Self::Ignored { what, count: 1 } => write!(f, "{what} is ignored"),
+            Self::Ignored { what, count } => write!(f, "{what} is ignored ({count} times)"),
+        }
+    }
+}

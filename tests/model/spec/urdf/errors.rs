@@ -1,0 +1,134 @@
+//! URDF is untrusted text.
+
+use std::time::{Duration, Instant};
+
+use mujoco_safe::Error;
+use mujoco_safe::spec::Spec;
+
+use super::{joint, link, robot};
+
+#[track_caller]
+fn error(urdf: &str) -> String {
+    match Spec::from_xml_str(urdf) {
+        Err(error @ Error::Load { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn an_error_names_the_element_and_what_is_right() {
+    let links = link("a", "") + &link("b", "");
+    let with = |content: &str| robot(&(links.clone() + &joint("j", "revolute", "a", "b", content)));
+    let geometry = |shape: &str| robot(&link("a", &format!("<collision><geometry>{shape}</geometry></collision>")));
+    for (urdf, parts) in [
+        (robot(&(links.clone() + &link("a", ""))), &["two links 'a'", "unique"][..]),
+        (robot("<link/>"), &["<link>", "no attribute 'name'"]),
+        (robot(&(links.clone() + &joint("j", "ball", "a", "b", ""))), &["joint 'j'", "'ball'", "revolute, continuous"]),
+        (robot(&(links.clone() + "<joint name='j'/>")), &["joint 'j'", "no attribute 'type'"]),
+        (robot(&(links.clone() + "<joint name='j' type='fixed'/>")), &["joint 'j'", "no <parent>"]),
+        (robot(&(links.clone() + &joint("j", "fixed", "a", "c", ""))), &["child of joint 'j' is 'c'", "no such link"]),
+        (robot(&(links.clone() + &joint("j", "fixed", "c", "a", ""))), &["parent of joint 'j' is 'c'"]),
+        (
+            robot(&(links.clone() + &joint("j", "fixed", "a", "b", "") + &joint("k", "fixed", "a", "b", ""))),
+            &["link 'b'", "'j' and 'k'", "at most one parent"],
+        ),
+        (
+            robot(&(links.clone() + &joint("j", "fixed", "a", "b", "") + &joint("k", "fixed", "b", "a", ""))),
+            &["is its own ancestor", "tree"],
+        ),
+        (robot(&(links.clone() + &joint("j", "fixed", "a", "a", ""))), &["link 'a' is its own ancestor"]),
+        (
+            robot(&(links.clone() + "<link name='world'/>" + &joint("j", "fixed", "a", "world", ""))),
+            &["'world'", "child of joint 'j'"],
+        ),
+        (
+            robot(
+                &(links.clone()
+                    + &link("c", "")
+                    + &joint("j", "revolute", "a", "b", "")
+                    + &joint("j", "planar", "a", "c", "")),
+            ),
+            &["two joints 'j'", "unique"],
+        ),
+        (with("<axis/>"), &["<axis> of joint 'j'", "'xyz'"]),
+        (with("<axis xyz='1 0'/>"), &["'xyz' of <axis> of joint 'j' is '1 0'", "3 finite numbers"]),
+        (with("<axis xyz='0 0 1'/><axis xyz='0 0 1'/>"), &["joint 'j' has more than one <axis>"]),
+        (with("<origin xyz='nan 0 0'/>"), &["<origin> of joint 'j'", "'nan 0 0'"]),
+        (with("<origin rpy='1,2,3'/>"), &["'1,2,3'"]),
+        (with("<limit lower='x' upper='1'/>"), &["'lower' of <limit> of joint 'j' is 'x'", "a number"]),
+        (with("<limit effort='nan'/>"), &["'effort'"]),
+        (with("<dynamics damping='inf'/>"), &["'damping'", "finite"]),
+        (with("<mimic/>"), &["<mimic> of joint 'j'", "'joint'"]),
+        (with("<mimic joint='j'/>"), &["itself"]),
+        (with("<mimic joint='k' offset=''/>"), &["'offset'"]),
+        (geometry(""), &["<geometry> of <collision> of link 'a'", "<box>, <cylinder>"]),
+        (geometry("<box/>"), &["<box>", "'size'"]),
+        (geometry("<box size='1'/>"), &["3 finite numbers"]),
+        (geometry("<cylinder radius='1'/>"), &["'length'"]),
+        (geometry("<mesh/>"), &["'filename'"]),
+        (geometry("<mesh filename='a.stl' scale='1 1'/>"), &["'scale'"]),
+        (robot(&link("a", "<collision/>")), &["no <geometry>"]),
+        (robot(&link("a", "<inertial/>")), &["more than one <inertial>"]),
+        (robot("<link name='a'><inertial/></link>"), &["<inertial> of link 'a'", "no <mass>"]),
+        (
+            robot("<link name='a'><inertial><mass value='1'/><inertia ixx='1'/></inertial></link>"),
+            &["<inertia> of <inertial> of link 'a'", "'iyy'"],
+        ),
+        (
+            robot("<link name='a'><visual><material name='m'><color/></material></visual></link>"),
+            &["<color> of <material> of <visual> of link 'a'", "'rgba'"],
+        ),
+        (robot("<mujoco/><mujoco/>"), &["more than one <mujoco>"]),
+        (robot("<mujoco><option/><option/></mujoco>"), &["more than one <option>"]),
+    ] {
+        let message = error(&urdf);
+        for part in parts {
+            assert!(message.contains(part), "'{part}' in '{message}'\n{urdf}");
+        }
+    }
+    let long = "x".repeat(100_000);
+    assert!(error(&robot(&(link(&long, "") + &link(&long, "")))).len() < 1000);
+    assert!(error(&robot("<link name='\0'/>")).contains("the given XML"));
+}
+
+/// A name with a NUL character, which a reference can write.
+#[test]
+fn a_name_with_nul_is_an_error() {
+    let urdf = robot(&link("a&#0;b", ""));
+    if let Ok(spec) = Spec::from_xml_str(&urdf) {
+        spec.compile().unwrap_err();
+        spec.save_xml(tempfile::tempdir().unwrap().path().join("robot.xml")).unwrap_err();
+    }
+}
+
+fn repeat(count: usize, text: impl Fn(usize) -> String) -> String {
+    (0..count).map(text).collect::<Vec<_>>().concat()
+}
+
+/// Reading takes a time in proportion to the size, and the compiler's limits are errors.
+#[test]
+fn huge_robots_are_errors() {
+    const LINKS: usize = 100_000;
+    let links = repeat(LINKS, |i| format!("<link name='l{i}'/>"));
+    let tree = |parent: &dyn Fn(usize) -> usize| {
+        let joints: String = (1..LINKS)
+            .map(|i| joint(&format!("j{i}"), "fixed", &format!("l{}", parent(i)), &format!("l{i}"), ""))
+            .collect();
+        robot(&(links.clone() + &joints))
+    };
+    for urdf in [tree(&|i| i - 1), tree(&|_| 0), tree(&|i| (i - 1) / 2), robot(&links)] {
+        let start = Instant::now();
+        let spec = Spec::from_xml_str(&urdf).unwrap();
+        spec.compile().unwrap_err();
+        assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
+    }
+    let cycle = joint("j0", "fixed", &format!("l{}", LINKS - 1), "l0", "");
+    assert!(error(&tree(&|i| i - 1).replace("</robot>", &format!("{cycle}</robot>"))).contains("its own ancestor"));
+    let visuals = repeat(LINKS, |i| format!("<t{i}/><visual/>"));
+    let spec = Spec::from_xml_str(&robot(&link("a", &visuals))).unwrap();
+    assert_eq!(spec.urdf_warnings().len(), LINKS + 2);
+    let mesh = "<collision><geometry><mesh filename='a.stl' scale='1 1 ";
+    let meshes = repeat(20_000, |i| format!("{mesh}{i}'/></geometry></collision>"));
+    Spec::from_xml_str(&robot(&link("a", &meshes))).unwrap();
+    assert!(error(&robot(&("<a>".repeat(500) + &"</a>".repeat(500)))).contains("400"));
+}
