@@ -102,6 +102,7 @@ mod compile;
 mod control;
 mod element;
 mod element_id;
+mod identity;
 mod keyframes;
 mod layout;
 mod lenient;

@@ -1,0 +1,1 @@
+//! Single edits, with values of `mj_recompile` and of models by hand.
