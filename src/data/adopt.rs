@@ -110,8 +110,9 @@ impl Data {
     /// model is copied if they differ. All results count as not computed, all bodies are awake, and
     /// the counters of warnings and timers start at zero.
     ///
-    /// If the models are equal, which is so after an edit that changes nothing, all results,
-    /// counters and sleeping bodies stay as they are, and later steps are the same bit for bit.
+    /// After an edit that no step reads, such as a new camera, later steps are the same bit for bit
+    /// unless a body sleeps. If the models are equal in all values, all results, counters and
+    /// sleeping bodies stay as they are, too.
     ///
     /// # Elements that are in both models
     ///
