@@ -13,7 +13,7 @@ use crate::kind::Kind;
 /// Kinds of elements whose state a simulation keeps. A kind comes after those that its elements
 /// refer to.
 pub(crate) const KINDS: [Kind; 8] =
-    [Kind::Body, Kind::Joint, Kind::Tendon, Kind::Actuator, Kind::Equality, Kind::Sensor, Kind::Flex, Kind::Plugin];
+    [Kind::Body, Kind::Joint, Kind::Tendon, Kind::Flex, Kind::Actuator, Kind::Equality, Kind::Sensor, Kind::Plugin];
 
 /// Elements of an old model that are also in a new one.
 pub(crate) struct Survivors<'m> {
@@ -156,6 +156,8 @@ impl<'m> Survivors<'m> {
                         && (a.body_mocapid()[new] < 0) == (b.body_mocapid()[old] < 0)
                 }
                 Kind::Tendon => a.tendon_num()[new] == b.tendon_num()[old],
+                #[cfg(engine_since = "3.0.0")]
+                Kind::Flex => a.flex_vertnum()[new] == b.flex_vertnum()[old],
                 Kind::Actuator => {
                     let target = target(a.actuator_trntype()[new]);
                     let [first, second] =
@@ -171,7 +173,7 @@ impl<'m> Survivors<'m> {
                         EqualityType::Connect | EqualityType::Weld => Some(Kind::Body),
                         EqualityType::Joint => Some(Kind::Joint),
                         EqualityType::Tendon => Some(Kind::Tendon),
-                        _ => None,
+                        EqualityType::Flex | EqualityType::FlexVertex | EqualityType::FlexStrain => Some(Kind::Flex),
                     };
                     a.eq_type()[new] == b.eq_type()[old]
                         && a.couples_sites(new) == b.couples_sites(old)

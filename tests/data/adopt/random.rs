@@ -174,7 +174,7 @@ impl Generator {
         let text = format!(
             "<mujoco model='m'><compiler autolimits='true' settotalmass='-1'/>
              <size nuserdata='4' nuser_body='1' nuser_jnt='1' nuser_actuator='1' nuser_sensor='1' njmax='50' nconmax='10'/>
-             <worldbody>{world}</worldbody><actuator>{actuators}</actuator><equality>{equalities}</equality>
+             <default><geom contype='0' conaffinity='0'/></default><worldbody>{world}</worldbody><actuator>{actuators}</actuator><equality>{equalities}</equality>
              <sensor>{sensors}</sensor></mujoco>"
         );
         Spec::from_xml_str(&text).unwrap()
