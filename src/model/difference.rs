@@ -8,6 +8,7 @@ use super::options::fields::Mirror;
 use super::{CheckedEdit, Model, ModelMut, Options, Statistics, Visual};
 use crate::error::Result;
 use crate::ffi;
+use crate::generated::{model_settings, model_sizes};
 
 /// Number of bytes that are compared at a time, which is faster than the comparison of single
 /// words.
@@ -130,6 +131,61 @@ fn store<T: PartialEq>(place: &mut Option<Box<T>>, value: T, original: &T) {
         _ if value == *original => *place = None,
         Some(place) => **place = value,
         None => *place = Some(Box::new(value)),
+    }
+}
+
+impl Model {
+    /// Returns `true` if all sizes, arrays and settings have the same bits as those of another model.
+    pub(crate) fn has_same_bits(&self, other: &Self) -> bool {
+        macro_rules! same_sizes {
+            ($($size:ident)*) => { true $(&& self.raw().$size == other.raw().$size)* };
+        }
+        macro_rules! same_settings {
+            ($($group:ident $(.$part:ident)+;)*) => {
+                true $(&& self.raw().$group$(.$part)+.bits() == other.raw().$group$(.$part)+.bits())*
+            };
+        }
+        let (sizes, settings) = (model_sizes! { same_sizes }, model_settings! { same_settings });
+        sizes && settings && arrays(self) == arrays(other)
+    }
+}
+
+/// Value of a setting as bits, which distinguish the zeros and are equal to themselves.
+trait Bits {
+    type Bits: PartialEq;
+
+    fn bits(&self) -> Self::Bits;
+}
+
+impl Bits for i32 {
+    type Bits = Self;
+
+    fn bits(&self) -> Self {
+        *self
+    }
+}
+
+impl Bits for f32 {
+    type Bits = u32;
+
+    fn bits(&self) -> u32 {
+        self.to_bits()
+    }
+}
+
+impl Bits for f64 {
+    type Bits = u64;
+
+    fn bits(&self) -> u64 {
+        self.to_bits()
+    }
+}
+
+impl<T: Bits, const N: usize> Bits for [T; N] {
+    type Bits = [T::Bits; N];
+
+    fn bits(&self) -> Self::Bits {
+        std::array::from_fn(|index| self[index].bits())
     }
 }
 

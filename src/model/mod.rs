@@ -20,6 +20,7 @@ mod cached_flags;
 #[cfg(engine_since = "2.3.0")]
 mod engine_features;
 mod engine_limits;
+mod identity;
 #[cfg(validates_binaries)]
 mod mjb;
 mod number;
@@ -29,18 +30,21 @@ mod relation;
 mod save;
 mod schema;
 mod shared;
+mod survivors;
 #[cfg(feature = "renderer")]
 mod texture;
 mod xml_guard;
 
 use std::fmt;
 use std::ptr::{self, NonNull};
+use std::sync::Arc;
 
 use mujoco_sys::{self as sys, guard, mjModel};
 
 pub(crate) use self::addressing::CheckedEdit;
 pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
+pub(crate) use self::identity::{Identities, Identity};
 pub use self::load::LoadOptions;
 pub(crate) use self::load::TEXT;
 pub(crate) use self::number::NumberArray;
@@ -51,6 +55,7 @@ pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
 pub(crate) use self::relation::Relation;
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::shared::IntoModel;
+pub(crate) use self::survivors::{KINDS as SURVIVING_KINDS, Survivors};
 #[cfg(feature = "renderer")]
 pub(crate) use self::texture::TexturePixels;
 use crate::error::Result;
@@ -108,6 +113,8 @@ pub struct Model {
     raw: NonNull<mjModel>,
     lineage: Lineage,
     warnings: Vec<String>,
+    /// Elements of the spec from which the model was compiled.
+    identities: Option<Arc<Identities>>,
     /// See [`features`](Model::features), without the integrator.
     features: PipelineFeatures,
     /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
@@ -145,6 +152,7 @@ impl Model {
             raw,
             lineage,
             warnings,
+            identities: None,
             features: PipelineFeatures::empty(),
             has_rangefinder_and_height_field: false,
             has_unsafe_polygons: false,
@@ -182,6 +190,7 @@ impl Model {
         let raw = NonNull::new(copy).ok_or(crate::error::Error::OutOfMemory { function: "mj_copyModel" })?;
         // SAFETY: a copy of a valid model, which nothing else owns.
         let mut copy = unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) };
+        copy.identities.clone_from(&self.identities);
         copy.has_unsafe_polygons = self.has_unsafe_polygons;
         copy.has_loose_bounds = self.has_loose_bounds;
         #[cfg(engine_since = "3.6.0")]
@@ -207,6 +216,11 @@ impl Model {
     /// model, or one is a clone of the other.
     pub fn is_same_structure(&self, other: &Self) -> bool {
         self.lineage == other.lineage
+    }
+
+    /// Sets the elements of the spec from which the model was compiled.
+    pub(crate) fn set_identities(&mut self, identities: Identities) {
+        self.identities = Some(Arc::new(identities));
     }
 
     #[inline]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::text::{self, Written};
 use super::tree::{Index, Tree};
-use super::{Spec, attach, keyframes, names};
+use super::{Spec, attach, identity, keyframes, names};
 use crate::error::{Error, InvalidKind, Result};
 use crate::model::{LoadOptions, Model, TEXT};
 
@@ -34,7 +34,6 @@ impl Spec {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_compile")]
-    #[doc(alias = "mj_recompile")]
     #[doc(alias = "mjs_getError")]
     pub fn compile(&self) -> Result<Model> {
         self.compile_with(&LoadOptions::default())
@@ -50,12 +49,13 @@ impl Spec {
         let tree = self.complete_tree()?;
         let written = text::write(&tree);
         let path = self.directory.as_deref().unwrap_or(Path::new("")).join(TEXT);
-        Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options).map_err(|error| match error {
-            Error::Load { source_name, message } => {
-                Error::Load { source_name, message: self.located(message, &written) }
-            }
-            other => other,
-        })
+        let mut model = Model::from_text(&self.source_name(), &path, written.text.as_bytes(), options);
+        match &mut model {
+            Ok(model) => model.set_identities(identity::of(self, model)),
+            Err(Error::Load { message, .. }) => *message = self.located(std::mem::take(message), &written),
+            Err(_) => {}
+        }
+        model
     }
 
     /// Returns the MJCF text of the spec. Includes are replaced by their content. Both the engine

@@ -199,7 +199,12 @@ fn of_bodies(tree: &Tree, vector: &str) -> Vec<Entry> {
 
 /// Returns the elements of a body, those in frames and the copies that it contains, or `None` if
 /// there are too many.
-fn elements(tree: &Tree, body: Index, copies: &[usize], left: &mut usize) -> Option<Vec<(Index, Vec<usize>)>> {
+pub(super) fn elements(
+    tree: &Tree,
+    body: Index,
+    copies: &[usize],
+    left: &mut usize,
+) -> Option<Vec<(Index, Vec<usize>)>> {
     let mut found = Vec::new();
     let mut open: Vec<(Index, Vec<usize>)> =
         tree.children(body).iter().rev().map(|&child| (child, copies.to_vec())).collect();

@@ -110,6 +110,7 @@ mod element;
 mod element_id;
 mod expand;
 mod free_base;
+mod identity;
 mod keyframes;
 mod layout;
 mod lenient;

@@ -8,11 +8,14 @@ mod cases;
 mod child;
 #[path = "../common/flags.rs"]
 mod flags;
+#[path = "../common/random_text.rs"]
+mod random_text;
 #[path = "../common/touch_all.rs"]
 mod touch_all;
 #[path = "../common/trouble.rs"]
 mod trouble;
 
+mod adopt;
 mod boundary;
 mod callbacks;
 mod contact_filter;

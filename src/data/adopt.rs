@@ -1,0 +1,323 @@
+//! A new model for a simulation, which keeps the state of the elements that both models have.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::ops::Range;
+
+use super::Data;
+use crate::error::Result;
+#[cfg(engine_since = "3.0.0")]
+use crate::ffi;
+use crate::kind::Kind;
+use crate::model::{IntoModel, Model, SURVIVING_KINDS, Survivors};
+
+/// Element that a change of the model by [`Data::adopt`] has removed or added.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct ChangedElement {
+    /// Kind of the element.
+    pub kind: Kind,
+    /// Index of the element: in the old model if it was removed, in the new one if it was added.
+    pub index: usize,
+    /// Name of the element in this model, if it has one.
+    pub name: Option<String>,
+}
+
+impl fmt::Display for ChangedElement {
+    /// Writes the kind, and the name or the index: `joint 'knee'`, `joint 3`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.name {
+            Some(name) => write!(f, "{} '{name}'", self.kind),
+            None => write!(f, "{} {}", self.kind, self.index),
+        }
+    }
+}
+
+/// Elements with a state of their own that are in one of two models only. Result of
+/// [`Data::adopt`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Adoption {
+    /// Elements of the old model whose state is lost.
+    pub lost: Vec<ChangedElement>,
+    /// Elements of the new model that start in their initial state.
+    pub new: Vec<ChangedElement>,
+}
+
+/// # Another model
+impl Data {
+    /// Gives the simulation another model, typically an edited version of its own, and keeps the
+    /// state of the elements that are in both: it continues where it is. The model comes from a
+    /// [`Spec`](crate::spec::Spec) that has changed since it was compiled for this simulation, or
+    /// from a file that has been edited.
+    ///
+    /// Returns the elements that are only in one of the models.
+    ///
+    /// ```
+    /// use mujoco_safe::Data;
+    /// use mujoco_safe::spec::Spec;
+    ///
+    /// let mut spec = Spec::from_xml_str(
+    ///     "<mujoco>
+    ///        <worldbody>
+    ///          <body name='left'><freejoint/><geom size='.1'/></body>
+    ///          <body name='right' pos='1 0 0'><freejoint/><geom size='.1'/></body>
+    ///        </worldbody>
+    ///      </mujoco>",
+    /// )?;
+    /// let mut data = Data::new(spec.compile()?)?;
+    /// data.step_n(100)?;
+    /// let falling = data.qvel()[8];
+    ///
+    /// let left = spec.body("left")?.id();
+    /// spec.remove(left)?;
+    /// let added = spec.add_body(spec.world()).set_name("added").set_pos([0.0, 1.0, 0.0]).id();
+    /// spec.add_freejoint(added);
+    /// spec.add_geom(added).set_size(&[0.2]);
+    /// let adoption = data.adopt(spec.compile()?)?;
+    ///
+    /// assert_eq!(adoption.lost[0].to_string(), "body 'left'");
+    /// assert_eq!(adoption.new[0].to_string(), "body 'added'");
+    /// assert!((data.time() - 0.2).abs() < 1e-9);
+    /// assert_eq!(data.qvel()[2], falling);                // the right body falls on
+    /// assert_eq!(data.qpos()[7..10], [0.0, 1.0, 0.0]);    // the added one starts
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// # State
+    ///
+    /// | of | is kept |
+    /// |---|---|
+    /// | bodies | applied forces, and poses of mocap bodies |
+    /// | joints | positions, velocities, applied forces, warm starts of the solver, plastic deformation |
+    /// | actuators | controls, activations, samples of delays |
+    /// | equality constraints | whether they are active |
+    /// | sensors | samples of delays |
+    /// | tendons and flexes | plastic deformation |
+    /// | instances of plugins | `plugin_state`; the memory of the plugin itself is new |
+    /// | the simulation | time, `userdata` by its indices, [callbacks](Self::set_callbacks), an error that has poisoned it |
+    ///
+    /// New elements have the values that they have in a new simulation of the model, and so have a
+    /// joint whose type has changed and those values of an actuator, sensor, flex or plugin whose
+    /// number has changed. Other values stay as they are, also those that are outside of a new
+    /// range. A change of the pose of a free body in the model does not move it, because its
+    /// position is that of its joint.
+    ///
+    /// Everything else is that of the new model: parameters, options, keyframes, also where the old
+    /// one was changed by [`edit_model`](Self::edit_model) or
+    /// [`weld_at_present_pose`](Self::weld_at_present_pose). An equality constraint stays active or
+    /// not whatever the new model says; with 2.2.2, where this is a part of the model, a shared
+    /// model is copied if they differ. All results count as not computed, all bodies are awake, and
+    /// the counters of warnings and timers start at zero.
+    ///
+    /// After an edit that no step reads, such as a new camera, later steps are the same bit for bit
+    /// unless a body sleeps. If the models are equal in all values, all results, counters and
+    /// sleeping bodies stay as they are, too.
+    ///
+    /// # Elements that are in both models
+    ///
+    /// An element of a [`Spec`](crate::spec::Spec) stays the same until it is removed, also if it is
+    /// renamed, and is never another element, also if that has its name. This holds for the models
+    /// of a spec and of its clones. The copies of a `replicate` are the same if their numbers are.
+    ///
+    /// Other elements are the same if their names are: those of models from files or of unrelated
+    /// specs, and those that `composite`, `flexcomp` and `attach` create. Those without names are
+    /// the same only if their order leaves no doubt: if both models have as many of them, in bodies
+    /// that are the same (joints and bodies) or in the whole model (others), and they agree one by
+    /// one: joints in their types, bodies in the types of their joints and in being mocap bodies,
+    /// actuators, equality constraints and sensors in their types and the elements to which they
+    /// refer, tendons in the lengths of their paths. An instance of a plugin without a name is the
+    /// same if the body, actuator or sensor to which it belongs is.
+    ///
+    /// # Differences from `mj_recompile`
+    ///
+    /// The C function recompiles one `mjSpec`, and its elements are the same until they are
+    /// removed. That of 4.0.1 keeps the same values as this one.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new). The simulation is unchanged then.
+    #[doc(alias = "mj_recompile")]
+    pub fn adopt(&mut self, model: impl IntoModel) -> Result<Adoption> {
+        let model = model.into_model();
+        let old_model = self.model.clone();
+        let survivors = Survivors::of(&old_model, &model);
+        let adoption = Adoption::of(&survivors, &old_model, &model);
+        if survivors.are_all() && old_model.has_same_bits(&model) {
+            self.model = model;
+            return Ok(adoption);
+        }
+        let mut new = Self::new(&model)?;
+        new.keep_state(self, &survivors)?;
+        new.failure = self.failure.take();
+        std::mem::swap(&mut new.callbacks, &mut self.callbacks);
+        *self = new;
+        Ok(adoption)
+    }
+
+    /// Sets the state of all elements that survive from another simulation.
+    fn keep_state(&mut self, old: &Self, survivors: &Survivors<'_>) -> Result<()> {
+        let (to, from) = (self.model.clone(), old.model.clone());
+        self.raw_mut().time = old.time();
+        let userdata = to.nuserdata().min(from.nuserdata());
+        keep(&mut self.userdata_mut()[..userdata], &old.userdata()[..userdata]);
+        for (new, origin) in survivors.pairs(Kind::Body) {
+            self.xfrc_applied_mut()[new] = old.xfrc_applied()[origin];
+            let mocap = [to.body_mocapid()[new], from.body_mocapid()[origin]].map(usize::try_from);
+            if let [Ok(new), Ok(origin)] = mocap {
+                self.mocap_pos_mut()[new] = old.mocap_pos()[origin];
+                self.mocap_quat_mut()[new] = old.mocap_quat()[origin];
+            }
+        }
+        for (new, origin) in survivors.pairs(Kind::Joint) {
+            let [new_joint, old_joint] = [to.joint(to.id(new)?), from.joint(from.id(origin)?)];
+            let (new, origin) = (new_joint.qpos_range(), old_joint.qpos_range());
+            self.qpos_mut()[new].copy_from_slice(&old.qpos()[origin]);
+            let (new, origin) = (new_joint.dofs(), old_joint.dofs());
+            self.qvel_mut()[new.clone()].copy_from_slice(&old.qvel()[origin.clone()]);
+            self.qacc_warmstart_mut()[new.clone()].copy_from_slice(&old.qacc_warmstart()[origin.clone()]);
+            self.qfrc_applied_mut()[new].copy_from_slice(&old.qfrc_applied()[origin]);
+        }
+        for (new, origin) in survivors.pairs(Kind::Actuator) {
+            keep(&mut self.ctrl_mut()[to.controls_of(new)], &old.ctrl()[from.controls_of(origin)]);
+            keep(&mut self.act_mut()[to.activations_of(new)], &old.act()[from.activations_of(origin)]);
+        }
+        let parts: [(fn(&Model) -> Parts, fn(&Self) -> &[f64], fn(&mut Self) -> &mut [f64]); 3] = [
+            (Model::history_parts, Self::history_values, Self::history_values_mut),
+            (Model::plastic_parts, Self::plastic_values, Self::plastic_values_mut),
+            (Model::plugin_parts, Self::plugin_state_values, Self::plugin_state_values_mut),
+        ];
+        for (parts, values, values_mut) in parts {
+            let origins = parts(&from);
+            for ((kind, index), (place, form)) in parts(&to) {
+                let origin = survivors.origin(kind, index).and_then(|origin| origins.get(&(kind, origin)));
+                if let Some((origin, _)) =
+                    origin.filter(|(origin, found)| origin.len() == place.len() && *found == form)
+                {
+                    values_mut(self)[place].copy_from_slice(&values(old)[origin.clone()]);
+                }
+            }
+        }
+        self.keep_equalities(old, survivors)
+    }
+
+    /// Sets whether the equality constraints are active.
+    fn keep_equalities(&mut self, old: &Self, survivors: &Survivors<'_>) -> Result<()> {
+        let active = old.active_equalities();
+        #[cfg(engine_since = "3.0.0")]
+        {
+            let length = self.model().neq();
+            // SAFETY: the engine allocated the array with this length, and `self` is borrowed
+            // exclusively.
+            let present = unsafe { ffi::array_mut(self.raw_mut().eq_active, length) };
+            survivors.pairs(Kind::Equality).for_each(|(new, origin)| present[new] = active[origin]);
+        }
+        #[cfg(not(engine_since = "3.0.0"))]
+        for (new, origin) in survivors.pairs(Kind::Equality) {
+            if self.active_equalities()[new] != active[origin] {
+                self.set_equality_active(new, active[origin] != 0)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Adoption {
+    fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
+        let mut adoption = Self::default();
+        for kind in SURVIVING_KINDS {
+            let mut is_lost = vec![true; old.count(kind)];
+            survivors.pairs(kind).for_each(|(_, origin)| is_lost[origin] = false);
+            let has_origin = |&index: &usize| survivors.origin(kind, index).is_some();
+            let lost = (0..old.count(kind)).filter(|&index| is_lost[index]);
+            adoption.lost.extend(with_state(old, kind, lost));
+            adoption.new.extend(with_state(new, kind, (0..new.count(kind)).filter(|index| !has_origin(index))));
+        }
+        adoption
+    }
+}
+
+/// Returns those of the elements that have a state.
+fn with_state(model: &Model, kind: Kind, indices: impl Iterator<Item = usize>) -> impl Iterator<Item = ChangedElement> {
+    let is_always = matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality);
+    let parts =
+        if is_always { Vec::new() } else { vec![model.history_parts(), model.plastic_parts(), model.plugin_parts()] };
+    let has_state = move |&index: &usize| is_always || parts.iter().any(|parts| parts.contains_key(&(kind, index)));
+    indices.filter(has_state).map(move |index| ChangedElement {
+        kind,
+        index,
+        name: model.name_at(kind, index).map(str::to_owned),
+    })
+}
+
+/// Copies values, unless their number has changed.
+fn keep(to: &mut [f64], from: &[f64]) {
+    if to.len() == from.len() {
+        to.copy_from_slice(from);
+    }
+}
+
+/// Places of the values of elements in an array, and a number on which the meaning of the values
+/// depends.
+type Parts = HashMap<(Kind, usize), (Range<usize>, i32)>;
+
+/// Returns the places of elements in an array of this length, from their addresses. Negative
+/// addresses are those of elements without values.
+#[cfg(engine_since = "2.3.0")]
+fn parts(elements: impl Iterator<Item = ((Kind, usize), i32, i32)>, length: usize) -> Parts {
+    let place = |(element, address, form)| Some((usize::try_from(address).ok()?, element, form));
+    let mut places: Vec<_> = elements.filter_map(place).collect();
+    places.sort_by_key(|&(address, ..)| address);
+    let ends: Vec<usize> = places.iter().skip(1).map(|&(address, ..)| address).chain([length]).collect();
+    places.into_iter().zip(ends).map(|((start, element, form), end)| (element, (start..end, form))).collect()
+}
+
+impl Model {
+    /// Returns the places of the buffers of samples in `history`, and the numbers of samples.
+    fn history_parts(&self) -> Parts {
+        #[cfg(engine_since = "3.5.0")]
+        {
+            let of = |kind, shapes: &[[i32; 2]], addresses: &[i32]| {
+                let buffers = shapes.iter().zip(addresses).enumerate();
+                buffers
+                    .filter(|(_, ([samples, _], _))| *samples > 0)
+                    .map(|(index, ([samples, _], &address))| ((kind, index), address, *samples))
+                    .collect::<Vec<_>>()
+            };
+            let actuators = of(Kind::Actuator, self.actuator_history(), self.actuator_historyadr());
+            let sensors = of(Kind::Sensor, self.sensor_history(), self.sensor_historyadr());
+            parts(actuators.into_iter().chain(sensors), self.history_len())
+        }
+        #[cfg(not(engine_since = "3.5.0"))]
+        Parts::new()
+    }
+
+    /// Returns the places of joints, tendons and flexes in `plastic`.
+    fn plastic_parts(&self) -> Parts {
+        #[cfg(engine_since = "4.0.0")]
+        {
+            let of = |kind, addresses: &[i32], form: &dyn Fn(usize) -> i32| {
+                let elements = addresses.iter().enumerate();
+                elements.map(|(index, &address)| ((kind, index), address, form(index))).collect::<Vec<_>>()
+            };
+            let joints = of(Kind::Joint, self.jnt_plasticadr(), &|_| 0);
+            let tendons = of(Kind::Tendon, self.tendon_plasticadr(), &|_| 0);
+            let flexes = of(Kind::Flex, self.flex_plasticadr(), &|flex| self.flex_plasticmode()[flex]);
+            parts(joints.into_iter().chain(tendons).chain(flexes), self.plastic_len())
+        }
+        #[cfg(not(engine_since = "4.0.0"))]
+        Parts::new()
+    }
+
+    /// Returns the places of the instances of plugins in `plugin_state`.
+    fn plugin_parts(&self) -> Parts {
+        #[cfg(engine_since = "2.3.0")]
+        {
+            let instances = self.plugin_stateadr().iter().zip(self.plugin_statenum()).enumerate();
+            let with_state = instances.filter(|(_, (_, count))| **count > 0);
+            parts(with_state.map(|(index, (&address, _))| ((Kind::Plugin, index), address, 0)), self.plugin_state_len())
+        }
+        #[cfg(not(engine_since = "2.3.0"))]
+        Parts::new()
+    }
+}
