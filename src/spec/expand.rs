@@ -61,6 +61,7 @@ impl Spec {
         let (text, _) = saved.unwrap_or(Err(Error::XmlReplaced))?;
         let mut spec = Self::from_xml_str(&text)?;
         spec.directory.clone_from(&self.directory);
+        spec.unpacked.clone_from(&self.unpacked);
         Ok(spec)
     }
 }

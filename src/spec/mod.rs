@@ -102,6 +102,8 @@
 //! [`Spec::expanded`] returns a spec with them.
 
 mod add;
+#[cfg(feature = "mjz")]
+mod archive;
 mod attach;
 mod attributes;
 mod compile;
@@ -130,6 +132,9 @@ mod value;
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tempfile::TempDir;
 
 pub use self::add::ActuatorElement;
 pub use self::attach::Mount;
@@ -175,6 +180,8 @@ pub struct Spec {
     attached: HashSet<Index>,
     /// What the spec does not have of the URDF from which it was read.
     warnings: Vec<UrdfWarning>,
+    /// Directories with the files of archives, which are removed with the last spec that has them.
+    unpacked: Vec<Arc<TempDir>>,
 }
 
 /// # Creation
@@ -221,7 +228,11 @@ impl Spec {
     /// package is not known.
     pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
         let path = path.as_ref();
-        let source_name = path.display().to_string();
+        Self::from_file(path, path.display().to_string(), options)
+    }
+
+    /// Reads a file that errors call `source_name`.
+    fn from_file(path: &Path, source_name: String, options: &LoadOptions<'_>) -> Result<Self> {
         let text = file::read_regular(path).map_err(Error::file(path))?;
         let text = String::from_utf8(text).map_err(|_| Error::Load {
             source_name: source_name.clone(),
@@ -258,7 +269,16 @@ impl Spec {
         let world = tree.sections("worldbody").next();
         let world = world.unwrap_or_else(|| tree.section("worldbody"));
         keyframes::remember_all(&mut tree);
-        Self { tree, lineages: Lineages::new(), world, directory, own_class: None, attached: HashSet::new(), warnings }
+        Self {
+            tree,
+            lineages: Lineages::new(),
+            world,
+            directory,
+            own_class: None,
+            attached: HashSet::new(),
+            warnings,
+            unpacked: Vec::new(),
+        }
     }
 
     /// Returns the name of the model, the attribute `model` of the root.
@@ -402,6 +422,7 @@ impl Clone for Spec {
             own_class: self.own_class,
             attached: self.attached.clone(),
             warnings: self.warnings.clone(),
+            unpacked: self.unpacked.clone(),
         }
     }
 }

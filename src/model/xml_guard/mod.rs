@@ -201,7 +201,11 @@ impl<'f> Check<'f> {
     /// Checks a text and those that it includes.
     fn text(&mut self, source: Source<'_>) -> Result<()> {
         if let Some(position) = source.text.iter().position(|&byte| byte == 0) {
-            let why = "the text has a NUL byte, at which the compiler would stop reading";
+            let why = if source.text.starts_with(b"PK\x03\x04") {
+                "the file is an archive: read it with Spec::from_archive_path"
+            } else {
+                "the text has a NUL byte, at which the compiler would stop reading"
+            };
             return Err(source.error(position, why));
         }
         self.open += 1;

@@ -206,6 +206,7 @@ impl Spec {
         self.tree = tree;
         self.attached = attached;
         self.own_class = own_class.or(self.own_class);
+        self.unpacked.extend_from_slice(&other.unpacked);
         Ok(bodies)
     }
 

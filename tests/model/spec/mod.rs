@@ -2,6 +2,8 @@
 
 mod alone;
 mod angles;
+#[cfg(feature = "mjz")]
+mod archive;
 mod attach;
 mod building;
 mod counts;

@@ -7,8 +7,14 @@ use std::process::{Command, Stdio};
 pub fn all(root: &Path) -> Result<Vec<String>, String> {
     // The build of `scripts/test`. Cargo prints a JSON object per line for each program, and errors
     // of the compiler to standard error.
-    let arguments =
-        ["test", "--features", "viewer,npz,serde", "--tests", "--no-run", "--message-format=json-render-diagnostics"];
+    let arguments = [
+        "test",
+        "--features",
+        "viewer,mjz,npz,serde",
+        "--tests",
+        "--no-run",
+        "--message-format=json-render-diagnostics",
+    ];
     let output = output(Command::new(env!("CARGO")).args(arguments).current_dir(root))?;
     let programs = output.lines().filter(|line| line.contains(r#""kind":["test"]"#));
     let mut tests = Vec::new();
