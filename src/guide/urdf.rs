@@ -124,7 +124,8 @@
 //!   meshes have names with every engine.
 //! - `mimic` and `effort` act also with engines whose readers ignore them. Continuous joints have
 //!   no limits.
-//! - The orientation of an inertia counts; some engines from 3.1.3 to 3.16 forget it.
+//! - The orientation of an inertia counts. The readers of 3.1.6 and 3.5.0, for example, forget it;
+//!   those of 2.2.2, 3.16.0 and later do not.
 //! - What the reader rejects may load: capsules in 2.2.2, a mass without moments of inertia, limits
 //!   of a floating joint. A link `world` cannot be a child.
 //!
@@ -135,8 +136,9 @@
 //!
 //! As for every URDF, the compiler fuses links without a joint with their parents
 //! (`fusestatic="true"`); older engines only in a model without actuators, sensors, equalities,
-//! cameras and lights. Fused links have no names in the model. To keep them, attach the robot to a
-//! new spec as above, or write
+//! cameras and lights. 3.5.0 places the mass of a fused link wrongly, also in the model of its own
+//! reader. Fused links have no names in the model. To keep them, attach the robot to a new spec as
+//! above, or write
 //!
 //! ```
 //! # let mut robot = mujoco_safe::spec::Spec::from_xml_str(r#"<robot name="r"><link name="tool"/></robot>"#)?;

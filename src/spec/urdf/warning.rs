@@ -16,8 +16,8 @@ pub enum UrdfWarning {
         /// Sum of the masses that its inertias and those of the links fixed to it state, in kg.
         mass: f64,
     },
-    /// A link has a mass and no moments of inertia, which are 0 then. The compiler accepts this for
-    /// a link that is fixed to the world or to another one, or with `boundinertia` of `compiler`.
+    /// A link has a mass and no moments of inertia, which are 0 then. The compiler rejects this
+    /// for a link that moves, unless `boundinertia` of `compiler` is set.
     NoInertia {
         /// Name of the link.
         link: String,

@@ -211,10 +211,22 @@ fn scene(path: &Path) -> Result<String, String> {
     use mujoco_safe::spec::{ActuatorElement, Mount};
 
     let step = |name: &'static str| move |error: mujoco_safe::Error| format!("{name}: {error}");
-    let robot = Spec::from_xml_path(path).map_err(step("read"))?;
+    let mut notes = String::new();
+    let mut robot = Spec::from_xml_path(path).map_err(step("read"))?;
+    let options = LoadOptions::default().with_visuals();
+    let mut with_visuals = Spec::from_xml_path_with(path, &options).map_err(step("visuals"))?;
+    if let Err(error) = robot.compile() {
+        for robot in [&mut robot, &mut with_visuals] {
+            let mut compiler = robot.section_mut("compiler").unwrap();
+            compiler.set("balanceinertia", true).unwrap().set("boundinertia", 1e-9).unwrap();
+        }
+        notes = format!("; with balanceinertia, because of {error}");
+    }
     let model = robot.compile().map_err(step("compile"))?;
-    let with_visuals =
-        Spec::from_xml_path_with(path, &LoadOptions::default().with_visuals()).map_err(step("visuals"))?;
+    if let Err(error) = with_visuals.compile() {
+        notes = format!("{notes}; without visuals, because of {error}");
+        with_visuals = robot.clone();
+    }
     let ngeom = with_visuals.compile().map_err(step("compile visuals"))?.ngeom();
     let engine = match Model::from_xml_path(path) {
         Ok(theirs) => {
@@ -255,5 +267,5 @@ fn scene(path: &Path) -> Result<String, String> {
     if states.iter().any(|state| *state != states[0]) {
         return Err("the steps differ".to_owned());
     }
-    Ok(format!("{sizes}; {} warnings; engine: {engine}", robot.urdf_warnings().len()))
+    Ok(format!("{sizes}; {} warnings; engine: {engine}{notes}", robot.urdf_warnings().len()))
 }
