@@ -156,7 +156,7 @@ impl Data {
     }
 
     /// Sets the state of all elements that survive from another simulation.
-    fn keep_state(&mut self, old: &Self, survivors: &Survivors<'_>) -> Result<()> {
+    pub(crate) fn keep_state(&mut self, old: &Self, survivors: &Survivors<'_>) -> Result<()> {
         let (to, from) = (self.model.clone(), old.model.clone());
         self.raw_mut().time = old.time();
         let userdata = to.nuserdata().min(from.nuserdata());
@@ -223,7 +223,7 @@ impl Data {
 }
 
 impl Adoption {
-    fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
+    pub(crate) fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
         let mut adoption = Self::default();
         for kind in SURVIVING_KINDS {
             let mut is_lost = vec![true; old.count(kind)];

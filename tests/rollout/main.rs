@@ -8,6 +8,7 @@ mod cases;
 #[path = "../common/fields.rs"]
 mod fields;
 
+mod adopt;
 mod batch;
 mod controllers;
 mod disturbances;

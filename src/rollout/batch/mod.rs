@@ -1,5 +1,6 @@
 //! Batches of simulations that are stepped together.
 
+mod adopt;
 mod advance;
 mod member;
 mod parameters;

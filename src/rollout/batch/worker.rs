@@ -194,6 +194,14 @@ fn set_overrides(
     }
 }
 
+/// Moves the callbacks of a row to another one, which has none.
+pub(super) fn move_callbacks(from: &mut Option<Box<Overrides>>, to: &mut Option<Box<Overrides>>) {
+    let callbacks = from.as_deref_mut().map(|overrides| std::mem::take(&mut overrides.callbacks)).unwrap_or_default();
+    if !callbacks.is_empty() {
+        to.get_or_insert_default().callbacks = callbacks;
+    }
+}
+
 /// Sets a simulation to a state of [`StateSpec::INTEGRATION`] with these counters of warnings, and
 /// no computed results.
 pub(super) fn continue_from(data: &mut Data, state: &[f64], warnings: &WarningCounters) -> Result<()> {
