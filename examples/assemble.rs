@@ -18,10 +18,10 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Parser;
-use common::command_line;
+use common::{command_line, servo_arm};
+use mujoco_safe::Data;
 use mujoco_safe::enums::{GeomType, TextureType};
-use mujoco_safe::spec::{ActuatorElement, Mount, Spec, TexturePattern};
-use mujoco_safe::{Data, kind};
+use mujoco_safe::spec::{Mount, Spec, TexturePattern};
 
 /// Height of the table's top, m.
 const TABLE: f64 = 0.4;
@@ -77,23 +77,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
 /// Builds the model.
 fn workcell() -> Result<Spec, mujoco_safe::Error> {
-    let mut arm = Spec::from_xml_str(include_str!("../models/arm.xml"))?;
-    // The scene has a light and a floor, and each motor becomes a servo.
-    let light = arm.ids::<kind::Light>()[0].any();
-    for id in [arm.geom("floor")?.id().any(), arm.body("target")?.id().any(), light] {
-        arm.remove(id)?;
-    }
-    for motor in arm.ids() {
-        let name = arm.actuator(motor).name().unwrap_or_default().to_owned();
-        let gear = arm.actuator(motor).numbers("gear")?.unwrap_or_default();
-        arm.remove(motor)?;
-        arm.add_actuator(ActuatorElement::Position)
-            .set_name(&name)
-            .set_joint(&name[..])
-            .set_kp(5.0 * gear[0])
-            .set_ctrlrange([-3.0, 3.0]);
-    }
-
+    let arm = servo_arm::spec()?;
     let mut spec = Spec::new("workcell");
     spec.section_mut("option")?.set("timestep", 0.002)?.set("integrator", "implicit")?;
     spec.section_mut("visual")?.child_mut("headlight")?.set("ambient", [0.3; 3])?.set("diffuse", [0.25; 3])?;
