@@ -152,11 +152,12 @@ impl Copies {
         }
         let [stem, extension] = [source.file_stem(), source.extension()].map(|part| part.unwrap_or_default().to_str());
         let (stem, extension) = (stem?, extension?);
-        let name = (1..).map(|number| match number {
-            1 => format!("{stem}.{extension}"),
-            number => format!("{stem}-{number}.{extension}"),
+        let dot = if extension.is_empty() { "" } else { "." };
+        let mut names = (1..).map(|number| match number {
+            1 => format!("{stem}{dot}{extension}"),
+            number => format!("{stem}-{number}{dot}{extension}"),
         });
-        let name = name.into_iter().find(|name| self.names.insert(name.to_lowercase()))?;
+        let name = names.find(|name| self.names.insert(name.to_lowercase()))?;
         self.files.insert(source, name.clone());
         Some(name)
     }

@@ -269,6 +269,31 @@ fn package_uris_are_resolved_by_name_and_by_search_path() {
     assert_eq!(edges(&Model::from_xml_str_with(&urdf, &options).unwrap()), [0.5]);
 }
 
+/// The reader of engines before 3.7 looks for the last part of the name beside the URDF.
+#[test]
+fn meshes_in_other_directories_are_found() {
+    let (folder, _) = workspace();
+    let path = folder.path().join("arm.urdf");
+    let link = |mesh: &str| {
+        robot(&format!(
+            r#"<link name="a"><collision><geometry><mesh filename="{mesh}"/></geometry></collision></link>"#
+        ))
+    };
+    let absolute = folder.path().join("hand/meshes/part.obj").display().to_string();
+    for (mesh, size) in [("arm/meshes/part.obj", 1.0), ("./hand/meshes/part.obj", 2.0), (&absolute[..], 2.0)] {
+        std::fs::write(&path, link(mesh)).unwrap();
+        assert_eq!(edges(&Model::from_xml_path(&path).unwrap()), [size], "{mesh}");
+    }
+    // A package around the URDF.
+    #[cfg(not(engine_since = "2.3.0"))]
+    {
+        std::fs::write(folder.path().join("arm/arm.urdf"), link("package://hand/meshes/part.obj")).unwrap();
+        assert_eq!(edges(&Model::from_xml_path(folder.path().join("arm/arm.urdf")).unwrap()), [2.0]);
+    }
+    std::fs::write(&path, link("away/part.obj")).unwrap();
+    assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("part.obj"));
+}
+
 #[test]
 fn a_missing_package_or_file_is_an_error_that_names_it() {
     let (folder, urdf) = workspace();

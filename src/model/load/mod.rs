@@ -184,7 +184,8 @@ impl Model {
     /// Compiles a text as if it were the contents of the file `path`, whose file name must be
     /// [`TEXT`].
     pub(crate) fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
-        let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
+        let Resolved { text, files, unresolved } =
+            package::resolve(text, &options.packages, &options.files, path.parent().unwrap_or(Path::new("")));
         let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
             .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))
             .collect();

@@ -106,6 +106,11 @@ impl<'a> LoadOptions<'a> {
     /// directory, the package `name` is `name`, `share/name`, or the directory itself if its name
     /// is `name`. The first match in the order of the list is used. Subdirectories are not
     /// searched.
+    ///
+    /// A package that is in none of them, and has no directory by
+    /// [`with_package`](Self::with_package), is searched for in the same way in the directories
+    /// around a file that is loaded, of which one whose `package.xml` has the name is the package
+    /// too.
     #[must_use]
     pub fn with_package_path(mut self, list: impl AsRef<OsStr>) -> Self {
         self.packages.search(list.as_ref());

@@ -1,6 +1,6 @@
-//! Resolution of the `package://` URIs by which ROS names meshes in URDF.
+//! Resolution of the `package://` URIs and the directories by which ROS names meshes in URDF.
 //!
-//! The engine does not support these URIs. It strips the path, searches for the file name in the
+//! The engine does not support these URIs, nor before 3.7 directories. It strips the path, searches for the file name in the
 //! directory of the model, and treats two meshes with the same file name as one. This module
 //! therefore reads the files and passes them to the engine in memory, under unique names.
 
@@ -93,19 +93,32 @@ pub(super) struct Resolved<'t> {
     pub(super) unresolved: Vec<(String, String)>,
 }
 
-/// Reads the meshes that a text names by `package://` URIs. Files of `given` take precedence over
-/// files of the same name.
-pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &[u8])]) -> Resolved<'t> {
+/// Reads the meshes that a text names by `package://` URIs, and those in other directories than
+/// that of the text, which older engines do not find. Files of `given` take precedence over files
+/// of the same name.
+pub(super) fn resolve<'t>(
+    text: &'t [u8],
+    packages: &Packages,
+    given: &[(&str, &[u8])],
+    directory: &Path,
+) -> Resolved<'t> {
     let mut resolved = Resolved { text: Cow::Borrowed(text), ..Resolved::default() };
     let mut names: HashMap<PathBuf, String> = HashMap::new();
     let mut missing = Vec::new();
     let mut renamed: Vec<(Range<usize>, String)> = Vec::new();
-    for (range, uri) in uris(text) {
+    for (range, name) in file_names(text) {
+        let uri = name.strip_prefix(SCHEME).unwrap_or(&name).to_owned();
         let base = last_part(&uri);
         if is_taken(base, given.iter().map(|(name, _)| *name)) {
             continue;
         }
-        let path = match locate(&uri, packages) {
+        let located = if name.starts_with(SCHEME) {
+            locate(&uri, packages, directory)
+        } else {
+            let Some(path) = in_other_directory(&name, directory) else { continue };
+            Ok(path)
+        };
+        let path = match located {
             Ok(path) => path,
             Err(reason) => {
                 resolved.unresolved.push((base.to_owned(), reason));
@@ -117,9 +130,7 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
             let content = match file::read_regular(&path) {
                 Ok(content) => content,
                 Err(error) => {
-                    resolved
-                        .unresolved
-                        .push((base.to_owned(), format!("{SCHEME}{uri} is {}: {error}", path.display())));
+                    resolved.unresolved.push((base.to_owned(), format!("{name} is {}: {error}", path.display())));
                     missing.push((range, uri));
                     continue;
                 }
@@ -148,10 +159,9 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
 }
 
 /// Returns the path of a mesh, given the URI without its scheme.
-fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
+fn locate(uri: &str, packages: &Packages, directory: &Path) -> Result<PathBuf, String> {
     let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
-    let directory = packages.directory(package).ok_or_else(|| unknown(package))?;
-    let path = directory.join(inside);
+    let path = packages.find(package, inside, Some(directory))?.join(inside);
     if has_known_format(&path) {
         Ok(path)
     } else {
@@ -159,18 +169,28 @@ fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
     }
 }
 
+/// Returns the path of a mesh whose name has a directory, which the reader of older engines ignores,
+/// unless there is a file where these engines look.
+fn in_other_directory(name: &str, directory: &Path) -> Option<PathBuf> {
+    if cfg!(engine_since = "3.7.0") || !has_known_format(Path::new(name)) {
+        return None;
+    }
+    let path = directory.join(name);
+    let is_beside = directory.join(last_part(name)).exists();
+    Some(path).filter(|path| !is_beside && path.is_file())
+}
+
 /// Returns a file name that contains the complete URI.
 fn unique_name(uri: &str) -> String {
     uri.replace(['/', '\\'], "-")
 }
 
-/// Finds the `package://` URIs of meshes. Returns them without the scheme, with the ranges of the
-/// attribute values.
-fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
+/// Finds the file names of meshes, with the ranges of the attribute values.
+fn file_names(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
     Tags::new(text).filter(|tag| tag.name == b"mesh").filter_map(|tag| {
         let range = tag.attribute_range(b"filename")?;
         let value = String::from_utf8(decoded(&text[range.clone()]).into_owned()).ok()?;
-        Some((range, value.strip_prefix(SCHEME)?.to_owned()))
+        Some((range, value))
     })
 }
 

@@ -34,6 +34,7 @@ fn limits_equal_the_engines() {
             "lower='1' upper='1'",
             "lower='0' upper='0' effort='0' velocity='0'",
             "lower='-1e300' upper='1e300'",
+            "lower='-inf' upper='inf'",
         ] {
             let content = format!("<axis xyz='0 1 0'/><limit {limit}/>");
             same(&robot(&(link("a", "") + &link("b", "") + &joint("j", kind, "a", "b", &content))));
