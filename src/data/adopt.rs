@@ -127,7 +127,8 @@ impl Data {
     /// one: joints in their types, bodies in the types of their joints and in being mocap bodies,
     /// actuators, equality constraints and sensors in their types and the elements to which they
     /// refer, tendons in the lengths of their paths. An instance of a plugin without a name is the
-    /// same if the body, actuator or sensor to which it belongs is.
+    /// same if the body, actuator or sensor to which it belongs is. In a spec with `fusestatic` or
+    /// `attach`, elements without names may not be found in the model, and then count as new.
     ///
     /// # Differences from `mj_recompile`
     ///
@@ -182,21 +183,15 @@ impl Data {
             keep(&mut self.ctrl_mut()[to.controls_of(new)], &old.ctrl()[from.controls_of(origin)]);
             keep(&mut self.act_mut()[to.activations_of(new)], &old.act()[from.activations_of(origin)]);
         }
-        let parts: [(fn(&Model) -> Parts, fn(&Self) -> &[f64], fn(&mut Self) -> &mut [f64]); 3] = [
-            (Model::history_parts, Self::history_values, Self::history_values_mut),
-            (Model::plastic_parts, Self::plastic_values, Self::plastic_values_mut),
-            (Model::plugin_parts, Self::plugin_state_values, Self::plugin_state_values_mut),
-        ];
-        for (parts, values, values_mut) in parts {
-            let origins = parts(&from);
-            for ((kind, index), (place, form)) in parts(&to) {
-                let origin = survivors.origin(kind, index).and_then(|origin| origins.get(&(kind, origin)));
-                if let Some((origin, _)) =
-                    origin.filter(|(origin, found)| origin.len() == place.len() && *found == form)
-                {
-                    values_mut(self)[place].copy_from_slice(&values(old)[origin.clone()]);
-                }
-            }
+        let kept = |new: Parts, old: &Parts| kept_parts(survivors, new, old);
+        for (place, origin) in kept(to.history_parts(), &from.history_parts()) {
+            self.history_values_mut()[place].copy_from_slice(&old.history_values()[origin]);
+        }
+        for (place, origin) in kept(to.plastic_parts(), &from.plastic_parts()) {
+            self.plastic_values_mut()[place].copy_from_slice(&old.plastic_values()[origin]);
+        }
+        for (place, origin) in kept(to.plugin_parts(), &from.plugin_parts()) {
+            self.plugin_state_values_mut()[place].copy_from_slice(&old.plugin_state_values()[origin]);
         }
         self.keep_equalities(old, survivors)
     }
@@ -261,6 +256,15 @@ fn keep(to: &mut [f64], from: &[f64]) {
 /// depends.
 type Parts = HashMap<(Kind, usize), (Range<usize>, i32)>;
 
+/// Returns the places of the values that stay, in the new and in the old array.
+fn kept_parts(survivors: &Survivors<'_>, new: Parts, old: &Parts) -> Vec<(Range<usize>, Range<usize>)> {
+    let parts = new.into_iter().filter_map(|((kind, index), (place, form))| {
+        let (origin, found) = old.get(&(kind, survivors.origin(kind, index)?))?;
+        (origin.len() == place.len() && *found == form).then(|| (place, origin.clone()))
+    });
+    parts.collect()
+}
+
 /// Returns the places of elements in an array of this length, from their addresses. Negative
 /// addresses are those of elements without values.
 #[cfg(engine_since = "2.3.0")]
@@ -274,6 +278,7 @@ fn parts(elements: impl Iterator<Item = ((Kind, usize), i32, i32)>, length: usiz
 
 impl Model {
     /// Returns the places of the buffers of samples in `history`, and the numbers of samples.
+    #[cfg_attr(not(engine_since = "3.5.0"), allow(clippy::unused_self, reason = "newer engines have buffers"))]
     fn history_parts(&self) -> Parts {
         #[cfg(engine_since = "3.5.0")]
         {
@@ -293,6 +298,10 @@ impl Model {
     }
 
     /// Returns the places of joints, tendons and flexes in `plastic`.
+    #[cfg_attr(
+        not(engine_since = "4.0.0"),
+        allow(clippy::unused_self, reason = "newer engines have plastic deformations")
+    )]
     fn plastic_parts(&self) -> Parts {
         #[cfg(engine_since = "4.0.0")]
         {
@@ -310,6 +319,7 @@ impl Model {
     }
 
     /// Returns the places of the instances of plugins in `plugin_state`.
+    #[cfg_attr(not(engine_since = "2.3.0"), allow(clippy::unused_self, reason = "newer engines have plugins"))]
     fn plugin_parts(&self) -> Parts {
         #[cfg(engine_since = "2.3.0")]
         {

@@ -1,6 +1,6 @@
 //! Identities of the elements of a model that was compiled from a spec.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::id::Lineage;
 use crate::kind::Kind;
@@ -25,12 +25,14 @@ pub(crate) struct Identity {
 pub(crate) struct Identities {
     /// Lineage of the spec. Clones have the same.
     pub(crate) spec: Lineage,
+    /// Kinds with elements of the spec that are not found in the model.
+    pub(crate) incomplete: HashSet<Kind>,
     elements: HashMap<Kind, Vec<Option<Identity>>>,
 }
 
 impl Identities {
     pub(crate) fn new(spec: Lineage) -> Self {
-        Self { spec, elements: HashMap::new() }
+        Self { spec, incomplete: HashSet::new(), elements: HashMap::new() }
     }
 
     /// Sets the identities of all elements of a kind; `None` for elements that are not in the spec.

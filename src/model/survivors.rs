@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use super::Model;
-use super::identity::IDENTIFIED;
+use super::identity::{IDENTIFIED, Identities};
 use crate::enums::EqualityType;
 use crate::ffi;
 use crate::kind::Kind;
@@ -86,7 +86,11 @@ impl<'m> Survivors<'m> {
             }
         }
         self.origins.insert(kind, pairing.origins);
-        self.find_unnamed(kind, &pairing.is_taken, &are_distinct);
+        // The order of elements that are not found in a model says nothing.
+        let is_complete = |identities: &Identities| !identities.incomplete.contains(&kind);
+        if identities.is_none_or(|(old, new)| is_complete(old) && is_complete(new)) {
+            self.find_unnamed(kind, &pairing.is_taken, &are_distinct);
+        }
         #[cfg(engine_since = "2.3.0")]
         if kind == Kind::Plugin {
             self.find_plugins();

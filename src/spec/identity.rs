@@ -1,11 +1,10 @@
 //! Identities of the elements of a spec in the model that was compiled from it.
 //!
-//! The compiler keeps the order of the elements of each kind in a body, and of the children of a
-//! body. So the elements are found by their order, as long as their number and their names agree
-//! with the model. They do not where the compiler creates or fuses elements; there the elements
-//! with a name are found by it.
+//! The compiler keeps the names, and the order of the elements of each kind in a body and in the
+//! sections. So an element is found by its name, or else by its order among those without one, as
+//! long as the model has as many of them. It does not if the compiler has created or fused others.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::tree::{Index, Tree};
 use super::{Spec, layout, names};
@@ -21,15 +20,18 @@ const SECTIONS: [(Kind, &str); 4] =
 
 /// Returns the identities of the elements of a model that was compiled from the spec.
 pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
-    let mut found = Found { spec, model, places: HashMap::new() };
+    let fuses = |compiler| spec.tree.attribute(compiler, "fusestatic").is_some_and(|value| value != "false");
+    let fuses = spec.tree.sections("compiler").any(fuses);
+    let identities = Identities::new(spec.lineages.of(Tree::ROOT));
+    let mut found = Found { spec, model, fuses, places: HashMap::new(), identities };
     found.bodies();
     for (kind, section) in SECTIONS {
         let sections = spec.tree.sections(section);
         let entries = sections.flat_map(|section| spec.tree.children(section)).map(|&index| (index, Vec::new()));
-        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), entries.collect(), true);
+        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), entries.collect());
     }
-    let mut identities = Identities::new(spec.lineages.of(Tree::ROOT));
-    for (kind, places) in found.places {
+    let Found { places, mut identities, .. } = found;
+    for (kind, places) in places {
         identities.insert(kind, places);
     }
     identities
@@ -38,7 +40,10 @@ pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
 struct Found<'s> {
     spec: &'s Spec,
     model: &'s Model,
+    /// The compiler fuses bodies without joints with their parents.
+    fuses: bool,
     places: HashMap<Kind, Vec<Option<Identity>>>,
+    identities: Identities,
 }
 
 impl Found<'_> {
@@ -55,44 +60,57 @@ impl Found<'_> {
         while let Some((body, places)) = open.pop() {
             let mut elements = Vec::new();
             for (place, copies) in places {
-                let Some(found) = layout::elements(tree, place, &copies, &mut left) else { return };
+                let Some(found) = layout::elements(tree, place, &copies, &mut left) else {
+                    self.identities.incomplete.extend([Kind::Body, Kind::Joint]);
+                    return;
+                };
                 elements.extend(found);
             }
-            let has = |tags: &[&str]| elements.iter().any(|(index, _)| tags.contains(&tree.tag(*index)));
             let of = |kind| {
                 let is_kind = move |(index, _): &&Entry| names::kind(tree, *index) == Some(kind);
                 elements.iter().filter(is_kind).cloned().collect::<Vec<_>>()
             };
-            self.assign(Kind::Joint, &joints[body], of(Kind::Joint), !has(&["composite"]));
-            let is_complete = !has(&["composite", "flexcomp", "attach"]);
-            for (child, entry) in self.assign(Kind::Body, &children[body], of(Kind::Body), is_complete) {
+            self.assign(Kind::Joint, &joints[body], of(Kind::Joint));
+            for (child, entry) in self.assign(Kind::Body, &children[body], of(Kind::Body)) {
                 open.push((child, vec![entry]));
             }
         }
     }
 
-    /// Assigns elements of the spec to elements of the model: by their order if it
-    /// `is_complete`, which means that the compiler creates no others, else by their names.
-    fn assign(&mut self, kind: Kind, ids: &[usize], entries: Vec<Entry>, is_complete: bool) -> Vec<(usize, Entry)> {
-        let name = |entry: &Entry| names::name(&self.spec.tree, entry.0);
-        let agrees = |(&id, entry): (&usize, &Entry)| match (name(entry), self.model.name_at(kind, id)) {
-            (None, None) => true,
-            (Some(name), Some(found)) if entry.1.is_empty() => name == found,
-            (Some(name), Some(found)) => found.starts_with(name),
-            _ => false,
-        };
-        let is_ordered = is_complete && ids.len() == entries.len() && ids.iter().zip(&entries).all(agrees);
-        let pairs: Vec<(usize, Entry)> = if is_ordered {
-            ids.iter().copied().zip(entries).collect()
-        } else {
-            let named = |&id: &usize| Some((self.model.name_at(kind, id)?, id));
-            let named: HashMap<&str, usize> = ids.iter().filter_map(named).collect();
-            let found = |entry: Entry| {
-                let id = named.get(name(&entry).filter(|_| entry.1.is_empty())?)?;
-                Some((*id, entry))
+    /// Assigns elements of the spec to elements of the model, and returns the pairs.
+    fn assign(&mut self, kind: Kind, ids: &[usize], entries: Vec<Entry>) -> Vec<(usize, Entry)> {
+        let (tree, model) = (&self.spec.tree, self.model);
+        let named: HashMap<&str, usize> = ids.iter().filter_map(|&id| Some((model.name_at(kind, id)?, id))).collect();
+        let mut pairs = Vec::new();
+        let count = entries.len();
+        // Elements without names, and copies, to whose names the compiler appends their numbers.
+        let mut others = [Vec::new(), Vec::new()];
+        for entry in entries {
+            match names::name(tree, entry.0) {
+                Some(name) if entry.1.is_empty() => pairs.extend(named.get(name).map(|&id| (id, entry))),
+                name => others[usize::from(name.is_some())].push(entry),
+            }
+        }
+        let taken: HashSet<usize> = pairs.iter().map(|&(id, _)| id).collect();
+        for (has_name, entries) in others.into_iter().enumerate() {
+            let is_free =
+                |id: &&usize| !taken.contains(id) && usize::from(model.name_at(kind, **id).is_some()) == has_name;
+            let free: Vec<usize> = ids.iter().filter(is_free).copied().collect();
+            let agrees = |(&id, entry): (&usize, &Entry)| {
+                let [found, name] =
+                    [model.name_at(kind, id), names::name(tree, entry.0)].map(Option::unwrap_or_default);
+                found.starts_with(name)
             };
-            entries.into_iter().filter_map(found).collect()
-        };
+            let may_be_fused = kind == Kind::Body && self.fuses;
+            if free.len() == entries.len() && !may_be_fused && free.iter().zip(&entries).all(agrees) {
+                pairs.extend(free.into_iter().zip(entries));
+            }
+        }
+        if pairs.len() < count {
+            // Nor are the elements of a body that is not found.
+            let joints = (kind == Kind::Body).then_some(Kind::Joint);
+            self.identities.incomplete.extend(joints.into_iter().chain([kind]));
+        }
         for (id, entry) in &pairs {
             self.put(kind, *id, entry.clone());
         }

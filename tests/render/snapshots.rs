@@ -175,3 +175,21 @@ fn camera_id_of_another_model_panics() {
     let foreign = humanoid().model().camera("side").unwrap().id();
     let _ = renderer.snapshot(&mut data, foreign);
 }
+
+#[test]
+fn a_renderer_that_adopts_a_model_draws_it_like_a_new_one() {
+    let mut data = humanoid();
+    let mut renderer = renderer(data.model());
+    let camera = Camera::free(data.model());
+    let old = scene(&mut data, camera);
+    let text = "<mujoco><asset><texture name='t' type='2d' builtin='checker' width='8' height='8' rgb1='1 0 0'/>
+        <material name='m' texture='t'/></asset><worldbody><light pos='0 0 3'/><geom type='box' size='.2 .1 .1' material='m'/></worldbody></mujoco>";
+    data.adopt(Model::from_xml_str(text).unwrap()).unwrap();
+    renderer.adopt(data.model()).unwrap();
+    data.forward().unwrap();
+    let mut camera = Camera::free(data.model());
+    let picture = renderer.snapshot(&mut data, &mut camera).unwrap().rgb().unwrap();
+    let mut other = self::renderer(data.model());
+    assert!(picture == other.snapshot(&mut data, &mut camera).unwrap().rgb().unwrap());
+    assert!(matches!(renderer.rgb(&old), Err(RenderError::Other(Error::OtherModel { .. }))));
+}

@@ -1,6 +1,6 @@
 //! Plugins with a state. The independent source is the C API of the same engine.
 
-use mujoco_safe::{Data, StateSpec, sys};
+use mujoco_safe::{Data, Model, StateSpec, sys};
 
 use crate::Raw;
 use crate::plugin::loaded;
@@ -47,4 +47,62 @@ fn states_copies_and_resets_include_those_of_plugins() {
     data.reset().unwrap();
     assert_eq!(data.state(StateSpec::INTEGRATION), start);
     assert_eq!(advance(&mut data), once);
+}
+
+/// Registers an actuator plugin with two numbers as its state. Those of the wheels keep theirs in
+/// the activations.
+fn register() {
+    unsafe extern "C" fn two_states(_: *const sys::mjModel, _: std::ffi::c_int) -> std::ffi::c_int {
+        2
+    }
+    unsafe extern "C" fn nothing(_: *const sys::mjModel, _: *mut sys::mjData, _: std::ffi::c_int, _: std::ffi::c_int) {}
+    unsafe extern "C" fn init(_: *const sys::mjModel, _: *mut sys::mjData, _: std::ffi::c_int) -> std::ffi::c_int {
+        0
+    }
+    unsafe extern "C" fn reset(_: *const sys::mjModel, state: *mut f64, _: *mut std::ffi::c_void, _: std::ffi::c_int) {
+        // SAFETY: the engine passes the two numbers of an instance.
+        unsafe { std::slice::from_raw_parts_mut(state, 2) }.fill(0.0);
+    }
+    // SAFETY: zeros are null pointers and no capabilities; the engine copies the structure.
+    unsafe {
+        let mut plugin: sys::mjpPlugin = std::mem::zeroed();
+        plugin.name = c"test.two_states".as_ptr();
+        plugin.capabilityflags = sys::mjPLUGIN_ACTUATOR as _;
+        plugin.nstate = Some(two_states);
+        plugin.init = Some(init);
+        plugin.reset = Some(reset);
+        plugin.compute = Some(nothing);
+        sys::mjp_registerPlugin(&raw const plugin);
+    }
+}
+
+#[test]
+fn the_states_of_plugins_follow_their_elements_into_another_model() {
+    register();
+    let model = |instances: &str, actuators: &str| {
+        let hinge = |name: &str| {
+            format!("<body name='{name}'><joint name='{name}' axis='0 1 0'/><geom size='0.05' pos='0.3 0 0'/></body>")
+        };
+        let hinges = ["a", "b", "c"].map(hinge).concat();
+        let text = format!(
+            "<mujoco><extension><plugin plugin='test.two_states'>{instances}</plugin></extension>
+               <worldbody>{hinges}</worldbody><actuator>{actuators}</actuator></mujoco>"
+        );
+        Model::from_xml_str(&text).unwrap()
+    };
+    let own = |joint: &str| format!("<plugin name='{joint}' joint='{joint}' plugin='test.two_states'/>");
+    let of = |joint: &str| format!("<plugin joint='{joint}' plugin='test.two_states' instance='named'/>");
+    let named = "<instance name='named'/>";
+    let states = |data: &Data| data.state(StateSpec::PLUGIN);
+    let mut data = Data::new(model(named, &[own("a"), of("b"), own("c")].concat())).unwrap();
+    // The named instance comes first.
+    data.set_state(StateSpec::PLUGIN, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+    data.adopt(model(named, &[own("c"), own("b"), of("a")].concat())).unwrap();
+    assert_eq!(states(&data), [1.0, 2.0, 5.0, 6.0, 0.0, 0.0]);
+    data.adopt(model("", &own("c"))).unwrap();
+    assert_eq!(states(&data), [5.0, 6.0]);
+    let adoption = data.adopt(model("", &own("a"))).unwrap();
+    assert_eq!(states(&data), [0.0, 0.0]);
+    assert!(adoption.lost.iter().any(|element| element.to_string() == "plugin instance 0"));
+    data.step().unwrap();
 }

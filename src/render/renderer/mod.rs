@@ -1,5 +1,6 @@
 //! Renderer of the scenes of one model.
 
+mod adopt;
 mod assets;
 mod batch;
 mod batch_camera;

@@ -280,8 +280,10 @@ fn what_the_compiler_creates_survives_by_its_name() {
     } else {
         "<composite type='grid' count='3 3 1' spacing='.1'><geom size='.01'/></composite>"
     };
-    let first = "<body><joint type='slide'/><geom size='.1'/></body>";
-    let text = format!("<mujoco><worldbody>{first}<body name='base' pos='0 0 1'>{grid}</body></worldbody></mujoco>");
+    let body = "<body><joint type='slide'/><geom size='.1'/></body>";
+    let text = format!(
+        "<mujoco><worldbody>{body}<body name='base' pos='0 0 1'><geom size='.1'/>{body}{grid}{body}</body></worldbody></mujoco>"
+    );
     let mut spec = Spec::from_xml_str(&text).unwrap();
     let mut data = Data::new(spec.compile().unwrap()).unwrap();
     let count = data.qvel().len();
@@ -294,6 +296,30 @@ fn what_the_compiler_creates_survives_by_its_name() {
     data.adopt(spec.compile().unwrap()).unwrap();
     assert_eq!(data.qvel()[..count], speeds);
     assert_eq!(data.qvel()[count..], [0.0]);
+    // The elements without names beside those of the compiler are known, too.
+    let last = spec.element(spec.body("base").unwrap().id()).children().last().unwrap();
+    spec.remove(last).unwrap();
+    data.adopt(spec.compile().unwrap()).unwrap();
+    assert_eq!(data.qvel()[..count - 1], speeds[..count - 1]);
+    assert_eq!(data.qvel().len(), count);
+}
+
+#[test]
+fn bodies_without_names_that_the_compiler_may_fuse_are_not_confused() {
+    let text = "<mujoco><compiler fusestatic='true'/><worldbody>
+        <body pos='1 0 0'><geom size='.1'/><body><joint axis='0 1 0'/><geom size='.1' pos='1 0 0'/></body></body></worldbody></mujoco>";
+    let mut spec = Spec::from_xml_str(text).unwrap();
+    let outer = spec.ids::<mujoco_safe::kind::Body>()[1];
+    let mut data = Data::new(spec.compile().unwrap()).unwrap();
+    assert_eq!(data.model().nbody(), 2, "fused");
+    data.xfrc_applied_mut()[1][0] = 1.0;
+    spec.add_joint(outer).set_axis([1.0, 0.0, 0.0]);
+    let inner = spec.element(outer).children().find_map(|id| spec.typed::<mujoco_safe::kind::Body>(id)).unwrap();
+    let model = spec.compile().unwrap();
+    data.adopt(model).unwrap();
+    assert_eq!(data.model().nbody(), 3);
+    // The body of the force is the inner one, or it is lost.
+    assert_ne!(data.xfrc_applied()[1][0], 1.0, "{inner}");
 }
 
 #[cfg(engine_since = "3.2.0")]
@@ -396,4 +422,58 @@ fn another_number_of_samples_starts_a_new_buffer() {
     assert_eq!(after[place..][..14], fresh[place..][..14]);
     assert_ne!(after[place..][..10], before[actuator..][..10]);
     data.step_n(20).unwrap();
+}
+
+#[cfg(engine_since = "4.0.0")]
+#[test]
+fn plastic_deformations_follow_their_elements() {
+    let arm = |name: &str| {
+        format!(
+            "<body name='{name}' pos='0 0 1'><joint name='{name}' axis='0 1 0' stiffness='50' springyield='5'/>
+               <geom size='.1' pos='.5 0 0'/><site name='{name}' pos='.5 0 0'/></body>"
+        )
+    };
+    let rope = |name: &str| {
+        format!(
+            "<spatial name='{name}' stiffness='100' springyield='.1'><site site='hook'/><site site='{name}'/></spatial>"
+        )
+    };
+    let model = |names: &[&str]| {
+        let arms: String = names.iter().map(|name| arm(name)).collect();
+        let ropes: String = names.iter().map(|name| rope(name)).collect();
+        let text = format!(
+            "<mujoco><worldbody><site name='hook' pos='0 0 2'/>{arms}
+               <flexcomp name='cloth' type='grid' dim='2' count='3 3 1' spacing='.1 .1 .1' radius='.02' mass='1'>
+                 <elasticity young='1e4' poisson='.2' thickness='.01' elastic2d='both' yield='.01 .01'/></flexcomp>
+             </worldbody><tendon>{ropes}</tendon></mujoco>"
+        );
+        Model::from_xml_str(&text).unwrap()
+    };
+    let parts = |data: &Data| -> Vec<(i32, i32)> {
+        let model = data.model();
+        let ends = [model.jnt_plasticadr(), model.tendon_plasticadr(), model.flex_plasticadr()].concat();
+        let mut ends: Vec<i32> = ends.into_iter().filter(|address| *address >= 0).collect();
+        ends.push(model.state_size(StateSpec::PLASTIC) as i32);
+        ends.sort_unstable();
+        ends.windows(2).map(|pair| (pair[0], pair[1])).collect()
+    };
+    let mut data = Data::new(model(&["a", "b"])).unwrap();
+    let count = data.model().state_size(StateSpec::PLASTIC);
+    data.set_state(StateSpec::PLASTIC, &numbers(count, 1.0)).unwrap();
+    let old = data.clone();
+    data.adopt(model(&["c", "b"])).unwrap();
+    let (before, after) = (old.state(StateSpec::PLASTIC), data.state(StateSpec::PLASTIC));
+    let [from, to] = [&old, &data].map(parts);
+    assert_eq!(from, to);
+    let fresh = Data::new(data.model()).unwrap().state(StateSpec::PLASTIC);
+    let is_new = |start: i32| {
+        let model = data.model();
+        model.jnt_plasticadr()[0] == start || model.tendon_plasticadr()[0] == start
+    };
+    assert_eq!(from.len(), 5, "two joints, two tendons and a flex");
+    for (start, end) in from {
+        let range = start as usize..end as usize;
+        let expected = if is_new(start) { &fresh } else { &before };
+        assert_eq!(after[range.clone()], expected[range]);
+    }
 }
