@@ -373,6 +373,7 @@
 //! cargo run --release --example cartpole_lqr -- --angle 0.3  # linearise, solve, balance
 //! cargo run --release --example humanoid_lqr -- --help       # balance a humanoid on one leg, step by step
 //! cargo run --release --features renderer --example assemble -- --out out   # a model in code: two arms on a table
+//! cargo run --release --features renderer --example pick_and_place   # a scene that changes while it runs: grasp, adopt an edited model
 //! cargo run --release --example rollouts                     # 256 pushes of a balanced pole, on all cores
 //! cargo run --release --example cartpole_swing_up            # iLQR within the motor's range, tracked by a table of gains
 //! cargo run --release --example humanoid_predictive          # predictive sampling recovers from pushes under which the LQR falls
