@@ -126,7 +126,7 @@ impl Cell {
     /// Continues with an edited scene.
     fn adopt(&mut self, spec: &Spec) -> std::result::Result<(), Box<dyn Error>> {
         let adoption = self.data.adopt(spec.compile()?)?;
-        self.renderer = Renderer::new(self.data.model(), 560, 420)?;
+        self.renderer.adopt(self.data.model())?;
         for (what, elements) in [("added", &adoption.new), ("removed", &adoption.lost)] {
             for element in elements {
                 println!("{:5.2} s: {what} {element}", self.data.time());

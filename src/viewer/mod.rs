@@ -22,7 +22,8 @@
 //! selected body on the right. The panel of the simulation also adds noise to the controls, and
 //! saves the model and the engine's listings. F3 and F4 open plots there. A controller can add
 //! plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is
-//! dropped onto the window is loaded.
+//! dropped onto the window is loaded, and a change of [`ViewerOptions::file`] is shown at once,
+//! while the simulation continues ([`ViewerOptions::watch`]).
 //!
 //! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same
 //! number, `-` and `=` change the speed, `[` and `]` the camera, and Esc selects the free camera.

@@ -46,6 +46,11 @@ pub struct ViewerOptions {
     pub scale: f64,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
+    /// Shows changes of the model's file within a second: the simulation
+    /// [adopts](crate::Data::adopt) the new model, and the camera stays. If the file has an error,
+    /// the window shows it, and the previous model runs on. Changes of files that it includes or
+    /// names are not noticed. By default `true`.
+    pub watch: bool,
     /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is
     /// appended to the name.
     pub screenshots: PathBuf,
@@ -72,6 +77,7 @@ impl Default for ViewerOptions {
             theme: Theme::Dark,
             scale: 1.0,
             file: None,
+            watch: true,
             screenshots: "screenshot.png".into(),
             recordings: None,
             directory: ".".into(),
@@ -112,6 +118,7 @@ with_methods!(ViewerOptions {
     with_theme(theme: Theme),
     with_scale(scale: f64),
     with_file(file: impl Into<PathBuf>) = Some(file.into()),
+    with_watch(watch: bool),
     with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
     with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),
     with_directory(directory: impl Into<PathBuf>) = directory.into(),

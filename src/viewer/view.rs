@@ -54,11 +54,6 @@ impl View {
         SceneView { camera: Some(self.camera), options: self.options.clone() }
     }
 
-    /// Resets the camera after the model was replaced.
-    pub fn model_replaced(&mut self, model: &Model) {
-        self.camera = Camera::free(model);
-    }
-
     /// Applies the effect of an event on the view.
     pub fn handle_event(&mut self, event: &Event) {
         match event {

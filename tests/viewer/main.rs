@@ -56,6 +56,7 @@ const CASES: &[Case] = &[
     ("visualisation_keys", keys::visualisation),
     ("window_keys", window::keys),
     ("screenshots_and_recordings", window::outputs),
+    ("changes_of_the_file", window::changes_of_the_file),
     ("mouse_gestures", mouse::gestures),
     ("trajectory_keys_and_wheel", trajectories::keys_and_wheel),
     ("panels_are_open_at_the_start_of_a_wide_window", panels::start),

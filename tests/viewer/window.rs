@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use mujoco_safe::record::RecorderOptions;
+use mujoco_safe::scene::CameraView;
 use mujoco_safe::viewer::{Viewer, ViewerOptions, test_hooks};
 use mujoco_safe::{Data, sample};
 
@@ -51,6 +52,7 @@ pub fn outputs() {
     let data = Data::new(mujoco_safe::Model::from_xml_path(&model).unwrap()).unwrap();
     let options = ViewerOptions::default()
         .with_file(model.clone())
+        .with_watch(false)
         .with_screenshots(path("screenshot.png"))
         .with_recordings(path("recording.gif"))
         .with_recording(RecorderOptions::default().with_frames_per_second(10.0));
@@ -105,5 +107,53 @@ pub fn outputs() {
         input.key("ctrl+l");
         wait_until("the parse error is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
         assert_eq!(state().nbody, 3, "the model is unchanged");
+    });
+}
+
+/// A saved file replaces the model, and the simulation continues.
+pub fn changes_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.xml");
+    let text = |cameras: &str, added: &str| {
+        format!(
+            "<mujoco><worldbody>{cameras}{added}
+               <body name='ball' pos='0 0 5'><joint type='slide' axis='0 0 1'/><geom size='.1'/></body></worldbody></mujoco>"
+        )
+    };
+    let [far, near] = ["<camera name='far' pos='0 0 9'/>", "<camera name='near'/>"];
+    let block = "<body pos='1 0 0'><joint type='slide'/><geom size='.1'/></body>";
+    fs::write(&path, text(far, "")).unwrap();
+    let data = Data::new(mujoco_safe::Model::from_xml_path(&path).unwrap()).unwrap();
+    show_with(ViewerOptions::default().with_file(path.clone()), Viewer::new(), data, |input| {
+        input.key("shift+Right");
+        press(input, "bracketright", "the camera of the model is active", |state| {
+            matches!(state.camera.view, CameraView::Fixed(_))
+        });
+        settle(input);
+        let before = state();
+        assert!(before.qpos[0] < 0.0 && before.time > 0.0);
+        fs::write(&path, text(near, block)).unwrap();
+        wait_until("the change is shown", || state().nbody == 3);
+        // The camera does not exist any more, so the view is free.
+        wait_until("the view is free", || state().camera.view == CameraView::Free);
+        fs::write(&path, text(&[far, near].concat(), block)).unwrap();
+        wait_until("a camera is added", || state().generation == before.generation + 2);
+        assert_eq!((state().time, &state().qpos[..]), (before.time, &[0.0, before.qpos[0]][..]));
+
+        press(input, "bracketright", "the first camera is active", |state| {
+            matches!(state.camera.view, CameraView::Fixed(_))
+        });
+        let distance = state().camera.distance;
+        fs::write(&path, text(far, "")).unwrap();
+        wait_until("the body is removed", || state().nbody == 2);
+        let after = state();
+        assert!(matches!(after.camera.view, CameraView::Fixed(camera) if camera.index() == 0));
+        assert_eq!((after.camera.distance, after.time, &after.qpos), (distance, before.time, &before.qpos));
+
+        fs::write(&path, "<mujoco><nonsense/></mujoco>").unwrap();
+        wait_until("the error is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
+        press(input, "Right", "the previous model runs on", |state| state.time > before.time);
+        press(input, "BackSpace", "the simulation is reset", |state| state.time == 0.0);
+        assert_eq!(state().qpos, [0.0]);
     });
 }

@@ -99,6 +99,30 @@ impl SimulationEndpoint {
         self.model = model.clone();
     }
 
+    /// Adopts the model of a simulation after an edit of its file. Keeps the camera. A reset
+    /// restores the state of `initial`.
+    pub fn adopt_edited(&mut self, data: &Data, initial: &Data) {
+        let (old, camera) = (self.model.clone(), self.camera);
+        self.adopt(data);
+        let view = match camera.view {
+            CameraView::Fixed(id) => old
+                .name(id)
+                .and_then(|name| data.model().camera(name).ok())
+                .map(|camera| CameraView::Fixed(camera.id())),
+            CameraView::Tracking(id) => {
+                old.name(id).and_then(|name| data.model().body(name).ok()).map(|body| CameraView::Tracking(body.id()))
+            }
+            CameraView::Free | CameraView::User => Some(camera.view),
+        };
+        self.camera = Camera { view: view.unwrap_or(CameraView::Free), ..camera };
+        self.start = initial.state(StateSpec::INTEGRATION);
+    }
+
+    /// Ends the pull at a body.
+    pub fn end_perturbation(&mut self, data: &mut Data) {
+        self.perturbation.remove_force(data);
+    }
+
     /// Restores the start state.
     pub fn reset(&mut self, data: &mut Data) -> Result<()> {
         data.reset()?;

@@ -49,8 +49,10 @@ pub(crate) enum SimulationRequest {
     SetNoise(ControlNoise),
     /// Pauses, and restores a state of the history: 0 is the oldest.
     Scrub(usize),
-    /// Replaces the model.
+    /// Replaces the model, and starts in its initial state.
     Reload(SharedModel),
+    /// Replaces the model, and keeps the state of what is in both models.
+    Adopt(SharedModel),
 }
 
 /// Request to the playback of trajectories. Ignored outside the trajectory mode.

@@ -180,6 +180,21 @@ impl Simulation {
     fn reload(&mut self, model: Arc<Model>) -> Result<()> {
         self.data = Data::new(model)?;
         self.endpoint.adopt(&self.data);
+        self.model_replaced();
+        Ok(())
+    }
+
+    /// Replaces the model, and keeps the state of what is in both models, and the camera.
+    fn adopt(&mut self, model: &Arc<Model>) -> Result<()> {
+        let initial = Data::new(model)?;
+        self.endpoint.end_perturbation(&mut self.data);
+        self.data.adopt(model)?;
+        self.endpoint.adopt_edited(&self.data, &initial);
+        self.model_replaced();
+        Ok(())
+    }
+
+    fn model_replaced(&mut self) {
         self.history = History::new(self.data.model());
         self.noise.reset();
         if self.player.as_ref().is_some_and(|player| !player.fits(self.data.model())) {
@@ -192,7 +207,6 @@ impl Simulation {
         self.problem.clear();
         self.stale = true;
         self.show_record();
-        Ok(())
     }
 }
 

@@ -60,6 +60,10 @@ impl Simulation {
                 let reloaded = self.reload(model.0);
                 self.check(reloaded);
             }
+            SimulationRequest::Adopt(model) => {
+                let adopted = self.adopt(&model.0);
+                self.check(adopted);
+            }
         }
     }
 

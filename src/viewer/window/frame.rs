@@ -107,6 +107,7 @@ impl Session {
             }
         }
         self.update_model();
+        self.load_changes();
         self.finish_loading();
         if self.link.is_closing() {
             self.close();
@@ -127,7 +128,7 @@ impl Session {
         });
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
-            view.model_replaced(&snapshot.model);
+            view.camera = snapshot.camera;
             self.panels.reset_model();
             self.panels_stale = true;
         }

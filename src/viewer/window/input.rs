@@ -10,6 +10,7 @@ use winit::keyboard::{Key as WinitKey, NamedKey};
 use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::Fullscreen;
 
+use super::file_watch::FileWatch;
 use super::model_loader::ModelLoader;
 use super::overlay::viewer_modifiers;
 use super::session::Session;
@@ -60,7 +61,7 @@ impl Session {
                 true
             }
             WindowEvent::DroppedFile(path) => {
-                self.load(path);
+                self.load(path, false);
                 true
             }
             WindowEvent::CursorLeft { .. }
@@ -147,7 +148,7 @@ impl Session {
             WindowAction::Screenshot => self.request_screenshot(),
             WindowAction::Save(file) => self.send(EndpointRequest::Save(file, self.options.directory.clone()).into()),
             WindowAction::Reload => match self.options.file.clone() {
-                Some(file) => self.load(&file),
+                Some(file) => self.load(&file, false),
                 None => self.panels.notice("this model has no file; drop a file onto the window".to_owned()),
             },
             WindowAction::PrintHelp => self.print_help(),
@@ -170,10 +171,33 @@ impl Session {
     }
 
     /// Starts to load a model file. The result of a previous load that has not ended is discarded.
-    fn load(&mut self, path: &Path) {
-        match ModelLoader::start(path, self.waker.clone()) {
+    /// The new model starts in its initial state, or keeps the state of the present one.
+    fn load(&mut self, path: &Path, keeps_state: bool) {
+        match ModelLoader::start(path, keeps_state, self.waker.clone()) {
             Ok(loader) => self.loader = Some(loader),
             Err(error) => self.panels.warn(format!("cannot load {}: {error}", path.display())),
+        }
+    }
+
+    /// Loads the model's file after it was changed.
+    pub(super) fn load_changes(&mut self) {
+        if !self.options.watch {
+            return;
+        }
+        let Some(file) = &self.options.file else { return };
+        match &self.watch {
+            Some(watch) if watch.path() == file => {
+                if watch.take_change() {
+                    self.load(&file.clone(), true);
+                }
+            }
+            _ => match FileWatch::start(file, self.waker.clone()) {
+                Ok(watch) => self.watch = Some(watch),
+                Err(error) => {
+                    self.options.watch = false;
+                    self.panels.warn(format!("cannot watch {}: {error}", file.display()));
+                }
+            },
         }
     }
 
@@ -185,8 +209,13 @@ impl Session {
             Some(Ok(model)) => {
                 self.panels_stale = true;
                 self.options.file = Some(loader.path().to_owned());
-                self.send(SimulationRequest::Reload(SharedModel(Arc::new(model))).into());
-                self.panels.notice(format!("loaded {}", loader.path().display()));
+                let model = SharedModel(Arc::new(model));
+                let keeps_state = loader.keeps_state();
+                let request =
+                    if keeps_state { SimulationRequest::Adopt(model) } else { SimulationRequest::Reload(model) };
+                self.send(request.into());
+                let what = if keeps_state { "adopted the changes of" } else { "loaded" };
+                self.panels.notice(format!("{what} {}", loader.path().display()));
             }
             Some(Err(error)) => {
                 self.panels_stale = true;

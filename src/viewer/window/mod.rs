@@ -4,6 +4,7 @@ mod app;
 mod canvas;
 mod capture;
 mod event_loop;
+mod file_watch;
 mod frame;
 mod input;
 mod model_loader;

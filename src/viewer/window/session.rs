@@ -11,6 +11,7 @@ use winit::window::{Window, WindowId};
 
 use super::Opening;
 use super::canvas::Canvas;
+use super::file_watch::FileWatch;
 use super::model_loader::ModelLoader;
 use super::open_windows::OpenWindow;
 use super::output::Output;
@@ -58,6 +59,8 @@ pub(super) struct Session {
     pub shown: Option<PanelContent>,
     /// Model file that will replace the model.
     pub loader: Option<ModelLoader>,
+    /// Detects changes of the model's file.
+    pub watch: Option<FileWatch>,
     pub mouse: Mouse,
     pub modifiers: ModifiersState,
     /// Position of the pointer, in pixels from the upper left corner.
@@ -147,6 +150,7 @@ impl Session {
             panels_stale: true,
             shown: None,
             loader: None,
+            watch: None,
             mouse: Mouse::default(),
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
