@@ -223,6 +223,45 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! # Objects at random places
+//!
+//! Boxes are placed one after another. A place is drawn again while it overlaps with an earlier
+//! object: [`forward`](crate::Data::forward) finds the contacts.
+//!
+//! ```
+//! use mujoco_safe::Data;
+//! use mujoco_safe::enums::GeomType;
+//! use mujoco_safe::spec::Spec;
+//! use rand::{RngExt, SeedableRng};
+//! use rand_xoshiro::Xoshiro256PlusPlus;
+//!
+//! let mut spec = Spec::new("table");
+//! let world = spec.world();
+//! spec.add_geom(world).set_type(GeomType::Plane).set_size(&[1.0, 1.0, 0.1]);
+//! for number in 0..10 {
+//!     // Above each other, so that they do not touch before they are placed.
+//!     let item = spec.add_body(world).set_pos([0.0, 0.0, 1.0 + f64::from(number)]).id();
+//!     spec.add_freejoint(item);
+//!     spec.add_geom(item).set_type(GeomType::Box).set_size(&[0.05, 0.05, 0.05]);
+//! }
+//! let mut data = Data::new(spec.compile()?)?;
+//! let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+//! for joint in 0..data.model().njnt() {
+//!     loop {
+//!         let half_turn = 0.5 * random.random_range(0.0..std::f64::consts::TAU);
+//!         let [x, y] = [0.0; 2].map(|_: f64| random.random_range(-0.3..0.3));
+//!         let pose = [x, y, 0.06, half_turn.cos(), 0.0, 0.0, half_turn.sin()];
+//!         data.joint_mut(joint)?.qpos_mut().copy_from_slice(&pose);
+//!         data.forward()?;
+//!         if data.contacts().all(|contact| contact.dist() > 0.0) {
+//!             break;
+//!         }
+//!     }
+//! }
+//! assert_eq!(data.ncon(), 0);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
 //! # Domain randomisation
 //!
 //! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that
