@@ -25,6 +25,7 @@
 //! | `joint has range but not limited` | newer engines derive `limited` from `range` | `<compiler autolimits="true"/>` |
 //! | `XML_ERROR_PARSING_TEXT` in line 1 | [`from_xml_str`](Model::from_xml_str) was called with a path | [`from_xml_path`](Model::from_xml_path) |
 //! | a mesh of a URDF is not found | `package://` URIs | [`LoadOptions::with_package_path`](crate::LoadOptions::with_package_path) |
+//! | a mesh of a URDF is not found | a relative directory, which engines from 3.0 to 3.6 remove from the name | read it as a [`Spec`](super::urdf), or `<mujoco><compiler strippath="false"/></mujoco>` in the `robot` element |
 //! | `Unknown mesh file type`, `no decoder` | a mesh that the engine does not read, such as Collada | read the URDF as a [`Spec`](super::urdf), which leaves the mesh out |
 //! | a model of a URDF cannot be saved as XML | the engine writes the names of files without their directories | read the URDF as a [`Spec`](super::urdf), and save that |
 //! | the base of a URDF does not move | no joint connects it with the world | [`Spec::add_free_base`](crate::spec::Spec::add_free_base) |

@@ -1,8 +1,9 @@
 //! Resolution of the `package://` URIs and the directories by which ROS names meshes in URDF.
 //!
-//! The engine does not support these URIs, nor before 3.7 directories. It strips the path, searches for the file name in the
-//! directory of the model, and treats two meshes with the same file name as one. This module
-//! therefore reads the files and passes them to the engine in memory, under unique names.
+//! The engine does not support these URIs, nor before 3.7 directories (this module resolves them
+//! before 3.0). It strips the path, searches for the file name in the directory of the model, and
+//! treats two meshes with the same file name as one. This module therefore reads the files and
+//! passes them to the engine in memory, under unique names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -169,10 +170,11 @@ fn locate(uri: &str, packages: &Packages, directory: &Path) -> Result<PathBuf, S
     }
 }
 
-/// Returns the path of a mesh whose name has a directory, which the reader of older engines ignores,
-/// unless there is a file where these engines look.
+/// Returns the path of a mesh whose name has a directory, which the reader of older engines
+/// ignores, unless there is a file where these engines look. Engines from 3.1 to 3.6 keep meshes
+/// in memory by their names, so another mesh of the same name would be the wrong one there.
 fn in_other_directory(name: &str, directory: &Path) -> Option<PathBuf> {
-    if cfg!(engine_since = "3.7.0") || !has_known_format(Path::new(name)) {
+    if cfg!(engine_since = "3.0.0") || !has_known_format(Path::new(name)) {
         return None;
     }
     let path = directory.join(name);

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::element::Urdf;
+use super::element::{Urdf, abbreviated};
 use super::inertial::pose;
 use super::links::Link;
 use super::meshes::{Files, Found, Meshes};
@@ -121,7 +121,8 @@ impl<'t, 'f> Geometry<'t, 'f> {
             // The compiler reports a missing one, if it is not in memory then.
             Found::File(file) | Found::Missing(file) => Ok(file),
             Found::Unknown(reason) if !is_visual => {
-                return Err(urdf.error(format!("{} '{name}': {reason}", urdf.describe(mesh))));
+                let (name, link) = (abbreviated(name), urdf.describe(link.element));
+                return Err(urdf.error(format!("the mesh '{name}' of {link} is not found: {reason}")));
             }
             Found::Unknown(reason) | Found::Unreadable(reason) => Err(reason),
         };

@@ -3,13 +3,13 @@
 use std::fmt;
 
 /// Part of a URDF that the spec does not have, or that acts otherwise than it seems:
-/// [`Spec::urdf_warnings`](super::Spec::urdf_warnings).
+/// [`Spec::urdf_warnings`](crate::spec::Spec::urdf_warnings).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum UrdfWarning {
     /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it,
     /// and the links that are fixed to it, with the world, and their mass is lost.
-    /// [`Spec::add_free_base`](super::Spec::add_free_base) lets the robot float.
+    /// [`Spec::add_free_base`](crate::spec::Spec::add_free_base) lets the robot float.
     FixedMass {
         /// Name of the root link.
         link: String,
