@@ -59,7 +59,7 @@ impl Spec {
         let (folder, model) = unpack(path).map_err(Error::file(path))?;
         let name = model.strip_prefix(folder.path()).unwrap_or(&model).display();
         let source_name = format!("{name} in {}", path.display());
-        let mut spec = Self::from_file(&model, source_name, &LoadOptions::default())?;
+        let mut spec = Self::from_file(&model, &source_name, &LoadOptions::default())?;
         spec.unpacked.push(Arc::new(folder));
         Ok(spec)
     }

@@ -114,10 +114,9 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
     for place in attach::defaults_of(tree, index).into_iter().chain([index]) {
         let tag = tree.tag(place);
         state = match tag {
-            "motor" | "velocity" | "damper" => simple(0),
             // It keeps the activation of its classes with some engines only.
             "adhesion" if state.activations != Some(0) => State { activations: None, ..simple(0) },
-            "adhesion" => simple(0),
+            "motor" | "velocity" | "damper" | "adhesion" => simple(0),
             "intvelocity" | "cylinder" | "muscle" => simple(1),
             "position" => {
                 if let Some(text) = tree.attribute(place, "timeconst") {

@@ -228,19 +228,19 @@ impl Spec {
     /// package is not known.
     pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
         let path = path.as_ref();
-        Self::from_file(path, path.display().to_string(), options)
+        Self::from_file(path, &path.display().to_string(), options)
     }
 
     /// Reads a file that errors call `source_name`.
-    fn from_file(path: &Path, source_name: String, options: &LoadOptions<'_>) -> Result<Self> {
+    fn from_file(path: &Path, source_name: &str, options: &LoadOptions<'_>) -> Result<Self> {
         let text = file::read_regular(path).map_err(Error::file(path))?;
         let text = String::from_utf8(text).map_err(|_| Error::Load {
-            source_name: source_name.clone(),
+            source_name: source_name.to_owned(),
             message: "the text is not UTF-8".to_owned(),
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let sources = Sources { directory: Some(directory), options };
-        Ok(Self::from_tree(sources.read(&source_name, &text)?, Some(directory.to_owned())))
+        Ok(Self::from_tree(sources.read(source_name, &text)?, Some(directory.to_owned())))
     }
 
     /// Reads MJCF or URDF text. Files are relative to the working directory.

@@ -214,8 +214,7 @@ fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
     assert_eq!(snapshot.qpos, snapshot.model.qpos0());
     assert!(bench.events().is_empty());
     assert_eq!(bench.snapshot().problem, "");
-    let model = bench.snapshot().model.clone();
-    bench.view.model_replaced(&model);
+    bench.view.camera = bench.snapshot().camera;
     bench.view.options.frame = FrameMode::Body;
     bench.send(Request::Pause(false));
     assert!(bench.pass(0.1).time > 0.05);
