@@ -147,14 +147,14 @@ impl Data {
             keep(&mut self.ctrl_mut()[to.controls_of(new)], &old.ctrl()[from.controls_of(origin)]);
             keep(&mut self.act_mut()[to.activations_of(new)], &old.act()[from.activations_of(origin)]);
         }
-        let kept = |new, old| kept_parts(survivors, new, old);
-        for (place, origin) in kept(to.history_parts(), from.history_parts()) {
+        let kept = |new, old: &_| kept_parts(survivors, new, old);
+        for (place, origin) in kept(to.history_parts(), &from.history_parts()) {
             self.history_values_mut()[place].copy_from_slice(&old.history_values()[origin]);
         }
-        for (place, origin) in kept(to.plastic_parts(), from.plastic_parts()) {
+        for (place, origin) in kept(to.plastic_parts(), &from.plastic_parts()) {
             self.plastic_values_mut()[place].copy_from_slice(&old.plastic_values()[origin]);
         }
-        for (place, origin) in kept(to.plugin_parts(), from.plugin_parts()) {
+        for (place, origin) in kept(to.plugin_parts(), &from.plugin_parts()) {
             self.plugin_state_values_mut()[place].copy_from_slice(&old.plugin_state_values()[origin]);
         }
         self.keep_equalities(old, survivors)

@@ -13,7 +13,7 @@ use crate::kind::Kind;
 pub(crate) type Parts = HashMap<(Kind, usize), (Range<usize>, i32)>;
 
 /// Returns the places of the values that stay, in the new and in the old array.
-pub(crate) fn kept_parts(survivors: &Survivors<'_>, new: Parts, old: Parts) -> Vec<(Range<usize>, Range<usize>)> {
+pub(crate) fn kept_parts(survivors: &Survivors<'_>, new: Parts, old: &Parts) -> Vec<(Range<usize>, Range<usize>)> {
     let parts = new.into_iter().filter_map(|((kind, index), (place, form))| {
         let (origin, found) = old.get(&(kind, survivors.origin(kind, index)?))?;
         (origin.len() == place.len() && *found == form).then(|| (place, origin.clone()))
