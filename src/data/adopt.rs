@@ -1,48 +1,11 @@
 //! A new model for a simulation, which keeps the state of the elements that both models have.
 
-use std::collections::HashMap;
-use std::fmt;
-use std::ops::Range;
-
 use super::Data;
 use crate::error::Result;
 #[cfg(engine_since = "3.0.0")]
 use crate::ffi;
 use crate::kind::Kind;
-use crate::model::{IntoModel, Model, SURVIVING_KINDS, Survivors};
-
-/// Element that a change of the model by [`Data::adopt`] has removed or added.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub struct ChangedElement {
-    /// Kind of the element.
-    pub kind: Kind,
-    /// Index of the element: in the old model if it was removed, in the new one if it was added.
-    pub index: usize,
-    /// Name of the element in this model, if it has one.
-    pub name: Option<String>,
-}
-
-impl fmt::Display for ChangedElement {
-    /// Writes the kind, and the name or the index: `joint 'knee'`, `joint 3`.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.name {
-            Some(name) => write!(f, "{} '{name}'", self.kind),
-            None => write!(f, "{} {}", self.kind, self.index),
-        }
-    }
-}
-
-/// Elements with a state of their own that are in one of two models only. Result of
-/// [`Data::adopt`].
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Adoption {
-    /// Elements of the old model whose state is lost.
-    pub lost: Vec<ChangedElement>,
-    /// Elements of the new model that start in their initial state.
-    pub new: Vec<ChangedElement>,
-}
+use crate::model::{Adoption, IntoModel, Survivors, kept_parts};
 
 /// # Another model
 impl Data {
@@ -116,9 +79,10 @@ impl Data {
     ///
     /// # Elements that are in both models
     ///
-    /// An element of a [`Spec`](crate::spec::Spec) stays the same until it is removed, also if it is
-    /// renamed, and is never another element, also if that has its name. This holds for the models
-    /// of a spec and of its clones. The copies of a `replicate` are the same if their numbers are.
+    /// An element of a [`Spec`](crate::spec::Spec) stays the same until it is removed, also if it
+    /// is renamed, and is never another element, also if that has its name. This holds for the
+    /// models of a spec and of its clones. The copies of a `replicate` are the same if their
+    /// numbers are.
     ///
     /// Other elements are the same if their names are: those of models from files or of unrelated
     /// specs, and those that `composite`, `flexcomp` and `attach` create. Those without names are
@@ -183,7 +147,7 @@ impl Data {
             keep(&mut self.ctrl_mut()[to.controls_of(new)], &old.ctrl()[from.controls_of(origin)]);
             keep(&mut self.act_mut()[to.activations_of(new)], &old.act()[from.activations_of(origin)]);
         }
-        let kept = |new: Parts, old: &Parts| kept_parts(survivors, new, old);
+        let kept = |new, old: &_| kept_parts(survivors, new, old);
         for (place, origin) in kept(to.history_parts(), &from.history_parts()) {
             self.history_values_mut()[place].copy_from_slice(&old.history_values()[origin]);
         }
@@ -217,117 +181,9 @@ impl Data {
     }
 }
 
-impl Adoption {
-    pub(crate) fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
-        let mut adoption = Self::default();
-        for kind in SURVIVING_KINDS {
-            let mut is_lost = vec![true; old.count(kind)];
-            survivors.pairs(kind).for_each(|(_, origin)| is_lost[origin] = false);
-            let has_origin = |&index: &usize| survivors.origin(kind, index).is_some();
-            let lost = (0..old.count(kind)).filter(|&index| is_lost[index]);
-            adoption.lost.extend(with_state(old, kind, lost));
-            adoption.new.extend(with_state(new, kind, (0..new.count(kind)).filter(|index| !has_origin(index))));
-        }
-        adoption
-    }
-}
-
-/// Returns those of the elements that have a state.
-fn with_state(model: &Model, kind: Kind, indices: impl Iterator<Item = usize>) -> impl Iterator<Item = ChangedElement> {
-    let is_always = matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality);
-    let parts =
-        if is_always { Vec::new() } else { vec![model.history_parts(), model.plastic_parts(), model.plugin_parts()] };
-    let has_state = move |&index: &usize| is_always || parts.iter().any(|parts| parts.contains_key(&(kind, index)));
-    indices.filter(has_state).map(move |index| ChangedElement {
-        kind,
-        index,
-        name: model.name_at(kind, index).map(str::to_owned),
-    })
-}
-
 /// Copies values, unless their number has changed.
 fn keep(to: &mut [f64], from: &[f64]) {
     if to.len() == from.len() {
         to.copy_from_slice(from);
-    }
-}
-
-/// Places of the values of elements in an array, and a number on which the meaning of the values
-/// depends.
-type Parts = HashMap<(Kind, usize), (Range<usize>, i32)>;
-
-/// Returns the places of the values that stay, in the new and in the old array.
-fn kept_parts(survivors: &Survivors<'_>, new: Parts, old: &Parts) -> Vec<(Range<usize>, Range<usize>)> {
-    let parts = new.into_iter().filter_map(|((kind, index), (place, form))| {
-        let (origin, found) = old.get(&(kind, survivors.origin(kind, index)?))?;
-        (origin.len() == place.len() && *found == form).then(|| (place, origin.clone()))
-    });
-    parts.collect()
-}
-
-/// Returns the places of elements in an array of this length, from their addresses. Negative
-/// addresses are those of elements without values.
-#[cfg(engine_since = "2.3.0")]
-fn parts(elements: impl Iterator<Item = ((Kind, usize), i32, i32)>, length: usize) -> Parts {
-    let place = |(element, address, form)| Some((usize::try_from(address).ok()?, element, form));
-    let mut places: Vec<_> = elements.filter_map(place).collect();
-    places.sort_by_key(|&(address, ..)| address);
-    let ends: Vec<usize> = places.iter().skip(1).map(|&(address, ..)| address).chain([length]).collect();
-    places.into_iter().zip(ends).map(|((start, element, form), end)| (element, (start..end, form))).collect()
-}
-
-impl Model {
-    /// Returns the places of the buffers of samples in `history`, and the numbers of samples.
-    #[cfg_attr(not(engine_since = "3.5.0"), allow(clippy::unused_self, reason = "newer engines have buffers"))]
-    fn history_parts(&self) -> Parts {
-        #[cfg(engine_since = "3.5.0")]
-        {
-            let of = |kind, shapes: &[[i32; 2]], addresses: &[i32]| {
-                let buffers = shapes.iter().zip(addresses).enumerate();
-                buffers
-                    .filter(|(_, ([samples, _], _))| *samples > 0)
-                    .map(|(index, ([samples, _], &address))| ((kind, index), address, *samples))
-                    .collect::<Vec<_>>()
-            };
-            let actuators = of(Kind::Actuator, self.actuator_history(), self.actuator_historyadr());
-            let sensors = of(Kind::Sensor, self.sensor_history(), self.sensor_historyadr());
-            parts(actuators.into_iter().chain(sensors), self.history_len())
-        }
-        #[cfg(not(engine_since = "3.5.0"))]
-        Parts::new()
-    }
-
-    /// Returns the places of joints, tendons and flexes in `plastic`.
-    #[cfg_attr(
-        not(engine_since = "4.0.0"),
-        allow(clippy::unused_self, reason = "newer engines have plastic deformations")
-    )]
-    fn plastic_parts(&self) -> Parts {
-        #[cfg(engine_since = "4.0.0")]
-        {
-            let of = |kind, addresses: &[i32], form: &dyn Fn(usize) -> i32| {
-                let elements = addresses.iter().enumerate();
-                elements.map(|(index, &address)| ((kind, index), address, form(index))).collect::<Vec<_>>()
-            };
-            let joints = of(Kind::Joint, self.jnt_plasticadr(), &|_| 0);
-            let tendons = of(Kind::Tendon, self.tendon_plasticadr(), &|_| 0);
-            let flexes = of(Kind::Flex, self.flex_plasticadr(), &|flex| self.flex_plasticmode()[flex]);
-            parts(joints.into_iter().chain(tendons).chain(flexes), self.plastic_len())
-        }
-        #[cfg(not(engine_since = "4.0.0"))]
-        Parts::new()
-    }
-
-    /// Returns the places of the instances of plugins in `plugin_state`.
-    #[cfg_attr(not(engine_since = "2.3.0"), allow(clippy::unused_self, reason = "newer engines have plugins"))]
-    fn plugin_parts(&self) -> Parts {
-        #[cfg(engine_since = "2.3.0")]
-        {
-            let instances = self.plugin_stateadr().iter().zip(self.plugin_statenum()).enumerate();
-            let with_state = instances.filter(|(_, (_, count))| **count > 0);
-            parts(with_state.map(|(index, (&address, _))| ((Kind::Plugin, index), address, 0)), self.plugin_state_len())
-        }
-        #[cfg(not(engine_since = "2.3.0"))]
-        Parts::new()
     }
 }

@@ -35,7 +35,6 @@ use mujoco_sys::{self as sys, mjData};
 
 use self::active_callbacks::ActiveCallbacks;
 pub(crate) use self::active_callbacks::{EngineCallbacks, OwnCallbacks};
-pub use self::adopt::{Adoption, ChangedElement};
 pub use self::collision::{ContactForce, ContactSide, FlexHit, FlexRayOptions, GeomDistance, RayHit, RayOptions};
 pub use self::diagnostics::{SolverIteration, TimerCount};
 // For the analytic linearisation, which is that of 2.2.2.

@@ -195,8 +195,8 @@
 //!
 //! [`Data::adopt`](crate::Data::adopt) gives a simulation an edited model and keeps the state of
 //! all elements that are in both models. Here a cart-pole gets a second pole while it moves. The
-//! model can also come from a file that has been edited: its elements are then found by their names.
-//! [`Batch::adopt`](crate::Batch::adopt) does the same for all simulations of a batch.
+//! model can also come from a file that has been edited: its elements are then found by their
+//! names. [`Batch::adopt`](crate::Batch::adopt) does the same for all simulations of a batch.
 //!
 //! ```
 //! use mujoco_safe::Data;

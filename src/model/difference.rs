@@ -135,7 +135,8 @@ fn store<T: PartialEq>(place: &mut Option<Box<T>>, value: T, original: &T) {
 }
 
 impl Model {
-    /// Returns `true` if all sizes, arrays and settings have the same bits as those of another model.
+    /// Returns `true` if all sizes, arrays and settings have the same bits as those of another
+    /// model.
     pub(crate) fn has_same_bits(&self, other: &Self) -> bool {
         macro_rules! same_sizes {
             ($($size:ident)*) => { true $(&& self.raw().$size == other.raw().$size)* };

@@ -15,6 +15,7 @@ mod edit;
 mod options;
 
 mod addressing;
+mod adoption;
 mod bounds;
 mod cached_flags;
 #[cfg(engine_since = "2.3.0")]
@@ -24,6 +25,7 @@ mod identity;
 #[cfg(validates_binaries)]
 mod mjb;
 mod number;
+mod parts;
 mod pipeline_features;
 mod position;
 mod relation;
@@ -42,6 +44,7 @@ use std::sync::Arc;
 use mujoco_sys::{self as sys, guard, mjModel};
 
 pub(crate) use self::addressing::CheckedEdit;
+pub use self::adoption::{Adoption, ChangedElement};
 pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub(crate) use self::identity::{Identities, Identity};
@@ -52,10 +55,11 @@ pub(crate) use self::options::FIRST_ABSENT_FLAG;
 #[cfg(feature = "viewer")]
 pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
+pub(crate) use self::parts::kept_parts;
 pub(crate) use self::relation::Relation;
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::shared::IntoModel;
-pub(crate) use self::survivors::{KINDS as SURVIVING_KINDS, Survivors};
+pub(crate) use self::survivors::Survivors;
 #[cfg(feature = "renderer")]
 pub(crate) use self::texture::TexturePixels;
 use crate::error::Result;

@@ -11,7 +11,8 @@ use crate::model::{LoadOptions, Model, TEXT};
 
 /// # Compilation
 impl Spec {
-    /// Compiles the spec. Files of assets are relative to the [`directory`](Self::directory).
+    /// Compiles the spec. Files of assets are relative to the [`directory`](Self::directory). After
+    /// an edit, [`Data::adopt`](crate::Data::adopt) gives the new model to a simulation that runs.
     ///
     /// # Errors
     ///

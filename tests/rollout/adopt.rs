@@ -39,7 +39,7 @@ fn started(count: usize) -> Batch<'static> {
     for _ in 0..20 {
         batch
             .step(|_, controls| {
-                controls.as_mut_slice().iter_mut().enumerate().for_each(|(index, control)| *control = index as f64)
+                controls.as_mut_slice().iter_mut().enumerate().for_each(|(index, control)| *control = index as f64);
             })
             .unwrap();
     }

@@ -2,9 +2,9 @@
 
 use super::Batch;
 use super::worker::move_callbacks;
-use crate::data::{Adoption, Data};
+use crate::data::Data;
 use crate::error::Result;
-use crate::model::{IntoModel, Survivors};
+use crate::model::{Adoption, IntoModel, Survivors};
 use crate::parallel::Pool;
 
 /// # Another model

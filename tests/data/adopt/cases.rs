@@ -167,7 +167,7 @@ fn lost_and_new_elements_are_listed() {
     spec.add_joint(added);
     spec.add_geom(added).set_size(&[0.1]);
     let adoption = data.adopt(spec.compile().unwrap()).unwrap();
-    let texts = |elements: &[mujoco_safe::data::ChangedElement]| -> Vec<String> {
+    let texts = |elements: &[mujoco_safe::model::ChangedElement]| -> Vec<String> {
         elements.iter().map(ToString::to_string).collect()
     };
     assert_eq!(texts(&adoption.lost), ["body 'b'", "joint 'jb'", "actuator 'gb'", "equality 'e'"]);

@@ -1,6 +1,7 @@
 //! An edit that changes nothing, or nothing that a step reads, leaves all later steps as they are.
 
-use mujoco_safe::data::{Adoption, MissingResults};
+use mujoco_safe::data::MissingResults;
+use mujoco_safe::model::Adoption;
 use mujoco_safe::spec::Spec;
 use mujoco_safe::{Data, Model, StateSpec, sample};
 

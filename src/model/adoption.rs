@@ -1,0 +1,68 @@
+//! Elements that a change of the model removes or adds.
+
+use std::fmt;
+
+use super::Model;
+use super::survivors::{KINDS, Survivors};
+use crate::kind::Kind;
+
+/// Element that a change of the model by [`Data::adopt`](crate::Data::adopt) has removed or added.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct ChangedElement {
+    /// Kind of the element.
+    pub kind: Kind,
+    /// Index of the element: in the old model if it was removed, in the new one if it was added.
+    pub index: usize,
+    /// Name of the element in this model, if it has one.
+    pub name: Option<String>,
+}
+
+impl fmt::Display for ChangedElement {
+    /// Writes the kind, and the name or the index: `joint 'knee'`, `joint 3`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.name {
+            Some(name) => write!(f, "{} '{name}'", self.kind),
+            None => write!(f, "{} {}", self.kind, self.index),
+        }
+    }
+}
+
+/// Elements with a state of their own that are in one of two models only. Result of
+/// [`Data::adopt`](crate::Data::adopt).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Adoption {
+    /// Elements of the old model whose state is lost.
+    pub lost: Vec<ChangedElement>,
+    /// Elements of the new model that start in their initial state.
+    pub new: Vec<ChangedElement>,
+}
+
+impl Adoption {
+    pub(crate) fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
+        let mut adoption = Self::default();
+        for kind in KINDS {
+            let mut is_lost = vec![true; old.count(kind)];
+            survivors.pairs(kind).for_each(|(_, origin)| is_lost[origin] = false);
+            let has_origin = |&index: &usize| survivors.origin(kind, index).is_some();
+            let lost = (0..old.count(kind)).filter(|&index| is_lost[index]);
+            adoption.lost.extend(with_state(old, kind, lost));
+            adoption.new.extend(with_state(new, kind, (0..new.count(kind)).filter(|index| !has_origin(index))));
+        }
+        adoption
+    }
+}
+
+/// Returns those of the elements that have a state.
+fn with_state(model: &Model, kind: Kind, indices: impl Iterator<Item = usize>) -> impl Iterator<Item = ChangedElement> {
+    let is_always = matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality);
+    let parts =
+        if is_always { Vec::new() } else { vec![model.history_parts(), model.plastic_parts(), model.plugin_parts()] };
+    let has_state = move |&index: &usize| is_always || parts.iter().any(|parts| parts.contains_key(&(kind, index)));
+    indices.filter(has_state).map(move |index| ChangedElement {
+        kind,
+        index,
+        name: model.name_at(kind, index).map(str::to_owned),
+    })
+}
