@@ -6,8 +6,9 @@
 //!
 //! The arm grasps a box (a weld at the present pose), puts it on the shuttle and releases it. Then
 //! the program adds a second box to the model of the running simulation, which keeps its state
-//! ([`Data::adopt`]), and the arm fetches that too. At the end the shuttle drives off, and the first
-//! box is removed. The program prints what happens, and writes a film. `--help` lists the options.
+//! ([`Data::adopt`]), and the arm fetches that too. At the end the shuttle drives off, and the
+//! first box is removed. The program prints what happens, and writes a film. `--help` lists the
+//! options.
 
 #[path = "common/mod.rs"]
 mod common;

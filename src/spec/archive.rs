@@ -66,7 +66,8 @@ impl Spec {
 
     /// Writes the spec and its assets as an archive (`.mjz`) of `model.xml` and the folder
     /// `model_assets`, which `mj_parse` of MuJoCo 4.0.1 reads, and
-    /// [`from_archive_path`](Self::from_archive_path) with every engine. The same spec gives the same bytes.
+    /// [`from_archive_path`](Self::from_archive_path) with every engine. The same spec gives the
+    /// same bytes.
     ///
     /// # Errors
     ///

@@ -10,7 +10,7 @@ use super::keyframes;
 use super::names;
 use super::schema::Schema;
 use super::tree::Index;
-use super::{Spec, Value, value};
+use super::{Spec, Value, attach, value};
 use crate::error::{Error, InvalidKind, Result, near_names};
 use crate::kind::{self, ElementKind};
 
@@ -74,7 +74,9 @@ impl<'s, K> Element<'s, K> {
     #[doc(alias = "mjs_getDouble")]
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>> {
         let Some(text) = self.attribute(name) else { return Ok(None) };
-        if let Some(values) = keyframes::values(&self.spec.tree, self.index, name)? {
+        if keyframes::has_owners(&self.spec.tree, self.index, name)
+            && let Some(values) = keyframes::values(&attach::resolved(&self.spec.tree), self.index, name)?
+        {
             return Ok(Some(values));
         }
         let numbers = value::numbers(text).ok_or_else(|| {

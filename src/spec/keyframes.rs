@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::attach::{self, Defaults};
+use super::attach::Defaults;
 use super::layout::{self, VECTORS};
 use super::names;
 use super::tree::{Entry, Index, Tree};
@@ -86,12 +86,18 @@ pub(super) fn joined(tree: Cow<'_, Tree>) -> (Cow<'_, Tree>, Result<()>) {
     (Cow::Owned(tree), result)
 }
 
+/// Returns `true` for a vector of a keyframe whose values follow their elements.
+pub(super) fn has_owners(tree: &Tree, index: Index, attribute: &str) -> bool {
+    owners(tree, index, attribute).is_some()
+}
+
 /// Returns the values of a vector of a keyframe in the order of the present elements, or `None` if
-/// the text has this order.
+/// the text has this order. Positions of joints in the tree are resolved.
 pub(super) fn values(tree: &Tree, index: Index, attribute: &str) -> Result<Option<Vec<f64>>> {
-    let Some(owners) = owners(tree, index, attribute) else { return Ok(None) };
-    let tree = attach::resolved(tree);
-    join(&tree, index, attribute, owners, &layout::of(&tree, attribute))
+    match owners(tree, index, attribute) {
+        Some(owners) => join(tree, index, attribute, owners, &layout::of(tree, attribute)),
+        None => Ok(None),
+    }
 }
 
 fn keys(tree: &Tree) -> impl Iterator<Item = Index> {
