@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use super::attach::{defaults_of, effective};
+use super::attach::effective;
 use super::names;
 use super::tree::{Entry, Index, Tree};
 use crate::kind::Kind;
@@ -64,7 +64,7 @@ fn entry(tree: &Tree, index: Index, copies: Vec<usize>, width: Option<usize>) ->
 fn makeup(tree: &Tree, index: Index) -> u64 {
     let mut hasher = DefaultHasher::new();
     let is_actuator = names::kind(tree, index) == Some(Kind::Actuator);
-    let classes = if is_actuator { defaults_of(tree, index) } else { Vec::new() };
+    let classes = if is_actuator { super::attach::defaults_of(tree, index) } else { Vec::new() };
     for element in classes.into_iter().flat_map(|default| tree.descendants(default)).chain(tree.descendants(index)) {
         tree.tag(element).hash(&mut hasher);
         for (attribute, value) in &tree.node(element).attributes {
@@ -111,7 +111,7 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
     // other elements, which keep a part of it that depends on the engine.
     let mut has_filter = Some(false);
     let mut is_general = true;
-    for place in defaults_of(tree, index).into_iter().chain([index]) {
+    for place in super::attach::defaults_of(tree, index).into_iter().chain([index]) {
         let tag = tree.tag(place);
         state = match tag {
             // It keeps the activation of its classes with some engines only.
