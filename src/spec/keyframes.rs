@@ -168,7 +168,18 @@ fn join(tree: &Tree, key: Index, attribute: &str, owners: &[Entry], present: &[E
         }
         at += 1;
     };
-    // The compiler adds the default values of the other elements.
+    // The compiler adds the default values of the other elements. Compilers before 3.16 add wrong
+    // ones of some joints.
+    let is_wrong = |entry: &Entry| match tree.tag(entry.index) {
+        "joint" | "freejoint" => {
+            defaults.of(attribute, entry).is_none_or(|values| values.iter().any(|&value| value != 0.0))
+        }
+        "flexcomp" => false,
+        _ => true,
+    };
+    if attribute == "qpos" && !cfg!(engine_since = "3.17.0") {
+        is_rest_placed &= !present[at..].iter().any(is_wrong);
+    }
     let is_lost = present[at..].iter().any(|entry| value(entry).is_some_and(|given| !given.is_empty()));
     if is_lost || !is_rest_placed {
         let element = stop.or(unknown.first()).filter(|entry| tree.contains(entry.index));

@@ -84,8 +84,11 @@
 //! `attach` create, how many activations and controls plugins and the actuators `pid`,
 //! `orientation` and `dcmotor` have, and the pose of a new free or mocap body in `replicate` and of
 //! a new free body that is aligned with its inertia. If such an element is new, the vector ends
-//! before it, and newer engines (3.5.0, not 2.2.2) pad it. The values from the first such element
-//! to the end of a vector stay together. If values cannot be placed by these rules, because one
+//! before it, and newer engines (3.5.0, not 2.2.2) pad it. Those before 3.16 pad some joints that
+//! do not start at 0 wrongly, so with 3.5.0 such a joint is an error there. An element counts as
+//! new if its attributes change in a way that may change its number of values; other contents of
+//! its files are not noticed. The values from the first such element to the end of a vector stay
+//! together. If values cannot be placed by these rules, because one
 //! comes after a new element of this kind, for example, or if a vector was set with more values
 //! than the spec had, `compile` returns an error after a change of the elements, until the vector
 //! is set again. `plastic` stays as it is.

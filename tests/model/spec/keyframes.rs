@@ -204,6 +204,11 @@ fn the_pose_of_an_aligned_free_body_is_left_to_the_compiler() {
             joint.set("align", align).unwrap();
         }
         spec.add_geom(body).set_type(GeomType::Box).set_size(&[0.3, 0.2, 0.1]).set_pos([1.0, 0.0, 0.0]);
+        if !cfg!(engine_since = "3.17.0") {
+            // These compilers put it at the origin.
+            assert!(spec.compile().unwrap_err().to_string().contains("'qpos' of key 'home'"));
+            continue;
+        }
         let model = spec.compile().unwrap();
         let aligned = &model.qpos0()[2..];
         assert!(aligned[0] > 0.8, "{aligned:?}");
