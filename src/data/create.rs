@@ -30,7 +30,29 @@ impl Data {
         // SAFETY: a valid model, and a valid pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
         // SAFETY: the engine made it for this model.
-        unsafe { Self::from_raw(made, model) }
+        let data = unsafe { Self::from_raw(made, model) };
+        #[cfg(engine_since = "2.3.0")]
+        let data = data.map(Self::with_plugin_states);
+        data
+    }
+
+    /// Clears the states of plugins that have no function that resets them: the engine leaves them
+    /// as it finds the memory.
+    #[cfg(engine_since = "2.3.0")]
+    fn with_plugin_states(mut self) -> Self {
+        let model = self.model.clone();
+        // SAFETY: the engine allocated the array with this length, and `self` is owned.
+        let states = unsafe { ffi::array_mut(self.raw_mut().plugin_state, ffi::size(model.raw().npluginstate)) };
+        for (instance, &slot) in model.plugin().iter().enumerate() {
+            // SAFETY: the function returns a registered plugin, which is never removed, or null.
+            let plugin = unsafe { mujoco_sys::mjp_getPluginAtSlot(slot).as_ref() };
+            if plugin.is_some_and(|plugin| plugin.reset.is_none()) {
+                let [first, number] =
+                    [model.plugin_stateadr()[instance], model.plugin_statenum()[instance]].map(ffi::size);
+                states[first..first + number].fill(0.0);
+            }
+        }
+        self
     }
 
     /// Returns the model.

@@ -51,7 +51,7 @@ fn states_copies_and_resets_include_those_of_plugins() {
 
 /// Registers an actuator plugin with two numbers as its state. Those of the wheels keep theirs in
 /// the activations.
-fn register() {
+fn register(name: &'static std::ffi::CStr, has_reset: bool) {
     unsafe extern "C" fn two_states(_: *const sys::mjModel, _: std::ffi::c_int) -> std::ffi::c_int {
         2
     }
@@ -66,11 +66,11 @@ fn register() {
     // SAFETY: zeros are null pointers and no capabilities; the engine copies the structure.
     unsafe {
         let mut plugin: sys::mjpPlugin = std::mem::zeroed();
-        plugin.name = c"test.two_states".as_ptr();
+        plugin.name = name.as_ptr();
         plugin.capabilityflags = sys::mjPLUGIN_ACTUATOR as _;
         plugin.nstate = Some(two_states);
         plugin.init = Some(init);
-        plugin.reset = Some(reset);
+        plugin.reset = has_reset.then_some(reset as _);
         plugin.compute = Some(nothing);
         sys::mjp_registerPlugin(&raw const plugin);
     }
@@ -78,7 +78,7 @@ fn register() {
 
 #[test]
 fn the_states_of_plugins_follow_their_elements_into_another_model() {
-    register();
+    register(c"test.two_states", true);
     let model = |instances: &str, actuators: &str| {
         let hinge = |name: &str| {
             format!("<body name='{name}'><joint name='{name}' axis='0 1 0'/><geom size='0.05' pos='0.3 0 0'/></body>")
@@ -105,4 +105,20 @@ fn the_states_of_plugins_follow_their_elements_into_another_model() {
     assert_eq!(states(&data), [0.0, 0.0]);
     assert!(adoption.lost.iter().any(|element| element.to_string() == "plugin instance 0"));
     data.step().unwrap();
+}
+
+/// The engine does not set them.
+#[test]
+fn the_states_of_plugins_without_a_reset_start_at_zero() {
+    register(c"test.without_reset", false);
+    let text = "<mujoco><extension><plugin plugin='test.without_reset'/></extension>
+                  <worldbody><body><joint name='a'/><geom size='.1'/></body></worldbody>
+                  <actuator><plugin joint='a' plugin='test.without_reset'/></actuator></mujoco>";
+    let model = std::sync::Arc::new(Model::from_xml_str(text).unwrap());
+    for _ in 0..100 {
+        // The next simulation may get the memory of this one.
+        let mut data = Data::new(&model).unwrap();
+        assert_eq!(data.state(StateSpec::PLUGIN), [0.0, 0.0]);
+        data.set_state(StateSpec::PLUGIN, &[1.0, 2.0]).unwrap();
+    }
 }
