@@ -250,7 +250,7 @@ fn the_text_of_a_model_is_that_of_its_file() {
     assert_eq!(Model::from_xml_str_with(&text, &options).unwrap().nmesh(), model.nmesh());
 
     // A name in another encoding.
-    std::fs::write(&path, b"<mujoco><worldbody><geom name='caf\xe9' size='.1'/></worldbody></mujoco>").unwrap();
+    std::fs::write(&path, b"<mujoco><worldbody><geom name='\xe9' size='.1'/></worldbody></mujoco>").unwrap();
     let model = Model::from_xml_path(&path).unwrap();
     let error = model.to_xml().unwrap_err().to_string();
     assert!(error.contains("not UTF-8"), "{error}");
