@@ -92,7 +92,7 @@ with_aliases! {
 /// A compiled model.
 ///
 /// A model is constant once it is shared: a [`Data`](crate::Data) holds it in an
-/// [`Arc`](std::sync::Arc), and any number of threads may use it concurrently.
+/// [`Arc`], and any number of threads may use it concurrently.
 /// [`edit`](Model::edit) changes a model before it is shared, and
 /// [`Data::edit_model`](crate::Data::edit_model) afterwards.
 ///
