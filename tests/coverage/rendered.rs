@@ -56,7 +56,7 @@ fn items_of_bindings() -> BTreeMap<String, usize> {
 fn found() -> BTreeMap<String, usize> {
     let mut names = search_index::names(&documentation());
     assert_eq!(
-        names["from_xml_path_with"],
+        names["from_binary_unchecked"],
         1,
         "rustdoc has added to the index of an earlier build; remove {} and run cargo doc",
         documentation().display()
