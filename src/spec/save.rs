@@ -1,6 +1,6 @@
 //! Saving of a spec with its assets.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -51,14 +51,16 @@ impl Spec {
     /// `scene_assets` beside it. So the two load from every directory, also on another machine, if
     /// the spec compiles without files in memory.
     ///
-    /// Assets keep their names. Files of the folder that have the names of assets are replaced, and
-    /// others are left unchanged.
+    /// Assets keep their names, with a number if another asset or a file of the folder has the name
+    /// and another content. Files of the folder are never changed, so those of earlier versions
+    /// remain.
     ///
     /// # Errors
     ///
-    /// As for [`save_xml`](Self::save_xml), [`Error::File`] if an asset cannot be copied, and
-    /// [`Error::Unsupported`] for a spec with an asset that is a model (`<model>`), which names
-    /// further files.
+    /// As for [`save_xml`](Self::save_xml), [`Error::File`] if an asset cannot be copied,
+    /// [`Error::Save`] if the folder is a symbolic link, and [`Error::Unsupported`] for a spec with
+    /// an asset that is a model (`<model>`), which names further files. The new copies are removed
+    /// then.
     ///
     /// ```
     /// use mujoco_safe::Model;
@@ -89,26 +91,23 @@ impl Spec {
             return Err(Error::Unsupported(format!("copies of the files of {model}: save_xml writes its path")));
         }
         let stem = path.file_stem().unwrap_or_default().to_str().ok_or_else(|| not_utf8(path, path))?;
-        let folder = format!("{stem}_assets");
-        let mut copies = Copies::default();
+        let name_of_folder = format!("{stem}_assets");
+        let folder = path.with_file_name(&name_of_folder);
+        if folder.is_symlink() {
+            let reason = format!("{} is a symbolic link, and copies would be elsewhere", folder.display());
+            return Err(Error::Save { path: path.to_owned(), reason });
+        }
+        let mut copies =
+            Copies { folder: &folder, files: Vec::new(), by_source: HashMap::new(), by_name: HashMap::new() };
         for Asset { index, attribute, source } in assets {
-            let name = copies.name(source).ok_or_else(|| not_utf8(path, path))?;
+            let name = copies.name(&source)?.ok_or_else(|| not_utf8(path, &source))?;
             // The compiler would derive it from the file.
             if let Some(derived) = names::name(&tree, index).map(str::to_owned) {
                 tree.node_mut(index).set("name", derived);
             }
-            tree.node_mut(index).set(attribute, format!("{folder}/{name}"));
+            tree.node_mut(index).set(attribute, format!("{name_of_folder}/{name}"));
         }
-        let folder = path.with_file_name(folder);
-        if !copies.files.is_empty() {
-            fs::create_dir_all(&folder).map_err(Error::file(&folder))?;
-        }
-        for (source, name) in copies.files {
-            let target = folder.join(name);
-            let content = file::read_regular(&source).map_err(Error::file(&source))?;
-            file::replace(&target, |out| std::io::Write::write_all(out, &content))?;
-        }
-        write(path, &tree)
+        copies.write(|| write(path, &tree))
     }
 
     /// Returns the files of assets, with complete paths. Removes the settings of the compiler that
@@ -137,30 +136,89 @@ struct Asset {
     source: PathBuf,
 }
 
-/// Names of the copies of files, which differ also if a file system ignores case.
-#[derive(Default)]
-struct Copies {
-    files: HashMap<PathBuf, String>,
-    names: HashSet<String>,
+/// Copies of files in a folder. Their names differ also if a file system ignores case.
+struct Copies<'f> {
+    folder: &'f Path,
+    files: Vec<Copy>,
+    /// Numbers of the copies.
+    by_source: HashMap<PathBuf, usize>,
+    /// The names are in lower case.
+    by_name: HashMap<String, usize>,
 }
 
-impl Copies {
-    /// Returns the name of the copy of a file, or `None` if it is not UTF-8.
-    fn name(&mut self, source: PathBuf) -> Option<String> {
-        if let Some(name) = self.files.get(&source) {
-            return Some(name.clone());
+struct Copy {
+    name: String,
+    content: Vec<u8>,
+    /// The folder has this file.
+    exists: bool,
+}
+
+impl Copies<'_> {
+    /// Returns the name of the copy of a file, or `None` if it is not UTF-8. It is not that of a
+    /// file with another content.
+    fn name(&mut self, source: &Path) -> Result<Option<String>> {
+        if let Some(&number) = self.by_source.get(source) {
+            return Ok(Some(self.files[number].name.clone()));
         }
         let [stem, extension] = [source.file_stem(), source.extension()].map(|part| part.unwrap_or_default().to_str());
-        let (stem, extension) = (stem?, extension?);
+        let (Some(stem), Some(extension)) = (stem, extension) else { return Ok(None) };
+        let content = file::read_regular(source).map_err(Error::file(source))?;
         let dot = if extension.is_empty() { "" } else { "." };
-        let mut names = (1..).map(|number| match number {
-            1 => format!("{stem}{dot}{extension}"),
-            number => format!("{stem}-{number}{dot}{extension}"),
-        });
-        let name = names.find(|name| self.names.insert(name.to_lowercase()))?;
-        self.files.insert(source, name.clone());
-        Some(name)
+        for number in 1.. {
+            let suffix = if number == 1 { String::new() } else { format!("-{number}") };
+            let name = format!("{stem}{suffix}{dot}{extension}");
+            let target = self.folder.join(&name);
+            let number = match self.by_name.get(&name.to_lowercase()) {
+                Some(&number) if self.files[number].content == content => number,
+                Some(_) => continue,
+                None => {
+                    let exists = fs::symlink_metadata(&target).is_ok();
+                    if exists && !is_file_with(&target, &content) {
+                        continue;
+                    }
+                    self.by_name.insert(name.to_lowercase(), self.files.len());
+                    self.files.push(Copy { name, content, exists });
+                    self.files.len() - 1
+                }
+            };
+            self.by_source.insert(source.to_owned(), number);
+            return Ok(Some(self.files[number].name.clone()));
+        }
+        Ok(None)
     }
+
+    /// Writes the copies and then what refers to them. If one of the two fails, the new copies are
+    /// removed.
+    fn write(&self, and_then: impl FnOnce() -> Result<()>) -> Result<()> {
+        let mut written = Vec::new();
+        let is_new = !self.files.is_empty() && !self.folder.exists();
+        let write = || {
+            if is_new {
+                fs::create_dir(self.folder).map_err(Error::file(self.folder))?;
+            }
+            for Copy { name, content, .. } in self.files.iter().filter(|file| !file.exists) {
+                let target = self.folder.join(name);
+                file::replace(&target, |out| std::io::Write::write_all(out, content))?;
+                written.push(target);
+            }
+            and_then()
+        };
+        let result = write();
+        if result.is_err() {
+            written.iter().for_each(|path| drop(fs::remove_file(path)));
+            if is_new {
+                // Fails if another process put a file there.
+                let _ = fs::remove_dir(self.folder);
+            }
+        }
+        result
+    }
+}
+
+/// Returns `true` for a file with this content that is not a symbolic link.
+fn is_file_with(path: &Path, content: &[u8]) -> bool {
+    let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file() && found.len() == content.len() as u64);
+    is_file && file::read_regular(path).is_ok_and(|found| found == content)
 }
 
 fn write(path: &Path, tree: &Tree) -> Result<()> {

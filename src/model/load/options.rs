@@ -65,10 +65,10 @@ impl<'a> LoadOptions<'a> {
         self.files.iter().find(is).copied()
     }
 
-    /// Returns the directory of a package. Of the known ones and those around `directory`, the
-    /// first one that contains the file `inside` is used, else the first one.
-    pub(crate) fn package(&self, package: &str, inside: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
-        self.packages.find(package, inside, directory)
+    /// Returns the path of a file in a package, given its URI without the scheme `package://`. The
+    /// package is searched for around `directory` too.
+    pub(crate) fn package(&self, uri: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
+        self.packages.find(uri, directory)
     }
 
     /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::file;
 use crate::model::xml_guard::{Tags, decoded};
@@ -40,29 +40,51 @@ impl Packages {
         self.directories.get(package).cloned().or_else(|| searched().find(|path| path.is_dir()))
     }
 
-    /// Returns the directory of a package. Without one among the known directories, the package is
-    /// searched for in the directories around `directory`: one that has its name, or whose
-    /// `package.xml` has it. The first with the file `inside` is used, else the first.
-    pub(super) fn find(&self, package: &str, inside: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
-        if let Some(known) = self.directory(package) {
-            return Ok(known);
+    /// Returns the path of a file in a package, given its URI without the scheme. Without a known
+    /// directory, the package is searched for in the directories around `directory`: one that has
+    /// its name, or whose `package.xml` has it. The first with the file is used, else the first.
+    pub(super) fn find(&self, uri: &str, directory: Option<&Path>) -> Result<PathBuf, String> {
+        let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
+        let inside = inside.trim_start_matches('/');
+        if !matches!(Path::new(package).components().collect::<Vec<_>>()[..], [Component::Normal(_)]) {
+            return Err(format!("{SCHEME}{uri} does not have the form {SCHEME}name/path"));
         }
+        if !is_inside(inside) {
+            return Err(format!("the path of {SCHEME}{uri} leaves the package"));
+        }
+        if let Some(known) = self.directory(package) {
+            return Ok(known.join(inside));
+        }
+        // A file without a directory in its path is in the working directory.
+        let directory = directory.map(|directory| if directory == "" { Path::new(".") } else { directory });
         let around = directory.and_then(|directory| std::path::absolute(directory).ok());
         let places = around.iter().flat_map(|directory| directory.ancestors()).flat_map(|path| {
             let named = is_named(path, package).then(|| path.to_owned());
             named.into_iter().chain(places(path, package))
         });
-        let found: Vec<PathBuf> = places.filter(|path| path.is_dir()).collect();
-        let with_file = found.iter().find(|path| path.join(inside).is_file());
-        with_file.or(found.first()).cloned().ok_or_else(|| unknown(package))
+        let found: Vec<PathBuf> = places.filter(|path| path.is_dir()).map(|path| path.join(inside)).collect();
+        let file = found.iter().find(|path| path.is_file());
+        file.or(found.first()).cloned().ok_or_else(|| unknown(package))
     }
+}
+
+/// Returns `true` if a path relative to a directory does not leave it.
+fn is_inside(path: &str) -> bool {
+    let mut depth = 0_usize;
+    Path::new(path).components().all(|component| {
+        let next = match component {
+            Component::Normal(_) => depth.checked_add(1),
+            Component::CurDir => Some(depth),
+            Component::ParentDir => depth.checked_sub(1),
+            Component::RootDir | Component::Prefix(_) => None,
+        };
+        depth = next.unwrap_or_default();
+        next.is_some()
+    })
 }
 
 /// Returns the directories in which a package can be, given a directory of a search path.
 fn places(path: &Path, package: &str) -> Vec<PathBuf> {
-    if package.is_empty() {
-        return Vec::new();
-    }
     let is_itself = path.file_name() == Some(OsStr::new(package));
     let mut places = vec![path.join(package), path.join("share").join(package)];
     places.extend(is_itself.then(|| path.to_owned()));
@@ -161,8 +183,7 @@ pub(super) fn resolve<'t>(
 
 /// Returns the path of a mesh, given the URI without its scheme.
 fn locate(uri: &str, packages: &Packages, directory: &Path) -> Result<PathBuf, String> {
-    let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
-    let path = packages.find(package, inside, Some(directory))?.join(inside);
+    let path = packages.find(uri, Some(directory))?;
     if has_known_format(&path) {
         Ok(path)
     } else {
@@ -223,4 +244,39 @@ fn replace(text: &[u8], values: &[(Range<usize>, String)]) -> Vec<u8> {
     }
     result.extend_from_slice(&text[done..]);
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::Packages;
+
+    /// Tests run in the directory of this crate.
+    #[test]
+    fn packages_are_found_around_the_working_directory() {
+        let found = Packages::default().find("src/lib.rs", Some(Path::new(""))).unwrap();
+        assert!(found.is_absolute() && found.is_file(), "{}", found.display());
+    }
+
+    #[test]
+    fn names_and_paths_stay_in_the_package() {
+        let mut packages = Packages::default();
+        for name in ["arm", ".", ".."] {
+            packages.add(name.to_owned(), "/packages/arm".into());
+        }
+        for (uri, expected) in [
+            ("arm/meshes/a.obj", "/packages/arm/meshes/a.obj"),
+            ("arm//etc/a.obj", "/packages/arm/etc/a.obj"),
+            ("arm/x/../a.obj", "/packages/arm/x/../a.obj"),
+        ] {
+            assert_eq!(packages.find(uri, None).unwrap(), Path::new(expected));
+        }
+        for uri in ["", "/a.obj", "./a.obj", "../a.obj"] {
+            assert!(packages.find(uri, None).unwrap_err().contains("form package://name/path"), "{uri}");
+        }
+        for uri in ["arm/../a.obj", "arm/x/../../a.obj"] {
+            assert!(packages.find(uri, None).unwrap_err().contains("leaves the package"), "{uri}");
+        }
+    }
 }

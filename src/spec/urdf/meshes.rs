@@ -67,44 +67,80 @@ pub(super) struct Files<'a> {
     pub(super) folder: String,
     /// Names are those after the last slash, by `<mujoco>`.
     pub(super) strips: bool,
-    /// Directories of packages that were found.
-    pub(super) packages: HashMap<String, Result<PathBuf, String>>,
 }
 
 impl Files<'_> {
-    /// Finds the file of a mesh by its name in the URDF.
-    pub(super) fn find(&mut self, name: &str) -> Found {
+    /// Finds the file of a mesh by its name in the URDF. The settings in `<mujoco>` come first,
+    /// and the last part of the name alone comes last.
+    pub(super) fn find(&self, name: &str) -> Found {
         if !LoadOptions::is_mesh(name) {
             return Found::Unreadable(format!("the engine reads only {}", LoadOptions::MESHES.join(", ")));
         }
         if let Some(known) = self.options.file_name(name) {
             return Found::File(known.to_owned());
         }
-        if let Some(uri) = name.strip_prefix("package://") {
-            let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
-            let find = || self.options.package(package, inside, self.directory);
-            let found = self.packages.entry(package.to_owned()).or_insert_with(find);
-            let path = match found {
-                Ok(folder) => folder.join(inside),
-                Err(reason) => return Found::Unknown(reason.clone()),
-            };
-            let path = std::path::absolute(&path).unwrap_or(path);
-            return match path.to_str() {
-                Some(text) if path.is_file() => Found::File(text.to_owned()),
-                Some(text) => Found::Missing(text.to_owned()),
-                None => Found::Unknown(format!("the path {} is not UTF-8", path.display())),
-            };
-        }
-        let name = name.strip_prefix("file://").unwrap_or(name);
         let base = last_part(name);
-        let whole = [Path::new(&self.folder).join(name), PathBuf::from(name)];
-        let stripped = [Path::new(&self.folder).join(base), PathBuf::from(base)];
-        let candidates = if self.strips { [stripped, whole] } else { [whole, stripped] };
+        let folder = Path::new(&self.folder);
+        let mut candidates = Vec::new();
+        if self.strips {
+            candidates.push(folder.join(base));
+        }
+        let absolute = |path: PathBuf| std::path::absolute(&path).unwrap_or(path);
+        let package = name.strip_prefix("package://");
+        let package = package.map(|uri| self.options.package(uri, self.directory).map(absolute));
+        let spellings = if package.is_some() { Vec::new() } else { spellings(name) };
+        candidates.extend(spellings.iter().map(|name| folder.join(name)));
+        if !self.folder.is_empty() {
+            candidates.push(folder.join(base));
+        }
+        candidates.extend(package.iter().flatten().cloned());
+        candidates.extend(spellings.iter().map(PathBuf::from));
+        candidates.extend([folder.join(base), PathBuf::from(base)]);
         let directory = self.directory.unwrap_or(Path::new(""));
-        let found = candidates.as_flattened().iter().find(|path| directory.join(path).is_file());
-        let path = found.unwrap_or(&candidates[0][0]).to_string_lossy().into_owned();
-        if found.is_some() { Found::File(path) } else { Found::Missing(path) }
+        let found = candidates.iter().find(|path| directory.join(path).is_file());
+        let path = match (found, &package) {
+            (None, Some(Err(reason))) => return Found::Unknown(reason.clone()),
+            (None, Some(Ok(path))) => path,
+            (None, None) => &candidates[0],
+            (Some(path), _) => path,
+        };
+        match path.to_str() {
+            Some(text) if found.is_some() => Found::File(text.to_owned()),
+            Some(text) => Found::Missing(text.to_owned()),
+            None => Found::Unknown(format!("the path {} is not UTF-8", path.display())),
+        }
     }
+}
+
+/// Returns the paths that the name of a file can mean: without `file://` and the references of such
+/// a URI to characters (`%20`), and with the slashes of the other platforms.
+fn spellings(name: &str) -> Vec<String> {
+    let mut spellings = match name.strip_prefix("file://") {
+        Some(path) => vec![path.to_owned(), without_references(path)],
+        None => vec![name.to_owned()],
+    };
+    spellings.push(spellings[0].replace('\\', "/"));
+    spellings
+}
+
+/// Replaces references to the bytes of UTF-8: `%20`.
+fn without_references(uri: &str) -> String {
+    let mut parts = uri.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let digits = part.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+        match digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            Some(byte) => {
+                bytes.push(byte);
+                bytes.extend_from_slice(&part.as_bytes()[2..]);
+            }
+            None => {
+                bytes.push(b'%');
+                bytes.extend_from_slice(part.as_bytes());
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 fn last_part(path: &str) -> &str {

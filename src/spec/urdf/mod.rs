@@ -15,7 +15,6 @@ mod meshes;
 mod settings;
 mod warning;
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use self::element::Urdf;
@@ -55,8 +54,7 @@ pub(super) fn convert(
     let links = Links::read(urdf)?;
     let mut warnings = Vec::new();
 
-    let packages = HashMap::new();
-    let files = Files { directory, options, folder: settings.folder, strips: settings.strips, packages };
+    let files = Files { directory, options, folder: settings.folder, strips: settings.strips };
     let mut geometry = Geometry::new(urdf, files, settings.has_visuals)?;
     let geoms = links.all.iter().map(|link| geometry.geoms(link, &mut warnings)).collect::<Result<Vec<_>>>()?;
     if geometry.visuals > 0 {

@@ -1,32 +1,12 @@
-//! Meshes of a URDF in other directories and packages, and saving with them.
+//! Meshes of a URDF in other directories and packages.
 
 use std::path::Path;
 
 use mujoco_safe::spec::{Spec, UrdfWarning};
-use mujoco_safe::{Error, LoadOptions, Model};
+use mujoco_safe::{LoadOptions, Model};
 
-use super::{corner, joint, link, robot};
-
-fn mesh(role: &str, file: &str) -> String {
-    format!("<{role}><geometry><mesh filename='{file}'/></geometry></{role}>")
-}
-
-fn put(path: impl AsRef<Path>, content: &str) {
-    std::fs::create_dir_all(path.as_ref().parent().unwrap()).unwrap();
-    std::fs::write(path, content).unwrap();
-}
-
-/// Returns the lengths of the meshes' longest edges, in the order of the geoms.
-fn sizes(model: &Model) -> Vec<f64> {
-    let longest = |geom: usize| {
-        let mesh = model.geom_dataid()[geom] as usize;
-        let (start, count) = (model.mesh_vertadr()[mesh] as usize, model.mesh_vertnum()[mesh] as usize);
-        let vertices = &model.mesh_vert()[start..start + count];
-        let distance = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-        vertices.iter().flat_map(|a| vertices.iter().map(move |b| distance(a, b))).fold(0.0, f64::max)
-    };
-    (0..model.ngeom()).map(|geom| (longest(geom) / 2.0_f64.sqrt() * 1e3).round() / 1e3).collect()
-}
+use super::super::engine_spec::{self, Source};
+use super::{corner, link, mesh, put, robot, sizes};
 
 fn compiled(path: &Path) -> Model {
     Spec::from_xml_path(path).unwrap().compile().unwrap()
@@ -104,12 +84,79 @@ fn packages_are_found() {
     assert_eq!(sizes(&model), [6.0]);
 }
 
+/// The settings in `<mujoco>` come first, for packages too, and the last part of a name comes last.
+#[test]
+fn the_directory_of_meshes_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m/arm.urdf");
+    put(folder.path().join("m/meshes/a.obj"), &corner(1.0));
+    put(folder.path().join("m/mj/a.obj"), &corner(2.0));
+    put(folder.path().join("m/mj/b.obj"), &corner(3.0));
+    put(folder.path().join("m/c.obj"), &corner(4.0));
+    let size = |settings: &str, file: &str| {
+        let mujoco = format!("<mujoco><compiler {settings}/></mujoco>");
+        put(&path, &robot(&(mujoco + &link("a", &mesh("collision", file)))));
+        let model = compiled(&path);
+        // Plain calls of the engine: Model finds packages first.
+        if let Some(theirs) = engine_spec::compile(&Source::File(path.clone())) {
+            let found = theirs.differences(&model, super::TOLERANCE, &[]);
+            assert!(found.is_empty(), "{settings} {file}: {found:#?}");
+        }
+        sizes(&model)[0]
+    };
+    for settings in ["meshdir='mj' strippath='true'", "meshdir='mj'", "assetdir='mj'"] {
+        for file in ["meshes/a.obj", "package://m/meshes/a.obj"] {
+            assert_eq!(size(settings, file), 2.0, "{settings} {file}");
+        }
+        assert_eq!(size(settings, "package://unknown/meshes/b.obj"), 3.0);
+        assert_eq!(size(settings, "meshes/b.obj"), 3.0);
+    }
+    assert_eq!(size("", "package://unknown/meshes/c.obj"), 4.0);
+    assert_eq!(size("", "package://m/meshes/c.obj"), 4.0);
+    assert_eq!(size("", "package://m/meshes/a.obj"), 1.0);
+}
+
+/// The directory of a package is that with the file, of several.
+#[test]
+fn packages_are_found_file_by_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm/urdf/arm.urdf");
+    put(folder.path().join("x/outer.obj"), &corner(1.0));
+    put(folder.path().join("arm/x/inner.obj"), &corner(2.0));
+    put(folder.path().join("arm/meshes/part.obj"), &corner(3.0));
+    let files = ["x/outer.obj", "x/inner.obj", "arm//meshes/part.obj"];
+    let content: String = files.into_iter().map(|file| mesh("collision", &format!("package://{file}"))).collect();
+    put(&path, &robot(&link("a", &content)));
+    assert_eq!(sizes(&compiled(&path)), [1.0, 2.0, 3.0]);
+    put(&path, &robot(&link("a", &mesh("collision", "package://arm//meshes/part.obj"))));
+    assert_eq!(sizes(&Model::from_xml_path(&path).unwrap()), [3.0]);
+    for (uri, part) in [("arm/../x/outer.obj", "leaves the package"), ("../x/none.obj", "name/path")] {
+        put(&path, &robot(&link("a", &mesh("collision", &format!("package://{uri}")))));
+        let error = Spec::from_xml_path(&path).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn other_spellings_of_names_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.urdf");
+    put(folder.path().join("meshes/part.obj"), &corner(1.0));
+    put(folder.path().join("sp ace/é.obj"), &corner(2.0));
+    put(folder.path().join("100%.obj"), &corner(3.0));
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().display());
+    let files = ["meshes\\part.obj".to_owned(), uri("sp%20ace/%c3%A9.obj"), uri("sp ace/é.obj"), uri("100%.obj")];
+    let content: String = files.iter().map(|file| mesh("collision", file)).collect();
+    put(&path, &robot(&link("a", &content)));
+    assert_eq!(sizes(&compiled(&path)), [1.0, 2.0, 2.0, 3.0]);
+}
+
 #[test]
 fn files_that_the_engine_does_not_read_are_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.urdf");
     put(folder.path().join("part.obj"), &corner(1.0));
-    let content = mesh("visual", "package://nowhere/part.obj")
+    let content = mesh("visual", "package://nowhere/other.obj")
         + &mesh("visual", "missing.stl")
         + &mesh("visual", "part.dae")
         + &mesh("visual", "part.obj")
@@ -139,81 +186,4 @@ fn files_that_the_engine_does_not_read_are_left_out() {
     put(&path, &robot(&link("a", &mesh("collision", "missing.stl"))));
     let error = read(&LoadOptions::default()).compile().unwrap_err().to_string();
     assert!(error.contains("missing"), "{error}");
-}
-
-/// Returns a spec with two meshes of the same name in packages, and the folder with them.
-fn two_parts() -> (tempfile::TempDir, Spec) {
-    let folder = tempfile::tempdir().unwrap();
-    put(folder.path().join("arm/part.obj"), &corner(1.0));
-    put(folder.path().join("hand/part.obj"), &corner(2.0));
-    let content = mesh("collision", "package://arm/part.obj") + &mesh("collision", "package://hand/part.obj");
-    let text = link("a", "") + &link("b", &content) + &joint("j", "revolute", "a", "b", "<origin rpy='0 .1 0'/>");
-    put(folder.path().join("arm/arm.urdf"), &robot(&text));
-    let spec = Spec::from_xml_path(folder.path().join("arm/arm.urdf")).unwrap();
-    (folder, spec)
-}
-
-#[test]
-fn saved_files_load_from_elsewhere() {
-    let (folder, spec) = two_parts();
-    let model = spec.compile().unwrap();
-    let other = tempfile::tempdir().unwrap();
-    let absolute = other.path().join("scene.xml");
-    spec.save_xml(&absolute).unwrap();
-    let copied = other.path().join("copied.xml");
-    spec.save_xml_with_assets(&copied).unwrap();
-    let text = std::fs::read_to_string(&copied).unwrap();
-    assert!(text.contains(r#"name="part1" file="copied_assets/part-2.obj""#), "{text}");
-    for path in [&absolute, &copied] {
-        super::check(&Model::from_xml_path(path).unwrap(), &model, "saved");
-        super::check(&compiled(path), &model, "saved, read as a spec");
-    }
-    drop(folder);
-    let moved = tempfile::tempdir().unwrap();
-    std::fs::rename(&copied, moved.path().join("copied.xml")).unwrap();
-    std::fs::rename(other.path().join("copied_assets"), moved.path().join("copied_assets")).unwrap();
-    super::check(&Model::from_xml_path(moved.path().join("copied.xml")).unwrap(), &model, "moved");
-
-    // The files do not exist any more.
-    assert!(matches!(spec.save_xml(&absolute), Err(Error::File { .. })));
-    assert!(matches!(spec.save_xml_with_assets(other.path().join("new.xml")), Err(Error::File { .. })));
-    assert!(!other.path().join("new_assets").exists());
-}
-
-/// MJCF has other assets, and settings for their directories.
-#[test]
-fn assets_of_mjcf_are_saved() {
-    let folder = super::super::super::assets::folder();
-    let text = "<mujoco>
-        <compiler meshdir='meshes/' texturedir='images/'/>
-        <asset>
-          <mesh name='stl' file='solid.stl'/><mesh file='solid.obj'/>
-          <hfield name='hills' file='hills.bin' size='1 1 1 .1'/><hfield file='dunes.png' size='1 1 1 .1'/>
-          <texture type='2d' file='flat.png'/><material name='flat' texture='flat'/>
-        </asset>
-        <worldbody>
-          <geom type='hfield' hfield='hills'/><geom type='hfield' hfield='dunes'/>
-          <body><freejoint/><geom type='mesh' mesh='stl' material='flat'/><geom type='mesh' mesh='solid'/></body>
-        </worldbody>
-      </mujoco>";
-    put(folder.path().join("model.xml"), text);
-    let spec = Spec::from_xml_path(folder.path().join("model.xml")).unwrap();
-    let model = spec.compile().unwrap();
-    let other = tempfile::tempdir().unwrap();
-    spec.save_xml(other.path().join("scene.xml")).unwrap();
-    spec.save_xml_with_assets(other.path().join("copied.xml")).unwrap();
-    for name in ["scene.xml", "copied.xml"] {
-        super::check(&Model::from_xml_path(other.path().join(name)).unwrap(), &model, name);
-    }
-
-    put(folder.path().join("m/part.obj"), &corner(1.0));
-    let text = "<mujoco><compiler meshdir='m' strippath='true'/><asset><mesh file='away/part.obj'/></asset>
-        <worldbody><geom type='mesh' mesh='part'/></worldbody></mujoco>";
-    put(folder.path().join("stripped.xml"), text);
-    let spec = Spec::from_xml_path(folder.path().join("stripped.xml")).unwrap();
-    let path = other.path().join("stripped.xml");
-    for is_copied in [false, true] {
-        if is_copied { spec.save_xml_with_assets(&path) } else { spec.save_xml(&path) }.unwrap();
-        assert_eq!(sizes(&Model::from_xml_path(&path).unwrap()), [1.0]);
-    }
 }

@@ -4,8 +4,11 @@ mod engine;
 mod errors;
 mod files;
 mod random;
+mod saved;
 mod scene;
 mod warnings;
+
+use std::path::Path;
 
 use mujoco_safe::Model;
 use mujoco_safe::spec::{Spec, UrdfWarning};
@@ -57,6 +60,27 @@ fn check(ours: &Model, theirs: &Model, urdf: &str) {
     let found = unsafe { differences(ours, theirs.as_ptr(), TOLERANCE, &[]) };
     assert!(found.is_empty(), "{found:#?}\n{urdf}");
     assert_eq!(ours.options(), theirs.options(), "{urdf}");
+}
+
+fn mesh(role: &str, file: &str) -> String {
+    format!("<{role}><geometry><mesh filename='{file}'/></geometry></{role}>")
+}
+
+fn put(path: impl AsRef<Path>, content: &str) {
+    std::fs::create_dir_all(path.as_ref().parent().unwrap()).unwrap();
+    std::fs::write(path, content).unwrap();
+}
+
+/// Returns the lengths of the meshes' longest edges, in the order of the geoms.
+fn sizes(model: &Model) -> Vec<f64> {
+    let longest = |geom: usize| {
+        let mesh = model.geom_dataid()[geom] as usize;
+        let (start, count) = (model.mesh_vertadr()[mesh] as usize, model.mesh_vertnum()[mesh] as usize);
+        let vertices = &model.mesh_vert()[start..start + count];
+        let distance = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        vertices.iter().flat_map(|a| vertices.iter().map(move |b| distance(a, b))).fold(0.0, f64::max)
+    };
+    (0..model.ngeom()).map(|geom| (longest(geom) / 2.0_f64.sqrt() * 1e3).round() / 1e3).collect()
 }
 
 /// Text of a mesh, a corner with edges of this length.
