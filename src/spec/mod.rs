@@ -236,7 +236,7 @@ impl Spec {
         let text = file::read_regular(path).map_err(Error::file(path))?;
         let text = String::from_utf8(text).map_err(|_| Error::Load {
             source_name: source_name.clone(),
-            message: "the text is not UTF-8".to_owned(),
+            message: "the text is not UTF-8: convert it to this encoding".to_owned(),
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let sources = Sources { directory: Some(directory), options };
