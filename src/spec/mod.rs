@@ -298,7 +298,8 @@ impl Spec {
     }
 
     /// Returns what the spec does not have of the URDF from which it was read, and what acts
-    /// otherwise than it seems. Nothing is printed.
+    /// otherwise than it seems. Nothing is printed. The warnings are about the URDF: changes of the
+    /// spec do not change them, except [`add_free_base`](Self::add_free_base).
     ///
     /// ```
     /// use mujoco_safe::spec::{Spec, UrdfWarning};

@@ -9,7 +9,7 @@ use super::element::number;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum UrdfWarning {
-    /// A root link is fixed to the world, because no joint says so or otherwise. The compiler fuses it,
+    /// A root link is fixed to the world, because no joint says otherwise. The compiler fuses it,
     /// and the links that are fixed to it, with the world, and their mass is lost.
     /// [`Spec::add_free_base`](crate::spec::Spec::add_free_base) lets the robot float.
     FixedMass {
