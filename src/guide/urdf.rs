@@ -78,9 +78,10 @@
 //!
 //! The meshes of `walker.urdf` are found
 //!
-//! - by their path relative to the URDF, or to `meshdir` of its `<mujoco><compiler/></mujoco>`, and
-//!   else by the last part of the path (the order is reversed with `strippath="true"`),
-//! - by absolute paths and `file://`,
+//! - by their path relative to `meshdir` of its `<mujoco><compiler/></mujoco>`, by the last part of
+//!   the path in `meshdir` (first with `strippath="true"`; both precede packages too), by their path
+//!   relative to the URDF, and by the last part beside it,
+//! - by absolute paths and `file://`, with backslashes for slashes and `%20` for spaces,
 //! - by `package://name/…` in the directories that
 //!   [`LoadOptions`](crate::LoadOptions::with_package_path) states. Without one for the package, it
 //!   is one of the directories around the URDF that has the name, or whose `package.xml` has it, or
@@ -89,7 +90,8 @@
 //!
 //! A mesh in a format that the engine does not read (it reads STL, OBJ and MSH, not Collada) is
 //! left out with a [warning](crate::spec::UrdfWarning::Mesh). So is a visual mesh that is not
-//! found. A collision mesh that is not found is an error.
+//! found; for a text from memory, whose files can be in memory too, the compiler reports it. A
+//! collision mesh that is not found is an error.
 //!
 //! [`Spec::save_xml`](crate::spec::Spec::save_xml) writes absolute paths, and
 //! [`Spec::save_xml_with_assets`](crate::spec::Spec::save_xml_with_assets) copies all assets to a
@@ -99,11 +101,12 @@
 //!
 //! | URDF | MJCF |
 //! |---|---|
-//! | link | body; `world` is the world |
+//! | link | body; `world` is the world, without an inertia |
 //! | `revolute`, `continuous` | hinge, without limits if continuous |
 //! | `prismatic` | slide |
 //! | `planar` | two slides and a hinge: `name_TX`, `name_TY`, `name_RZ`; limits act on the first |
 //! | `floating` | free joint, which the engine accepts in the world only |
+//! | `spherical` | ball, with every engine |
 //! | `fixed` | no joint |
 //! | `lower`, `upper` | range; no limit if `lower` is not below `upper` |
 //! | `effort` | `actuatorfrcrange` since MuJoCo 3.0 |
@@ -120,14 +123,16 @@
 //! The spec compiles to the model that the engine's own reader makes of the URDF, up to rounding
 //! and these differences:
 //!
-//! - Meshes are found in more places, and two files of the same name are two meshes. Geoms and
+//! - Meshes are found in more places, and two files of the same name are two meshes. Without
+//!   `<mujoco>`, `meshes/a.obj` precedes `a.obj`, which engines before 3.7 prefer. Geoms and
 //!   meshes have names with every engine.
 //! - `mimic` and `effort` act also with engines whose readers ignore them. Continuous joints have
 //!   no limits.
 //! - The orientation of an inertia counts. The readers of 3.1.6 and 3.5.0, for example, forget it;
 //!   those of 2.2.2, 3.16.0 and later do not.
 //! - What the reader rejects may load: capsules in 2.2.2, a mass without moments of inertia, limits
-//!   of a floating joint. A link `world` cannot be a child.
+//!   of a floating joint. A link `world` cannot be a child, and its inertia is not that of the world.
+//! - A template (`<xacro:…>`) that was not expanded is an error. Readers ignore its elements.
 //!
 //! Angles are in radians (`angle="radian"`) and rotations are about fixed axes (`eulerseq="XYZ"`),
 //! also for elements that are added later.
@@ -148,4 +153,6 @@
 //! ```
 //!
 //! Many files have inertias that no body can have, which the compiler rejects (`A + B >= C`). The
-//! settings `balanceinertia`, `boundmass` and `boundinertia` of the same section correct them.
+//! settings `balanceinertia`, `boundmass` and `boundinertia` of the same section correct them. Robots
+//! with different values of these settings can be in one scene if all their links have an
+//! `<inertial>`. Else set the values of one of them in all, before they are attached.

@@ -12,7 +12,8 @@ impl Spec {
     ///
     /// The reader of a URDF, which states no joint between the base and the world, fixes the base.
     /// Removes the warning about its mass from [`urdf_warnings`](Self::urdf_warnings). For one of
-    /// several bodies use [`add_freejoint`](Self::add_freejoint).
+    /// several bodies use [`add_freejoint`](Self::add_freejoint). A joint of type `fixed` to a link
+    /// `world` is no joint of the spec, so the base becomes free there too.
     ///
     /// # Errors
     ///

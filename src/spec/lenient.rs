@@ -1,8 +1,12 @@
 //! Texts that the engine's reader accepts and that are not XML.
 
+/// Character for colons in names.
+pub(super) const COLON: char = '꞉';
+
 /// Returns a text with the same elements as XML, in the same lines:
 ///
 /// - comments, also those with `--` in them, declarations and `<!DOCTYPE …>` become blanks,
+/// - colons in names become [`COLON`], because their prefixes can be unknown,
 /// - `&` that starts no reference, and `<` in values of attributes, become references,
 /// - what follows the first element is removed.
 pub(super) fn to_xml(text: &str) -> String {
@@ -10,11 +14,12 @@ pub(super) fn to_xml(text: &str) -> String {
     let mut rest = text;
     let mut depth = 0_usize;
     while let Some(start) = rest.find('<') {
-        push_text(&rest[..start], &mut xml);
+        push_text(&rest[..start], false, &mut xml);
         rest = &rest[start..];
         let ignored = [("<!--", "-->"), ("<?", "?>")].into_iter().find(|(open, _)| rest.starts_with(open));
-        let ignored =
-            ignored.or_else(|| (rest.starts_with("<!") && !rest.starts_with("<![CDATA[")).then_some(("<!", ">")));
+        let ignored = ignored.or_else(|| {
+            (rest.starts_with("<!") && !rest.starts_with("<![CDATA[")).then(|| ("<!", end_of_declaration(rest)))
+        });
         if let Some((open, close)) = ignored {
             let Some(end) = rest[open.len()..].find(close) else { break };
             let (comment, after) = rest.split_at(open.len() + end + close.len());
@@ -45,6 +50,12 @@ pub(super) fn to_xml(text: &str) -> String {
     xml + rest
 }
 
+/// Returns the end of a declaration, which can have others in brackets.
+fn end_of_declaration(text: &str) -> &'static str {
+    let start = text.split('>').next().unwrap_or_default();
+    if start.starts_with("<!DOCTYPE") && start.contains('[') && text.contains("]>") { "]>" } else { ">" }
+}
+
 /// Returns the length of a tag, in which values can contain `>`.
 fn end_of_tag(text: &str) -> Option<usize> {
     let mut quote = None;
@@ -62,11 +73,11 @@ fn end_of_tag(text: &str) -> Option<usize> {
 fn push_tag(tag: &str, xml: &mut String) {
     let mut characters = tag.chars();
     xml.extend(characters.next());
-    push_text(characters.as_str(), xml);
+    push_text(characters.as_str(), true, xml);
 }
 
-/// Appends text or the values of a tag, without markup.
-fn push_text(text: &str, xml: &mut String) {
+/// Appends text or the content of a tag, without markup.
+fn push_text(text: &str, is_tag: bool, xml: &mut String) {
     let mut quote = None;
     // The engine's reader puts another character in the place of `&` after a reference or a line
     // break of Windows in the same value.
@@ -75,6 +86,7 @@ fn push_text(text: &str, xml: &mut String) {
         let starts_reference = is_reference(&text[position..]);
         match character {
             '<' => *xml += "&lt;",
+            ':' if is_tag && quote.is_none() => xml.push(COLON),
             '&' if !starts_reference && !is_shifted => *xml += "&amp;",
             _ => xml.push(character),
         }

@@ -239,7 +239,7 @@ impl Spec {
         let text = file::read_regular(path).map_err(Error::file(path))?;
         let text = String::from_utf8(text).map_err(|_| Error::Load {
             source_name: source_name.to_owned(),
-            message: "the text is not UTF-8".to_owned(),
+            message: "the text is not UTF-8: convert it to this encoding".to_owned(),
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let sources = Sources { directory: Some(directory), options };
@@ -301,7 +301,8 @@ impl Spec {
     }
 
     /// Returns what the spec does not have of the URDF from which it was read, and what acts
-    /// otherwise than it seems. Nothing is printed.
+    /// otherwise than it seems. Nothing is printed. The warnings are about the URDF: changes of the
+    /// spec do not change them, except [`add_free_base`](Self::add_free_base).
     ///
     /// ```
     /// use mujoco_safe::spec::{Spec, UrdfWarning};

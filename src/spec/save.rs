@@ -205,7 +205,9 @@ impl Copies<'_> {
         };
         let result = write();
         if result.is_err() {
-            written.iter().for_each(|path| drop(fs::remove_file(path)));
+            for path in written {
+                let _ = fs::remove_file(path);
+            }
             if is_new {
                 // Fails if another process put a file there.
                 let _ = fs::remove_dir(self.folder);

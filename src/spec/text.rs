@@ -7,20 +7,25 @@ use super::{control, lenient, value};
 const MOST_NESTED: usize = 400;
 
 /// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader,
-/// it accepts references to control characters and the other forms of [`lenient`].
+/// it accepts references to control characters and the other forms of [`lenient`], and does not know
+/// namespaces: the prefix of a name is a part of it.
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
     let hidden = control::hide(text)?;
     let text = hidden.as_deref().unwrap_or(text);
     let corrected;
+    let mut is_corrected = false;
     let (document, text) = match roxmltree::Document::parse(text) {
         Ok(document) => (document, text),
         Err(error) => {
             corrected = lenient::to_xml(text);
+            is_corrected = true;
             (roxmltree::Document::parse(&corrected).map_err(|_| error.to_string())?, &corrected[..])
         }
     };
+    let name = |name: &str| if is_corrected { name.replace(lenient::COLON, ":") } else { name.to_owned() };
+    let tag = |element: roxmltree::Node<'_, '_>| name(tag(&text[element.range()]));
     let root = document.root_element();
-    let mut tree = Tree::new(root.tag_name().name());
+    let mut tree = Tree::new(&tag(root));
     // Pairs of an element of the document and its copy in the tree.
     let mut open = vec![(root, Tree::ROOT, 1)];
     while let Some((element, index, depth)) = open.pop() {
@@ -28,17 +33,28 @@ pub(super) fn parse(text: &str) -> Result<Tree, String> {
             return Err(format!("elements are nested more than {MOST_NESTED} deep"));
         }
         for attribute in element.attributes() {
+            let name = name(&text[attribute.range_qname()]);
+            if name.starts_with("xmlns:") {
+                continue;
+            }
             let mut value = exact(attribute.value(), &text[attribute.range_value()]);
             if hidden.is_some() {
                 value = control::show(&value);
             }
-            tree.node_mut(index).attributes.push((attribute.name().to_owned(), value));
+            tree.node_mut(index).attributes.push((name, value));
         }
         for child in element.children().filter(roxmltree::Node::is_element) {
-            open.push((child, tree.add(index, child.tag_name().name()), depth + 1));
+            open.push((child, tree.add(index, &tag(child)), depth + 1));
         }
     }
     Ok(tree)
+}
+
+/// Returns the name at the start of an element, with its prefix.
+fn tag(element: &str) -> &str {
+    let name = element.strip_prefix('<').unwrap_or(element);
+    let end = name.find(|character: char| character.is_ascii_whitespace() || matches!(character, '/' | '>'));
+    &name[..end.unwrap_or(name.len())]
 }
 
 /// Returns the value of an attribute with the white space of its text, which XML replaces by spaces

@@ -8,8 +8,12 @@ use std::collections::HashMap;
 use super::files::abbreviated;
 use super::tags::Tag;
 
-/// Joint types that the reader supports. It compares them byte by byte.
-const JOINT_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+/// Joint types that the reader supports, the last one since 3.2. It compares them byte by byte.
+const JOINT_TYPES: &[&str] = if cfg!(engine_since = "3.2.0") {
+    &["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"]
+} else {
+    &["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]
+};
 
 /// Depths of tags below the root element: `<link>` and `<joint>` are its children, `<parent>` and
 /// `<child>` are a joint's.

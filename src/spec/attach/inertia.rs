@@ -8,6 +8,7 @@ use super::super::tree::{Index, Tree};
 use super::super::value::{self, Value};
 use super::classes;
 use crate::kind::Kind;
+use crate::math;
 
 /// Changes a spec so that it has the same bodies with another value of a setting of `compiler`.
 /// Returns `false` if only the compiler could do that.
@@ -24,8 +25,14 @@ pub(super) fn adapt(child: &mut Tree, attribute: &str, theirs: &str, ours: &str)
         // Else the geoms of the outer range replace explicit inertias.
         "inertiagrouprange" => paths::setting(child, "inertiafromgeom") != Some("true") && are_inertias_explicit(child),
         "boundmass" => bound(child, "mass", theirs, ours),
-        "boundinertia" => bound(child, "diaginertia", theirs, ours),
-        "balanceinertia" => theirs != "true" || balance(child),
+        "boundinertia" => {
+            diagonalize(child);
+            bound(child, "diaginertia", theirs, ours)
+        }
+        "balanceinertia" => {
+            diagonalize(child);
+            theirs != "true" || balance(child)
+        }
         _ => false,
     }
 }
@@ -72,6 +79,22 @@ fn are_inertias_explicit(tree: &Tree) -> bool {
     let is_explicit = |body: Index| tree.children(body).iter().any(|&child| tree.tag(child) == "inertial");
     let mut bodies = names::all(tree, Named::Kind(Kind::Body)).filter(|&body| tree.tag(body) == "body");
     !creates_bodies(tree) && bodies.all(is_explicit)
+}
+
+/// Replaces complete matrices of inertia by moments about principal axes. Leaves those that the
+/// compiler rejects.
+fn diagonalize(child: &mut Tree) {
+    for index in inertials(child) {
+        let numbers = child.attribute(index, "fullinertia").and_then(value::numbers).unwrap_or_default();
+        let [xx, yy, zz, xy, xz, yz] = numbers[..] else { continue };
+        let principal = math::eig3(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        if principal.eigval[2] > 0.0 && child.attribute(index, "quat").is_none() {
+            let node = child.node_mut(index);
+            node.unset("fullinertia");
+            node.set("quat", principal.quat.text().into_owned());
+            node.set("diaginertia", principal.eigval.text().into_owned());
+        }
+    }
 }
 
 /// Applies a lower bound to the numbers of all inertias. Returns `false` if they are not known, or

@@ -109,7 +109,7 @@ impl Spec {
     /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
     /// without bodies, or without meshes, takes them from the first spec that is attached. The
     /// bodies of other specs keep the mass and inertia of their own settings if a text can express
-    /// them: with `<inertial>` and `diaginertia` in all bodies under another `inertiafromgeom`
+    /// them: with `<inertial>` and moments in all bodies under another `inertiafromgeom`
     /// (except `true` of this spec), `inertiagrouprange` (except with `true` of theirs),
     /// `boundmass`, `boundinertia` or `balanceinertia`, and with any bodies if theirs is
     /// `inertiafromgeom="true"` and this spec's `auto`. A spec without meshes may differ in the

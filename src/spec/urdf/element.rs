@@ -90,6 +90,16 @@ impl<'t> Urdf<'t> {
     }
 }
 
+/// Returns a number for a message.
+pub(super) fn number(number: f64) -> String {
+    let size = number.abs();
+    if size == 0.0 || !size.is_finite() || (1e-4..1e16).contains(&size) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
 /// Returns the start of a text for a message.
 pub(super) fn abbreviated(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {

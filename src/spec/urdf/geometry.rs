@@ -69,6 +69,8 @@ impl<'t, 'f> Geometry<'t, 'f> {
                 let settings = [("contype", "0"), ("conaffinity", "0"), ("group", "1"), ("density", "0")];
                 geom.extend(settings.map(|(attribute, value)| (attribute, value.to_owned())));
             }
+            // A negative one stands for no colour.
+            let rgba = rgba.filter(|rgba| rgba[0] >= 0.0);
             geom.extend(rgba.map(|rgba| ("rgba", rgba.text().into_owned())));
             geoms.push(geom);
         }
@@ -81,8 +83,7 @@ impl<'t, 'f> Geometry<'t, 'f> {
         let Some(material) = urdf.child(visual, "material")? else { return Ok(None) };
         let named = || urdf.text(material, "name").and_then(|name| self.colours.get(name)).copied();
         let Some(colour) = urdf.child(material, "color")?.or_else(named) else { return Ok(None) };
-        let rgba = urdf.required_numbers(colour, "rgba")?;
-        Ok(Some(rgba).filter(|rgba| rgba[0] >= 0.0))
+        urdf.required_numbers(colour, "rgba").map(Some)
     }
 
     /// Returns the type and the size of a geom, or `None` for a mesh that is left out.

@@ -7,7 +7,8 @@ use crate::math;
 use crate::spec::tree::Index;
 use crate::spec::value::Value;
 
-/// Smallest moment of inertia that the compiler accepts in a complete matrix.
+/// Smallest principal moment of inertia that the compiler accepts in a complete matrix. It rejects
+/// negative ones there only.
 const SMALLEST: f64 = 1e-14;
 
 /// Moments in the order of `fullinertia`.
@@ -57,11 +58,11 @@ pub(super) fn inertial(urdf: Urdf<'_>, link: Index) -> Result<Option<Inertial>> 
     }
     let mut attributes = vec![("pos", xyz.unwrap_or_default().text().into_owned()), ("mass", mass.text().into_owned())];
     let principal = math::eig3(&matrix(moments));
-    if principal.eigval[2] >= SMALLEST {
+    if principal.eigval[2].abs() >= SMALLEST {
         attributes.push(("fullinertia", moments.text().into_owned()));
     } else {
         attributes.push(("quat", principal.quat.text().into_owned()));
-        attributes.push(("diaginertia", principal.eigval.text().into_owned()));
+        attributes.push(("diaginertia", principal.eigval.map(|moment| moment.max(0.0)).text().into_owned()));
     }
     Ok(Some(Inertial { attributes, mass, has_moments }))
 }

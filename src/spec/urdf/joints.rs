@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::element::Urdf;
+use super::element::{Urdf, number};
 use super::links::{Joint, Type};
 use super::{Attributes, UrdfWarning};
 use crate::error::Result;
@@ -39,6 +39,7 @@ pub(super) fn joints(
     let mut joints = match joint.of_type {
         Type::Fixed => return Ok(Vec::new()),
         Type::Floating => vec![of_type("free", "")],
+        Type::Spherical => vec![of_type("ball", "")],
         Type::Revolute | Type::Continuous => vec![along("hinge", "", axis)],
         Type::Prismatic => vec![along("slide", "", axis)],
         Type::Planar => {
@@ -80,11 +81,17 @@ fn limits(
         let reason = match joint.of_type {
             Type::Continuous => "it is continuous".to_owned(),
             Type::Floating => "it is floating".to_owned(),
+            Type::Spherical if range[0] != 0.0 => "'lower' of a spherical joint must be 0".to_owned(),
             _ if !is_complete => "one of 'lower' and 'upper' is missing".to_owned(),
-            _ if range[0] >= range[1] => format!("'lower' is {} and 'upper' is {}", range[0], range[1]),
+            _ if range[0] >= range[1] => format!("'lower' is {} and 'upper' is {}", number(range[0]), number(range[1])),
             _ => String::new(),
         };
-        if !matches!(joint.of_type, Type::Continuous | Type::Floating) {
+        let is_unlimited = match joint.of_type {
+            Type::Continuous | Type::Floating => true,
+            Type::Spherical => !reason.is_empty(),
+            _ => false,
+        };
+        if !is_unlimited {
             attributes.push(("limited", reason.is_empty().text().into_owned()));
             attributes.push(("range", range.text().into_owned()));
         }
@@ -97,11 +104,13 @@ fn limits(
         }
     }
     if let Some(effort) = urdf.limit(limit, "effort")?.map(f64::abs).filter(|&effort| effort > 0.0) {
-        if has_effort && joint.of_type != Type::Floating {
+        if has_effort && !matches!(joint.of_type, Type::Floating | Type::Spherical) {
             attributes.push(("actuatorfrclimited", "true".to_owned()));
             attributes.push((EFFORT, [-effort, effort].text().into_owned()));
         } else {
-            warnings.push(UrdfWarning::EffortLimit { joint: name(), effort });
+            // The limits of a planar joint act along its first axis.
+            let suffix = if joint.of_type == Type::Planar { "_TX" } else { "" };
+            warnings.push(UrdfWarning::EffortLimit { joint: name() + suffix, effort });
         }
     }
     if let Some(velocity) = urdf.limit(limit, "velocity")? {
@@ -130,7 +139,10 @@ pub(super) fn equalities(
     warnings: &mut Vec<UrdfWarning>,
 ) -> Result<Vec<Attributes>> {
     let can_follow = |of_type| matches!(of_type, Type::Revolute | Type::Continuous | Type::Prismatic);
-    let types: HashMap<&str, Type> = joints.iter().map(|joint| (joint.name, joint.of_type)).collect();
+    // A fixed joint is no joint of the model, so another one can have its name.
+    let fixed = joints.iter().filter(|joint| joint.of_type == Type::Fixed);
+    let others = joints.iter().filter(|joint| joint.of_type != Type::Fixed);
+    let types: HashMap<&str, Type> = fixed.chain(others).map(|joint| (joint.name, joint.of_type)).collect();
     let mut equalities = Vec::new();
     for joint in joints {
         let Some(mimic) = urdf.child(joint.element, "mimic")? else { continue };

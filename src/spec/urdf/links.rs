@@ -16,16 +16,18 @@ pub(super) enum Type {
     Fixed,
     Floating,
     Planar,
+    Spherical,
 }
 
 /// Types by their words, which the engine's reader compares byte by byte.
-const TYPES: [(&str, Type); 6] = [
+const TYPES: [(&str, Type); 7] = [
     ("revolute", Type::Revolute),
     ("continuous", Type::Continuous),
     ("prismatic", Type::Prismatic),
     ("fixed", Type::Fixed),
     ("floating", Type::Floating),
     ("planar", Type::Planar),
+    ("spherical", Type::Spherical),
 ];
 
 pub(super) struct Link<'t> {
@@ -53,7 +55,8 @@ pub(super) struct Joint<'t> {
 pub(super) struct Links<'t> {
     pub(super) all: Vec<Link<'t>>,
     pub(super) joints: Vec<Joint<'t>>,
-    /// All links, each one after its parent, and the children of a link in the order of the joints.
+    /// All links, each one with those below it after it, and the children of a link in the order of
+    /// the joints.
     pub(super) order: Vec<usize>,
 }
 
@@ -94,11 +97,11 @@ impl<'t> Links<'t> {
             joints.push(joint);
         }
         check_names(urdf, &joints)?;
-        let mut order: Vec<usize> = (0..links.len()).filter(|&link| links[link].joint.is_none()).collect();
-        let mut at = 0;
-        while let Some(&link) = order.get(at) {
-            order.extend(&children[link]);
-            at += 1;
+        let mut order = Vec::with_capacity(links.len());
+        let mut open: Vec<usize> = (0..links.len()).rev().filter(|&link| links[link].joint.is_none()).collect();
+        while let Some(link) = open.pop() {
+            order.push(link);
+            open.extend(children[link].iter().rev());
         }
         let links = Self { all: links, joints, order };
         links.check_cycles(urdf)?;

@@ -100,9 +100,8 @@ impl Files<'_> {
         let found = candidates.iter().find(|path| directory.join(path).is_file());
         let path = match (found, &package) {
             (None, Some(Err(reason))) => return Found::Unknown(reason.clone()),
-            (None, Some(Ok(path))) => path,
             (None, None) => &candidates[0],
-            (Some(path), _) => path,
+            (None, Some(Ok(path))) | (Some(path), _) => path,
         };
         match path.to_str() {
             Some(text) if found.is_some() => Found::File(text.to_owned()),
@@ -129,15 +128,12 @@ fn without_references(uri: &str) -> String {
     let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
     for part in parts {
         let digits = part.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
-        match digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
-            Some(byte) => {
-                bytes.push(byte);
-                bytes.extend_from_slice(&part.as_bytes()[2..]);
-            }
-            None => {
-                bytes.push(b'%');
-                bytes.extend_from_slice(part.as_bytes());
-            }
+        if let Some(byte) = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            bytes.push(byte);
+            bytes.extend_from_slice(&part.as_bytes()[2..]);
+        } else {
+            bytes.push(b'%');
+            bytes.extend_from_slice(part.as_bytes());
         }
     }
     String::from_utf8_lossy(&bytes).into_owned()

@@ -45,6 +45,12 @@ pub(super) fn convert(
     options: &LoadOptions<'_>,
 ) -> Result<(Tree, Vec<UrdfWarning>)> {
     let urdf = Urdf { tree: urdf, source_name };
+    let template =
+        urdf.tree.descendants(Tree::ROOT).into_iter().find(|&index| urdf.tree.tag(index).starts_with("xacro:"));
+    if let Some(found) = template {
+        let tag = urdf.tree.tag(found);
+        return Err(urdf.error(format!("the text is a template with <{tag}>: expand it with the program xacro")));
+    }
     let mut mjcf = Tree::new("mujoco");
     if let Some(name) = urdf.text(Tree::ROOT, "name").filter(|name| !name.is_empty()) {
         mjcf.node_mut(Tree::ROOT).set("model", name.to_owned());
@@ -122,6 +128,13 @@ fn add_bodies(
                 add(mjcf, bodies[number], "inertial", found.attributes);
             }
         }
+        let has_mass = |geom: &Attributes| !geom.contains(&("density", "0".to_owned()));
+        if urdf.child(link.element, "inertial")?.is_none()
+            && roots[number].is_none()
+            && geoms[number].iter().any(has_mass)
+        {
+            warnings.push(UrdfWarning::Density { link: link.name.to_owned() });
+        }
         if let Some(joint) = joint {
             for attributes in joints::joints(urdf, joint, has_effort, warnings)? {
                 add(mjcf, bodies[number], "joint", attributes);
@@ -131,7 +144,8 @@ fn add_bodies(
             add(mjcf, bodies[number], "geom", attributes);
         }
     }
-    let fixed = (0..masses.len()).filter(|&number| fuses && masses[number] > 0.0);
+    // What a joint fixes to the link 'world' is fixed on purpose.
+    let fixed = (0..masses.len()).filter(|&root| fuses && masses[root] > 0.0 && !links.all[root].is_world());
     warnings.extend(
         fixed.map(|number| UrdfWarning::FixedMass { link: links.all[number].name.to_owned(), mass: masses[number] }),
     );

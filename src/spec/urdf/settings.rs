@@ -1,6 +1,6 @@
 //! Settings of a URDF for MuJoCo: the elements `compiler`, `option` and `size` in `mujoco`.
 
-use super::element::Urdf;
+use super::element::{Urdf, abbreviated};
 use super::ignored::Ignored;
 use crate::error::Result;
 use crate::spec::schema::Schema;
@@ -32,6 +32,18 @@ pub(super) fn write(urdf: Urdf<'_>, mjcf: &mut Tree, has_visuals: bool, ignored:
         Some(source) => copy(urdf, source, mjcf, ignored)?,
         None => mjcf.add(Tree::ROOT, "compiler"),
     };
+    // The compiler does not see these attributes.
+    for (attribute, words) in
+        [("strippath", ["false", "true"]), ("angle", ["degree", "radian"]), ("coordinate", ["local", "global"])]
+    {
+        if let Some(found) = given(attribute).filter(|found| !words.contains(found)) {
+            let [a, b] = words;
+            let found = abbreviated(found);
+            return Err(
+                urdf.error(format!("'{attribute}' of <compiler> in <mujoco> is '{found}' instead of {a} or {b}"))
+            );
+        }
+    }
     if given("coordinate").is_some_and(|value| value != "local") {
         ignored.add("'coordinate' of <compiler>");
     }
@@ -67,25 +79,28 @@ pub(super) fn write(urdf: Urdf<'_>, mjcf: &mut Tree, has_visuals: bool, ignored:
 /// reader of URDF ignores.
 fn copy(urdf: Urdf<'_>, source: Index, mjcf: &mut Tree, ignored: &mut Ignored) -> Result<Index> {
     let schema = Schema::of_engine()?;
-    let section = mjcf.copy(urdf.tree, source, Tree::ROOT);
-    for index in mjcf.descendants(section) {
-        if !mjcf.contains(index) {
-            continue;
-        }
-        let tag = mjcf.tag(index).to_owned();
-        let Some(known) = schema.attributes(mjcf, index) else {
-            ignored.add(&format!("<{tag}> in <mujoco>"));
-            mjcf.remove(index);
-            continue;
-        };
-        let attributes = &mut mjcf.node_mut(index).attributes;
-        attributes.retain(|(name, _)| {
-            let is_known = known.contains(&&name[..]) || OTHER.contains(&&name[..]);
-            if !is_known {
+    let section = mjcf.add(Tree::ROOT, urdf.tree.tag(source));
+    let mut open = vec![(source, section)];
+    while let Some((source, copy)) = open.pop() {
+        let tag = urdf.tree.tag(source);
+        let known = schema.attributes(mjcf, copy).unwrap_or_default();
+        for (name, value) in &urdf.tree.node(source).attributes {
+            if known.contains(&&name[..]) || OTHER.contains(&&name[..]) {
+                mjcf.node_mut(copy).attributes.push((name.clone(), value.clone()));
+            } else {
                 ignored.add(&format!("'{name}' of <{tag}>"));
             }
-            is_known
-        });
+        }
+        let children = urdf.tree.children(source);
+        let known = if children.is_empty() { Vec::new() } else { schema.children(mjcf, copy) };
+        for &child in children {
+            let tag = urdf.tree.tag(child);
+            if known.contains(&tag) {
+                open.push((child, mjcf.add(copy, tag)));
+            } else {
+                ignored.add(&format!("<{tag}> in <mujoco>"));
+            }
+        }
     }
     Ok(section)
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::element::number;
+
 /// Part of a URDF that the spec does not have, or that acts otherwise than it seems:
 /// [`Spec::urdf_warnings`](crate::spec::Spec::urdf_warnings).
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +24,12 @@ pub enum UrdfWarning {
         /// Name of the link.
         link: String,
     },
+    /// A link that moves has collision geometry and no `<inertial>`. The compiler computes its mass
+    /// from the geometry, with the density of water.
+    Density {
+        /// Name of the link.
+        link: String,
+    },
     /// The velocity of a joint is not limited: the engine has no such limit.
     VelocityLimit {
         /// Name of the joint.
@@ -30,7 +38,7 @@ pub enum UrdfWarning {
         velocity: f64,
     },
     /// The force of a joint is not limited: the engine has no such limit before 3.0, nor for a
-    /// `floating` joint.
+    /// `floating` or `spherical` joint.
     EffortLimit {
         /// Name of the joint.
         joint: String,
@@ -81,14 +89,20 @@ impl fmt::Display for UrdfWarning {
             Self::FixedMass { link, mass } => {
                 write!(
                     f,
-                    "link '{link}' is fixed to the world, in which {mass} kg are lost: add_free_base lets it float"
+                    "link '{link}' is fixed to the world, in which {} kg are lost: add_free_base lets it float",
+                    number(*mass)
                 )
             }
             Self::NoInertia { link } => write!(f, "link '{link}' has no <inertia>: its moments of inertia are 0"),
-            Self::VelocityLimit { joint, velocity } => {
-                write!(f, "joint '{joint}': the velocity limit {velocity} is ignored")
+            Self::Density { link } => {
+                write!(f, "link '{link}' has no <inertial>: its mass is that of its geometry with 1000 kg/m³")
             }
-            Self::EffortLimit { joint, effort } => write!(f, "joint '{joint}': the effort limit {effort} is ignored"),
+            Self::VelocityLimit { joint, velocity } => {
+                write!(f, "joint '{joint}': the velocity limit {} is ignored", number(*velocity))
+            }
+            Self::EffortLimit { joint, effort } => {
+                write!(f, "joint '{joint}': the effort limit {} is ignored", number(*effort))
+            }
             Self::Range { joint, reason } => write!(f, "joint '{joint}' has no limits: {reason}"),
             Self::Mimic { joint, reason } => write!(f, "joint '{joint}': <mimic> is ignored: {reason}"),
             Self::Mesh { link, file, reason } => write!(f, "link '{link}': the mesh '{file}' is left out: {reason}"),

@@ -67,7 +67,7 @@ fn inertias_that_only_the_compiler_knows_are_errors() {
         ("boundmass='1'", text("", "", small)),
         ("inertiafromgeom='true'", text("", "", small)),
         ("", text("settotalmass='3'", "", small)),
-        ("", text("boundinertia='1'", "", "mass='1' fullinertia='1 1 1 0 0 0'")),
+        ("", text("boundinertia='1'", "", "mass='1' fullinertia='1 1 1 2 0 0'")),
         ("", from_geoms.to_owned()),
     ] {
         let mut spec = parse(&text(ours, "h", "mass='7' diaginertia='5 5 5'"));

@@ -214,6 +214,89 @@ fn trees_equal_the_engines() {
     }
 }
 
+/// Bodies are in the order of their roots, also below a link that is the world.
+#[test]
+fn the_world_can_be_any_root() {
+    let with = |world: &str| {
+        let links = link("a", "") + world + &link("c", "") + &link("b", "") + &link("d", "");
+        robot(&(links + &joint("wb", "revolute", "world", "b", "") + &joint("cd", "prismatic", "c", "d", "")))
+    };
+    let model = same(&with("<link name='world'/>"));
+    assert_eq!(
+        [0, 1].map(|joint| model.jnt_bodyid()[joint]),
+        ["b", "d"].map(|name| model.body(name).unwrap().id().index() as i32)
+    );
+}
+
+/// The engine's reader has them since 3.2.
+#[test]
+fn spherical_joints_are_balls() {
+    for content in [
+        "",
+        "<axis xyz='0 1 0'/>",
+        "<limit lower='0' upper='1'/>",
+        "<dynamics damping='2' friction='1'/><origin xyz='1 2 3' rpy='1 0 0'/>",
+    ] {
+        let urdf = robot(&(link("a", "") + &link("b", "") + &joint("j", "spherical", "a", "b", content)));
+        let model = compiled(&urdf);
+        assert_eq!(model.jnt_type(), [mujoco_safe::enums::JointType::Ball as i32]);
+        match Model::from_xml_str(&urdf) {
+            Ok(theirs) => check(&model, &theirs, &urdf),
+            Err(error) => assert!(cfg!(not(engine_since = "3.2.0")), "{error}"),
+        }
+    }
+    let limit = "<limit lower='-1' upper='1' effort='3'/>";
+    let urdf = robot(&(link("a", "") + &link("b", "") + &joint("j", "spherical", "a", "b", limit)));
+    assert_eq!(compiled(&urdf).jnt_limited()[0], 0);
+    let found = super::warnings(&urdf);
+    assert!(found.contains(&"joint 'j' has no limits: 'lower' of a spherical joint must be 0".to_owned()), "{found:?}");
+    assert!(found.contains(&"joint 'j': the effort limit 3 is ignored".to_owned()), "{found:?}");
+}
+
+/// As for the engine's reader, the prefix of a name is a part of it, and need not be declared.
+#[test]
+fn prefixes_are_parts_of_names() {
+    let links = link("a", "") + &link("b", "");
+    let joints = "<drake:joint name='k' type='ball'/>
+        <joint name='j' d:type='fixed' type='revolute' d:name='k'><parent d:link='b' link='a'/><child link='b'/>
+        <limit d:lower='-2' lower='-1' upper='1'/></joint>
+        <gazebo><sensor:camera x:y='&lt;:'/></gazebo>";
+    for declarations in
+        ["", " xmlns:drake='u' xmlns:d='v'", " xmlns:drake='u' xmlns:d='v' xmlns:sensor='w' xmlns:x='w'"]
+    {
+        let urdf = robot(&(links.clone() + joints)).replace(" name='robot'", declarations);
+        let model = same(&urdf);
+        assert!(model.joint("j").is_ok());
+        assert_eq!(model.jnt_range(), [[-1.0, 1.0]]);
+    }
+    assert!(super::warnings(&robot("<drake:joint/>")).contains(&"<drake:joint> is ignored".to_owned()));
+}
+
+#[test]
+fn declarations_are_ignored() {
+    let urdf = robot(&link("a", ""));
+    for declaration in [
+        "<?xml version='1.0'?><!DOCTYPE robot>",
+        "<!DOCTYPE robot [<!ENTITY m '1'>]>",
+        "<!DOCTYPE robot [\n<!ENTITY m '1'>\n<!ENTITY n '1'>\n]>",
+    ] {
+        same(&(declaration.to_owned() + &urdf));
+    }
+}
+
+/// A colour with a negative number is none, also for the elements that follow.
+#[test]
+fn a_negative_colour_is_none() {
+    let visual = |colour: &str| {
+        format!(
+            "<visual><geometry><box size='1 1 1'/></geometry><material name='x'><color rgba='{colour}'/></material></visual>"
+        )
+    };
+    let collision = "<collision><geometry><box size='1 1 1'/></geometry></collision>";
+    let settings = "<mujoco><compiler discardvisual='false'/></mujoco>";
+    same(&robot(&(settings.to_owned() + &link("a", &(visual("1 0 0 1") + &visual("-1 0 0 1") + collision)))));
+}
+
 /// A mimic joint is an equality with every engine. The engine's reader drops it before 3.13.
 #[test]
 fn mimic_is_an_equality() {

@@ -79,6 +79,10 @@ fn an_error_names_the_element_and_what_is_right() {
             &["<color> of <material> of <visual> of link 'a'", "'rgba'"],
         ),
         (robot("<mujoco/><mujoco/>"), &["more than one <mujoco>"]),
+        (robot("<mujoco><compiler strippath='maybe'/></mujoco>"), &["'strippath'", "'maybe' instead of false or true"]),
+        (robot("<mujoco><compiler angle='foo'/></mujoco>"), &["'angle'", "degree or radian"]),
+        (robot("<mujoco><compiler coordinate='foo'/></mujoco>"), &["'coordinate'", "local or global"]),
+        (robot("<xacro:if value='0'/>"), &["template with <xacro:if>", "xacro"]),
         (robot("<mujoco><option/><option/></mujoco>"), &["more than one <option>"]),
     ] {
         let message = error(&urdf);
@@ -98,6 +102,27 @@ fn a_name_with_nul_is_an_error() {
     if let Ok(spec) = Spec::from_xml_str(&urdf) {
         spec.compile().unwrap_err();
         spec.save_xml(tempfile::tempdir().unwrap().path().join("robot.xml")).unwrap_err();
+    }
+}
+
+#[test]
+fn a_text_in_another_encoding_is_an_error() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), b"<?xml version='1.0' encoding='ISO-8859-1'?><!-- \xfc --><robot name='r'/>").unwrap();
+    let error = Spec::from_xml_path(file.path()).unwrap_err().to_string();
+    assert!(error.contains("not UTF-8: convert it"), "{error}");
+}
+
+/// The compiler rejects a matrix with negative moments, and bounds do not hide this.
+#[test]
+fn negative_moments_are_an_error() {
+    for moments in ["ixx='-1' iyy='-1' izz='-1' ixy='0'", "ixx='1' iyy='1' izz='1' ixy='2'"] {
+        let b =
+            format!("<link name='b'><inertial><mass value='1'/><inertia {moments} ixz='0' iyz='0'/></inertial></link>");
+        let settings = "<mujoco><compiler boundinertia='.001'/></mujoco>";
+        let text = settings.to_owned() + &link("a", "") + &b + &joint("j", "revolute", "a", "b", "");
+        let error = Spec::from_xml_str(&robot(&text)).unwrap().compile().unwrap_err().to_string();
+        assert!(error.contains("inertia"), "{error}");
     }
 }
 
@@ -127,6 +152,10 @@ fn huge_robots_are_errors() {
     let visuals = repeat(LINKS, |i| format!("<t{i}/><visual/>"));
     let spec = Spec::from_xml_str(&robot(&link("a", &visuals))).unwrap();
     assert_eq!(spec.urdf_warnings().len(), LINKS + 2);
+    let unknown = repeat(LINKS, |_| "<x/>".to_owned());
+    let start = Instant::now();
+    Spec::from_xml_str(&robot(&format!("<mujoco><option>{unknown}</option></mujoco>"))).unwrap();
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     let mesh = "<collision><geometry><mesh filename='a.stl' scale='1 1 ";
     let meshes = repeat(20_000, |i| format!("{mesh}{i}'/></geometry></collision>"));
     Spec::from_xml_str(&robot(&link("a", &meshes))).unwrap();

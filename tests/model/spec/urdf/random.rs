@@ -5,7 +5,7 @@ use std::path::Path;
 
 use mujoco_safe::spec::Spec;
 use mujoco_safe::{Data, LoadOptions, Model};
-use rand::seq::IndexedRandom;
+use rand::seq::{IndexedMutRandom, IndexedRandom};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -13,6 +13,13 @@ use super::{check, corner};
 use crate::cases::cases;
 
 struct Generator(Xoshiro256PlusPlus);
+
+/// Returns a joint with the world as its parent.
+fn in_world(joint: &str) -> String {
+    let (before, rest) = joint.split_once("<parent link='").unwrap();
+    let (_, after) = rest.split_once('\'').unwrap();
+    format!("{before}<parent link='world'{after}")
+}
 
 impl Generator {
     fn once_in(&mut self, number: u32) -> bool {
@@ -131,7 +138,15 @@ impl Generator {
     fn robot(&mut self) -> String {
         let count = self.0.random_range(1..9);
         let mut content: Vec<String> = (0..count).map(|number| self.link(number)).collect();
-        let joints: Vec<String> = (1..count).map(|child| self.joint(child)).collect();
+        let mut joints: Vec<String> = (1..count).map(|child| self.joint(child)).collect();
+        if self.once_in(2) {
+            // A root that is the world, and a part of the robot below it.
+            content.push("<link name='world'/>".to_owned());
+            if self.once_in(2) {
+                let joint = joints.choose_mut(&mut self.0);
+                joint.into_iter().for_each(|joint| *joint = in_world(joint));
+            }
+        }
         content.extend(joints);
         for part in (1..content.len()).rev() {
             let other = self.0.random_range(0..=part);

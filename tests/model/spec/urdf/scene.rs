@@ -7,6 +7,29 @@ use mujoco_safe::{Data, Model};
 
 use super::{joint, link, read, robot};
 
+/// Each robot keeps the inertias that its own settings give.
+#[test]
+fn robots_with_other_inertia_settings_share_a_scene() {
+    let b = "<link name='b'><inertial><mass value='1'/>
+        <inertia ixx='1e-5' iyy='1e-5' izz='1e-5' ixy='9e-6' ixz='0' iyz='0'/></inertial></link>";
+    let text = |settings: &str, b: &str| {
+        let settings = format!("<mujoco><compiler {settings}/></mujoco>");
+        robot(&(settings + &link("a", "") + b + &joint("j", "revolute", "a", "b", "")))
+    };
+    let bounded = text("balanceinertia='true' boundinertia='3e-6'", b);
+    let mut scene = Spec::new("scene");
+    scene.attach(&read(&text("", &link("b", ""))), Mount::body(scene.world()), "plain/").unwrap();
+    scene.attach(&read(&bounded), Mount::body(scene.world()), "bounded/").unwrap();
+    let model = scene.compile().unwrap();
+    // The principal moments are 1.9e-5, 1e-5 and 1e-6, of which the last one is bounded.
+    let mean = (1.9e-5 + 1e-5 + 3e-6) / 3.0;
+    let found = model.body("bounded/b").unwrap().inertia();
+    assert!(found.iter().all(|moment| (moment - mean).abs() < 1e-11), "{found:?}");
+    let alone = read(&bounded).compile().unwrap();
+    let alone = alone.body("b").unwrap().inertia();
+    assert!(found.iter().zip(alone).all(|(a, b)| (a - b).abs() < 1e-11), "{found:?} {alone:?}");
+}
+
 #[test]
 fn robots_from_urdf_stand_in_a_scene() {
     let geometry = "<collision><geometry><box size='.2 .2 .2'/></geometry></collision>

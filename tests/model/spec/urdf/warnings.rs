@@ -37,6 +37,54 @@ fn mass_that_fuses_with_the_world_is_a_warning() {
     assert_eq!(mass(&spec), 4.5);
 }
 
+/// A joint that fixes the robot to the world is a statement.
+#[test]
+fn mass_that_a_joint_fixes_is_no_warning() {
+    let links = "<link name='world'/>".to_owned() + &link("a", "") + &link("b", "");
+    let spec = read(&robot(&(links + &joint("i", "fixed", "world", "a", "") + &joint("j", "revolute", "a", "b", ""))));
+    assert_eq!(spec.urdf_warnings(), []);
+}
+
+#[test]
+fn a_mass_by_density_is_a_warning() {
+    let sphere = "<collision><geometry><sphere radius='1'/></geometry></collision>";
+    let visual = sphere.replace("collision", "visual");
+    let links = format!("<link name='a'>{sphere}</link><link name='b'>{sphere}</link><link name='c'>{visual}</link>");
+    let found = |kind: &str| {
+        let text = links.clone() + &joint("j", kind, "a", "b", "") + &joint("k", "fixed", "b", "c", "");
+        let spec = read(&robot(&text));
+        spec.urdf_warnings()
+            .iter()
+            .filter(|warning| matches!(warning, UrdfWarning::Density { .. }))
+            .cloned()
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(found("revolute"), [UrdfWarning::Density { link: "b".to_owned() }]);
+    assert_eq!(found("fixed"), []);
+}
+
+#[test]
+fn a_mimic_can_name_a_joint_of_which_a_fixed_one_has_the_name() {
+    let links = link("a", "") + &link("b", "") + &link("c", "") + &link("d", "");
+    let joints = joint("k", "prismatic", "a", "b", "")
+        + &joint("k", "fixed", "a", "c", "")
+        + &joint("j", "revolute", "a", "d", "<mimic joint='k'/>");
+    assert_eq!(super::compiled(&robot(&(links + &joints))).neq(), 1);
+}
+
+#[test]
+fn numbers_in_messages_are_short() {
+    let limit = "<limit lower='1e300' upper='-1e300' effort='1e308' velocity='1e308'/>";
+    let urdf = robot(&(link("a", "") + &link("b", "") + &joint("j", "planar", "a", "b", limit)));
+    let spec = read(&urdf);
+    assert!(warnings(&urdf).iter().all(|text| text.len() < 100), "{:?}", warnings(&urdf));
+    for warning in spec.urdf_warnings() {
+        if let UrdfWarning::EffortLimit { joint, .. } = warning {
+            assert!(spec.joint(&joint[..]).is_ok(), "{joint}");
+        }
+    }
+}
+
 #[test]
 fn a_mass_without_moments_is_a_warning() {
     let b = "<link name='b'><inertial><mass value='2'/></inertial></link>";
@@ -83,22 +131,27 @@ fn what_is_ignored_is_a_warning() {
     let velocity = "joint 'j': the velocity limit 3 is ignored";
     let safety = "<safety_controller> in <joint> is ignored";
     let effort = "joint 'j': the effort limit 2 is ignored";
-    let unlimited = |list: &[&'static str]| {
+    let with_effort = |effort: &'static str, list: &[&'static str]| {
         let mut list = list.to_vec();
         if cfg!(not(engine_since = "3.0.0")) {
             list.push(effort);
         }
         list
     };
+    let unlimited = |list: &[&'static str]| with_effort(effort, list);
     assert_eq!(sorted(text("revolute", "")), with(&[]));
     assert_eq!(sorted(text("revolute", limit)), with(&unlimited(&[velocity, safety])));
     let continuous = "joint 'j' has no limits: it is continuous";
     assert_eq!(sorted(text("continuous", limit)), with(&unlimited(&[velocity, safety, continuous])));
+    let effort_of_planar = "joint 'j_TX': the effort limit 2 is ignored";
     let planar = [
         "joint 'j_TY' has no limits: the limits of a planar joint act along its first axis only",
         "joint 'j_RZ' has no limits: the limits of a planar joint act along its first axis only",
     ];
-    assert_eq!(sorted(text("planar", limit)), with(&unlimited(&[velocity, safety, planar[0], planar[1]])));
+    assert_eq!(
+        sorted(text("planar", limit)),
+        with(&with_effort(effort_of_planar, &[velocity, safety, planar[0], planar[1]]))
+    );
     let floating = "joint 'j' has no limits: it is floating";
     assert_eq!(sorted(text("floating", limit)), with(&[velocity, safety, floating, effort]));
     let empty = "joint 'j' has no limits: 'lower' is 1 and 'upper' is -1";
