@@ -79,8 +79,8 @@
 //! The meshes of `walker.urdf` are found
 //!
 //! - by their path relative to `meshdir` of its `<mujoco><compiler/></mujoco>`, by the last part of
-//!   the path in `meshdir` (first with `strippath="true"`; both precede packages too), by their path
-//!   relative to the URDF, and by the last part beside it,
+//!   the path in `meshdir` (first with `strippath="true"`; both precede packages too), by their
+//!   path relative to the URDF, and by the last part beside it,
 //! - by absolute paths and `file://`, with backslashes for slashes and `%20` for spaces,
 //! - by `package://name/…` in the directories that
 //!   [`LoadOptions`](crate::LoadOptions::with_package_path) states. Without one for the package, it
@@ -131,7 +131,8 @@
 //! - The orientation of an inertia counts. The readers of 3.1.6 and 3.5.0, for example, forget it;
 //!   those of 2.2.2, 3.16.0 and later do not.
 //! - What the reader rejects may load: capsules in 2.2.2, a mass without moments of inertia, limits
-//!   of a floating joint. A link `world` cannot be a child, and its inertia is not that of the world.
+//!   of a floating joint. A link `world` cannot be a child, and its inertia is not that of the
+//!   world.
 //! - A template (`<xacro:…>`) that was not expanded is an error. Readers ignore its elements.
 //!
 //! Angles are in radians (`angle="radian"`) and rotations are about fixed axes (`eulerseq="XYZ"`),
@@ -153,6 +154,6 @@
 //! ```
 //!
 //! Many files have inertias that no body can have, which the compiler rejects (`A + B >= C`). The
-//! settings `balanceinertia`, `boundmass` and `boundinertia` of the same section correct them. Robots
-//! with different values of these settings can be in one scene if all their links have an
+//! settings `balanceinertia`, `boundmass` and `boundinertia` of the same section correct them.
+//! Robots with different values of these settings can be in one scene if all their links have an
 //! `<inertial>`. Else set the values of one of them in all, before they are attached.

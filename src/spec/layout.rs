@@ -121,7 +121,8 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
             "position" => {
                 let given = tree.attribute(place, "timeconst").map(|text| text.trim().parse::<f64>().ok());
                 has_filter = given.map_or(has_filter, |time| time.map(|time| time != 0.0));
-                // Without a time constant, engines between these keep other dynamics of its classes.
+                // Without a time constant, engines between these keep other dynamics of its
+                // classes.
                 let replaces = cfg!(any(not(engine_since = "2.3.0"), engine_since = "3.17.0"));
                 let is_known = replaces || given.is_some() || state.activations == has_filter.map(usize::from);
                 State { activations: has_filter.filter(|_| is_known).map(usize::from), ..simple(0) }

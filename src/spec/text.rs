@@ -7,8 +7,8 @@ use super::{control, lenient, value};
 const MOST_NESTED: usize = 400;
 
 /// Parses a text. Returns the position and the reason if it is not XML. Like the engine's reader,
-/// it accepts references to control characters and the other forms of [`lenient`], and does not know
-/// namespaces: the prefix of a name is a part of it.
+/// it accepts references to control characters and the other forms of [`lenient`], and does not
+/// know namespaces: the prefix of a name is a part of it.
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
     let hidden = control::hide(text)?;
     let text = hidden.as_deref().unwrap_or(text);

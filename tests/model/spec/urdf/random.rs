@@ -142,9 +142,9 @@ impl Generator {
         if self.once_in(2) {
             // A root that is the world, and a part of the robot below it.
             content.push("<link name='world'/>".to_owned());
-            if self.once_in(2) {
-                let joint = joints.choose_mut(&mut self.0);
-                joint.into_iter().for_each(|joint| *joint = in_world(joint));
+            let is_below = self.once_in(2);
+            if let Some(joint) = joints.choose_mut(&mut self.0).filter(|_| is_below) {
+                *joint = in_world(joint);
             }
         }
         content.extend(joints);

@@ -93,9 +93,9 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.is_dir() {
-            found.extend(contents(&path))
+            found.extend(contents(&path));
         } else {
-            found.push((path.clone(), std::fs::read(path).unwrap_or_default()))
+            found.push((path.clone(), std::fs::read(path).unwrap_or_default()));
         }
     }
     found.sort();
