@@ -47,7 +47,7 @@ fn an_unknown_joint_type_is_an_error_that_lists_the_known_types() {
             " revolute",
             "\trevolute",
             "revolutе",
-            "spherical",
+            "Spherical",
             "ball",
             "hinge",
             "slide",
