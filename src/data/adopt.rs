@@ -86,18 +86,23 @@ impl Data {
     ///
     /// Other elements are the same if their names are: those of models from files or of unrelated
     /// specs, and those that `composite`, `flexcomp` and `attach` create. Those without names are
-    /// the same only if their order leaves no doubt: if both models have as many of them, in bodies
+    /// the same only if both models have as many of them, in bodies
     /// that are the same (joints and bodies) or in the whole model (others), and they agree one by
     /// one: joints in their types, bodies in the types of their joints and in being mocap bodies,
     /// actuators, equality constraints and sensors in their types and the elements to which they
     /// refer, tendons in the lengths of their paths. An instance of a plugin without a name is the
-    /// same if the body, actuator or sensor to which it belongs is. In a spec with `fusestatic` or
-    /// `attach`, elements without names may not be found in the model, and then count as new.
+    /// same if the body, actuator or sensor to which it belongs is. By this rule, two alike
+    /// elements without names that change places in a file take each other's state: name them.
+    ///
+    /// In a spec with `fusestatic` or with elements that create others (`replicate`, `attach`,
+    /// `composite`, `flexcomp`), elements without names may not be found in the model, and then
+    /// count as new after every edit.
     ///
     /// # Differences from `mj_recompile`
     ///
     /// The C function recompiles one `mjSpec`, and its elements are the same until they are
-    /// removed. That of 4.0.1 keeps the same values as this one.
+    /// removed, also without names beside elements that create others. Otherwise that of 4.0.1
+    /// keeps the same values as this one.
     ///
     /// # Errors
     ///

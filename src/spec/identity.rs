@@ -14,7 +14,8 @@ use crate::model::{Identities, Identity, Model};
 /// Element of a spec, and the number of the copy that each `replicate` around it makes.
 type Entry = (Index, Vec<usize>);
 
-/// Sections whose elements are in the model in the order of the text.
+/// Sections whose elements are in the model in the order of the text, unless the compiler copies
+/// some of them.
 const SECTIONS: [(Kind, &str); 4] =
     [(Kind::Equality, "equality"), (Kind::Tendon, "tendon"), (Kind::Actuator, "actuator"), (Kind::Sensor, "sensor")];
 
@@ -22,8 +23,10 @@ const SECTIONS: [(Kind, &str); 4] =
 pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
     let fuses = |compiler| spec.tree.attribute(compiler, "fusestatic").is_some_and(|value| value != "false");
     let fuses = spec.tree.sections("compiler").any(fuses);
+    let copies = |&index: &Index| matches!(spec.tree.tag(index), "replicate" | "attach");
+    let copies = spec.tree.descendants(Tree::ROOT).iter().any(copies);
     let identities = Identities::new(spec.lineages.of(Tree::ROOT));
-    let mut found = Found { spec, model, fuses, places: HashMap::new(), identities };
+    let mut found = Found { spec, model, fuses, copies, places: HashMap::new(), identities };
     found.bodies();
     for (kind, section) in SECTIONS {
         let sections = spec.tree.sections(section);
@@ -42,6 +45,8 @@ struct Found<'s> {
     model: &'s Model,
     /// The compiler fuses bodies without joints with their parents.
     fuses: bool,
+    /// The compiler copies elements of sections that refer to copies, and puts the copies last.
+    copies: bool,
     places: HashMap<Kind, Vec<Option<Identity>>>,
     identities: Identities,
 }
@@ -101,8 +106,12 @@ impl Found<'_> {
                     [model.name_at(kind, id), names::name(tree, entry.0)].map(Option::unwrap_or_default);
                 found.starts_with(name)
             };
-            let may_be_fused = kind == Kind::Body && self.fuses;
-            if free.len() == entries.len() && !may_be_fused && free.iter().zip(&entries).all(agrees) {
+            let has_order = match kind {
+                Kind::Body => !self.fuses,
+                Kind::Joint => true,
+                _ => !self.copies,
+            };
+            if free.len() == entries.len() && has_order && free.iter().zip(&entries).all(agrees) {
                 pairs.extend(free.into_iter().zip(entries));
             }
         }

@@ -12,11 +12,10 @@ pub(super) const VECTORS: [&str; 6] = ["qpos", "qvel", "act", "ctrl", "mpos", "m
 
 /// Attributes that do not determine how many values an element has: names, which attachments
 /// change, places and looks.
-const WITHOUT_VALUES: [&str; 25] = [
+const WITHOUT_VALUES: [&str; 23] = [
     "name",
     "class",
     "prefix",
-    "model",
     "instance",
     "joint",
     "jointinparent",
@@ -25,7 +24,6 @@ const WITHOUT_VALUES: [&str; 25] = [
     "refsite",
     "cranksite",
     "slidersite",
-    "body",
     "material",
     "rgba",
     "group",
@@ -79,18 +77,18 @@ fn makeup(tree: &Tree, index: Index) -> u64 {
 }
 
 fn of_actuators(tree: &Tree, vector: &str) -> Vec<Entry> {
-    // A model that is attached by an element can have actuators.
-    let mut entries: Vec<Entry> = tree
-        .descendants(Tree::ROOT)
-        .into_iter()
-        .filter(|&index| tree.tag(index) == "attach")
-        .map(|index| entry(tree, index, Vec::new(), None))
-        .collect();
+    let elements = tree.descendants(Tree::ROOT);
+    // The compiler copies an actuator of an element in a `replicate`, and puts the copies last.
+    let has_copies = elements.iter().any(|&index| tree.tag(index) == "replicate");
+    let mut entries = Vec::new();
     for index in tree.sections("actuator").flat_map(|section| tree.children(section)).copied() {
         let (activations, controls) = widths(tree, index);
         let width = if vector == "act" { activations } else { controls };
-        entries.push(entry(tree, index, Vec::new(), width));
+        entries.push(entry(tree, index, Vec::new(), width.filter(|_| !has_copies)));
     }
+    // A model that is attached by an element can have actuators, which come last.
+    let attached = elements.into_iter().filter(|&index| tree.tag(index) == "attach");
+    entries.extend(attached.map(|index| entry(tree, index, Vec::new(), None)));
     entries
 }
 

@@ -477,3 +477,19 @@ fn plastic_deformations_follow_their_elements() {
         assert_eq!(after[range.clone()], expected[range]);
     }
 }
+
+/// The compiler puts the copies of an actuator behind the others.
+#[cfg(engine_since = "3.17.0")]
+#[test]
+fn controls_beside_copies_are_not_confused() {
+    let text = "<mujoco><worldbody><replicate count='1' offset='0 1 0'><body name='b'><joint name='j'/><geom size='.1'/></body></replicate>
+           <body><joint name='k'/><geom size='.1'/></body></worldbody>
+         <actuator><motor joint='j' gear='1'/><motor joint='k' gear='2'/></actuator></mujoco>";
+    let mut spec = Spec::from_xml_str(text).unwrap();
+    let mut data = Data::new(spec.compile().unwrap()).unwrap();
+    data.ctrl_mut().copy_from_slice(&[22.0, 11.0]);
+    let of_k = spec.ids::<mujoco_safe::kind::Actuator>()[1];
+    spec.remove(of_k).unwrap();
+    let _ = data.adopt(spec.compile().unwrap()).unwrap();
+    assert_ne!(data.ctrl(), [22.0]);
+}

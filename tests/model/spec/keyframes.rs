@@ -240,6 +240,25 @@ fn values_follow_the_copies_of_elements() {
     key(&spec.compile().unwrap(), "home", &[3.0, 5.0, 0.0, 6.0], &[3.0, 5.0, 0.0, 6.0], &[]);
 }
 
+/// The compiler puts the copies of an actuator behind the others, so that no edit may move their
+/// values.
+#[cfg(engine_since = "3.17.0")]
+#[test]
+fn controls_beside_copies_stay_or_are_an_error() {
+    let mut spec = parse(
+        "<mujoco><worldbody><replicate count='1' offset='0 1 0'><body name='b'><joint name='j'/><geom size='.1'/></body></replicate>
+           <body><joint name='k'/><geom size='.1'/></body></worldbody>
+         <actuator><motor joint='j' gear='1'/><motor name='m' joint='k' gear='2'/></actuator>
+         <keyframe><key name='home' ctrl='22 11'/></keyframe></mujoco>",
+    );
+    let model = spec.compile().unwrap();
+    assert_eq!([model.actuator_gear()[0][0], model.actuator_gear()[1][0]], [2.0, 1.0]);
+    assert_eq!(model.keyframe("home").unwrap().ctrl(), [22.0, 11.0]);
+    let removed = spec.actuator("m").unwrap().id();
+    spec.remove(removed).unwrap();
+    assert!(spec.compile().unwrap_err().to_string().contains("'ctrl' of key 'home'"));
+}
+
 /// These have two and three controls.
 #[cfg(engine_since = "4.0.0")]
 #[test]
