@@ -18,7 +18,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::Parser;
-use common::{command_line, servo_arm};
+use common::{command_line, parts};
 use mujoco_safe::Data;
 use mujoco_safe::enums::{GeomType, TextureType};
 use mujoco_safe::spec::{Mount, Spec, TexturePattern};
@@ -77,18 +77,12 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
 /// Builds the model.
 fn workcell() -> Result<Spec, mujoco_safe::Error> {
-    let arm = servo_arm::spec()?;
+    let arm = parts::servo_arm()?;
     let mut spec = Spec::new("workcell");
     spec.section_mut("option")?.set("timestep", 0.002)?.set("integrator", "implicit")?;
     spec.section_mut("visual")?.child_mut("headlight")?.set("ambient", [0.3; 3])?.set("diffuse", [0.25; 3])?;
     spec.section_mut("visual")?.child_mut("rgba")?.set("haze", [0.85, 0.9, 0.95, 1.0])?;
-    spec.add_texture()
-        .set_name("sky")
-        .set_type(TextureType::Skybox)
-        .set_builtin(TexturePattern::Gradient)
-        .set_width(64)
-        .set_height(384);
-    spec.texture_mut("sky")?.set_rgb1([0.85, 0.9, 0.95]).set_rgb2([0.5, 0.62, 0.75]);
+    parts::add_sky(&mut spec, [0.85, 0.9, 0.95], [0.5, 0.62, 0.75])?;
     spec.add_texture()
         .set_name("checks")
         .set_type(TextureType::Flat)

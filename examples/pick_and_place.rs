@@ -18,11 +18,11 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 use clap::Parser;
-use common::{command_line, servo_arm};
-use mujoco_safe::enums::{GeomType, TextureType};
+use common::{command_line, parts};
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Renderer, RgbImage};
-use mujoco_safe::spec::{ActuatorElement, Mount, Spec, TexturePattern};
+use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
 use mujoco_safe::{Data, Result};
 
 /// Place of the arm on the table, m.
@@ -214,13 +214,7 @@ fn workcell() -> Result<Spec> {
     let mut spec = Spec::new("cell");
     spec.section_mut("option")?.set("timestep", 0.002)?.set("integrator", "implicit")?;
     spec.section_mut("visual")?.child_mut("headlight")?.set("ambient", [0.35; 3])?.set("diffuse", [0.3; 3])?;
-    spec.add_texture()
-        .set_name("sky")
-        .set_type(TextureType::Skybox)
-        .set_builtin(TexturePattern::Gradient)
-        .set_width(64)
-        .set_height(384);
-    spec.texture_mut("sky")?.set_rgb1([0.9, 0.93, 0.96]).set_rgb2([0.55, 0.66, 0.78]);
+    parts::add_sky(&mut spec, [0.9, 0.93, 0.96], [0.55, 0.66, 0.78])?;
     let world = spec.world();
     spec.add_light(world).set_pos([1.0, -1.0, 2.5]).set_dir([-0.3, 0.3, -1.0]).set_diffuse([0.5; 3]);
     spec.add_camera(world)
@@ -228,7 +222,7 @@ fn workcell() -> Result<Spec> {
         .set_pos([1.15, -0.55, 0.85])
         .set_xyaxes([0.5, 0.86, 0.0, -0.42, 0.24, 0.87]);
     spec.add_geom(world).set_type(GeomType::Plane).set_size(&[1.5, 1.5, 0.1]).set_rgba([0.72, 0.62, 0.5, 1.0]);
-    spec.attach(&servo_arm::spec()?, Mount::body(world).with_pos([ARM[0], ARM[1], 0.0]), "arm_")?;
+    spec.attach(&parts::servo_arm()?, Mount::body(world).with_pos([ARM[0], ARM[1], 0.0]), "arm_")?;
 
     let mut shuttle = Spec::from_xml_str(SHUTTLE)?;
     shuttle

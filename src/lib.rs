@@ -140,6 +140,8 @@ mod version;
 pub mod viewer;
 #[cfg(all(feature = "viewer", target_os = "linux"))]
 mod x11;
+#[cfg(any(feature = "mjz", feature = "npz"))]
+mod zip_file;
 
 mod generated;
 

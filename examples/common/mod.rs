@@ -1,5 +1,5 @@
 //! Code shared by the examples: command line, charts, the viewer window, plans in the viewer, a
-//! balancing humanoid, the cost of standing, and an arm with servos.
+//! balancing humanoid, the cost of standing, and parts of scenes.
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 
@@ -7,6 +7,6 @@ pub mod balance;
 pub mod chart;
 pub mod command_line;
 pub mod live_plan;
-pub mod servo_arm;
+pub mod parts;
 pub mod standing;
 pub mod window;

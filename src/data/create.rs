@@ -41,15 +41,11 @@ impl Data {
     #[cfg(engine_since = "2.3.0")]
     fn with_plugin_states(mut self) -> Self {
         let model = self.model.clone();
-        // SAFETY: the engine allocated the array with this length, and `self` is owned.
-        let states = unsafe { ffi::array_mut(self.raw_mut().plugin_state, ffi::size(model.raw().npluginstate)) };
-        for (instance, &slot) in model.plugin().iter().enumerate() {
+        for ((_, instance), (place, _)) in model.plugin_parts() {
             // SAFETY: the function returns a registered plugin, which is never removed, or null.
-            let plugin = unsafe { mujoco_sys::mjp_getPluginAtSlot(slot).as_ref() };
+            let plugin = unsafe { mujoco_sys::mjp_getPluginAtSlot(model.plugin()[instance]).as_ref() };
             if plugin.is_some_and(|plugin| plugin.reset.is_none()) {
-                let [first, number] =
-                    [model.plugin_stateadr()[instance], model.plugin_statenum()[instance]].map(ffi::size);
-                states[first..first + number].fill(0.0);
+                self.plugin_state_values_mut()[place].fill(0.0);
             }
         }
         self

@@ -12,16 +12,10 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::MAGIC;
-use crate::file;
+use crate::zip_file::{self, MAX_EXPANSION};
 
 /// Maximum length of a header, bytes. Headers of plain numeric arrays are short.
 const MAX_HEADER: u32 = 1 << 16;
-
-/// Unpacked size of all arrays that is allowed for a file of any size, bytes.
-const MIN_LIMIT: u64 = 64 << 20;
-/// Ratio of unpacked size to file size that is always allowed. Simulation data rarely compress to
-/// less than a tenth; a file that expands a thousandfold is a decompression bomb.
-const MAX_EXPANSION: u64 = 100;
 
 /// Error text for an array whose length disagrees with its shape.
 const LENGTH_MISMATCH: &str = "has a length that disagrees with its shape";
@@ -36,9 +30,7 @@ pub(crate) struct Archive {
 impl Archive {
     /// Opens a regular file whose arrays have different names.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
-        let file = file::open_regular(path)?;
-        let allowed = file.metadata()?.len().saturating_mul(MAX_EXPANSION).max(MIN_LIMIT);
-        let archive = ZipArchive::new(BufReader::new(file))?;
+        let (archive, allowed) = zip_file::open(path)?;
         if archive.has_duplicate_names() {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "two arrays have the same name"));
         }

@@ -1,27 +1,24 @@
 //! Archives of a model and its files, MuJoCo's `.mjz`.
 
 use std::fs::{self, File};
-use std::io::{self, BufReader, Read, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tempfile::TempDir;
+use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
-use zip::{ZipArchive, ZipWriter};
 
 use super::Spec;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::model::LoadOptions;
+use crate::zip_file;
 
 /// The model in an archive.
 const MODEL: &str = "model.xml";
 /// Largest number of files in an archive.
 const MOST_FILES: usize = 10_000;
-/// Unpacked size that is allowed for an archive of any size, bytes.
-const MIN_LIMIT: u64 = 64 << 20;
-/// Ratio of unpacked size to file size that is always allowed. Meshes in text compress to a tenth.
-const MAX_EXPANSION: u64 = 100;
 
 /// # Archives
 ///
@@ -87,9 +84,7 @@ impl Spec {
 /// Unpacks an archive to a new directory. Returns the directory and the path of the model.
 fn unpack(path: &Path) -> io::Result<(TempDir, PathBuf)> {
     let invalid = |text: String| io::Error::new(io::ErrorKind::InvalidData, text);
-    let file = file::open_regular(path)?;
-    let mut allowed = file.metadata()?.len().saturating_mul(MAX_EXPANSION).max(MIN_LIMIT);
-    let mut archive = ZipArchive::new(BufReader::new(file))?;
+    let (mut archive, mut allowed) = zip_file::open(path)?;
     if archive.len() > MOST_FILES {
         return Err(invalid(format!("has {} files, and at most {MOST_FILES} are allowed", archive.len())));
     }

@@ -105,8 +105,8 @@ fn widths(tree: &Tree, index: Index) -> (Option<usize>, Option<usize>) {
     let simple = |activations| State { activations: Some(activations), controls: Some(1), dimension: None };
     let unknown = State { activations: None, controls: None, dimension: None };
     let mut state = simple(0);
-    // Whether a `position` without a time constant has the filter of its classes. Unknown after
-    // other elements, which keep a part of it that depends on the engine.
+    // `Some(true)` if a `position` without a time constant inherits a filter from its classes.
+    // `None` after an element that removes the filter in some engines only.
     let mut has_filter = Some(false);
     let mut is_general = true;
     for place in super::attach::defaults_of(tree, index).into_iter().chain([index]) {

@@ -182,7 +182,7 @@ pub struct Spec {
     own_class: Option<Index>,
     /// Elements in the world, in bodies and in sections that attachments have copied.
     attached: HashSet<Index>,
-    /// What the spec does not have of the URDF from which it was read.
+    /// Warnings about the URDF from which the spec was read.
     warnings: Vec<UrdfWarning>,
     /// Directories with the files of archives, which are removed with the last spec that has them.
     unpacked: Vec<Arc<TempDir>>,

@@ -96,7 +96,7 @@ fn add_bodies(
     warnings: &mut Vec<UrdfWarning>,
 ) -> Result<()> {
     let world = mjcf.add(Tree::ROOT, "worldbody");
-    let has_effort = has_effort(mjcf)?;
+    let has_effort = has_effort()?;
     let mut bodies = vec![world; links.all.len()];
     // The root to which a link is fixed, and the mass that is fixed to each root.
     let mut roots: Vec<Option<usize>> = vec![None; links.all.len()];
@@ -144,7 +144,7 @@ fn add_bodies(
             add(mjcf, bodies[number], "geom", attributes);
         }
     }
-    // What a joint fixes to the link 'world' is fixed on purpose.
+    // A joint to the link 'world' says that its child does not move.
     let fixed = (0..masses.len()).filter(|&root| fuses && masses[root] > 0.0 && !links.all[root].is_world());
     warnings.extend(
         fixed.map(|number| UrdfWarning::FixedMass { link: links.all[number].name.to_owned(), mass: masses[number] }),
@@ -153,8 +153,8 @@ fn add_bodies(
 }
 
 /// Returns `true` if the engine limits the forces of joints.
-fn has_effort(mjcf: &Tree) -> Result<bool> {
-    let mut tree = mjcf.clone();
+fn has_effort() -> Result<bool> {
+    let mut tree = Tree::new("mujoco");
     let world = tree.section("worldbody");
     let body = tree.add(world, "body");
     let joint = tree.add(body, "joint");

@@ -1,10 +1,11 @@
-//! The arm of `models/arm.xml` as a part of a scene, with position servos.
+//! Parts of scenes that programs build: the arm of `models/arm.xml` with servos, and a sky.
 
+use mujoco_safe::enums::TextureType;
 use mujoco_safe::kind;
-use mujoco_safe::spec::{ActuatorElement, Spec};
+use mujoco_safe::spec::{ActuatorElement, Spec, TexturePattern};
 
 /// Returns the arm without light, floor and target, and with a servo in place of each motor.
-pub fn spec() -> mujoco_safe::Result<Spec> {
+pub fn servo_arm() -> mujoco_safe::Result<Spec> {
     let mut arm = Spec::from_xml_str(include_str!("../../models/arm.xml"))?;
     let light = arm.ids::<kind::Light>()[0].any();
     for id in [arm.geom("floor")?.id().any(), arm.body("target")?.id().any(), light] {
@@ -21,4 +22,16 @@ pub fn spec() -> mujoco_safe::Result<Spec> {
             .set_ctrlrange([-3.0, 3.0]);
     }
     Ok(arm)
+}
+
+/// Adds a sky with these colours at the horizon and above.
+pub fn add_sky(spec: &mut Spec, horizon: [f32; 3], zenith: [f32; 3]) -> mujoco_safe::Result<()> {
+    spec.add_texture()
+        .set_name("sky")
+        .set_type(TextureType::Skybox)
+        .set_builtin(TexturePattern::Gradient)
+        .set_width(64)
+        .set_height(384);
+    spec.texture_mut("sky")?.set_rgb1(horizon).set_rgb2(zenith);
+    Ok(())
 }
