@@ -292,6 +292,16 @@ size_t mujoco_sys_pluginStateLength(const mjModel* m) {
 #endif
 }
 
+int mujoco_sys_pluginHasReset(const mjModel* m, int instance) {
+#if mjVERSION_HEADER >= 230
+  const mjpPlugin* plugin = mjp_getPluginAtSlot(m->plugin[instance]);
+  return plugin == NULL || plugin->reset != NULL;
+#else
+  (void)m, (void)instance;
+  return 1;
+#endif
+}
+
 mjtNum* mujoco_sys_plastic(const mjData* d) {
 #if mjVERSION_HEADER >= 4000000
   return d->plastic;

@@ -166,6 +166,10 @@ size_t mujoco_sys_pluginStateLength(const mjModel* m);
 mjtNum* mujoco_sys_plastic(const mjData* d);
 size_t mujoco_sys_plasticLength(const mjModel* m);
 
+// True if an instance of a plugin has a function that resets its state. Otherwise the engine leaves
+// the state as it finds the memory.
+int mujoco_sys_pluginHasReset(const mjModel* m, int instance);
+
 // Geom, or flex with an element or a vertex, on one side of a contact; -1 for none.
 struct mujoco_sys_contact_side {
   int geom;

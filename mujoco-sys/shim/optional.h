@@ -34,6 +34,7 @@
 #pragma weak mj_resetCtrl
 #pragma weak mj_setKeyframe
 #pragma weak mj_stackAllocNum
+#pragma weak mjp_getPluginAtSlot
 #pragma weak mju_mulMatTVec3
 #pragma weak mju_mulMatVec3
 #pragma weak mju_rayFlex

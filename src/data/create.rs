@@ -1,10 +1,11 @@
 //! Creation and copies of simulations, and their model.
 
+use std::ffi::c_int;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use mujoco_sys::{guard, mjData};
+use mujoco_sys::{adapted, guard, mjData};
 
 use super::{ActiveCallbacks, Data, PipelineFlags, warning};
 use crate::error::{Error, Outcome, Result};
@@ -30,21 +31,16 @@ impl Data {
         // SAFETY: a valid model, and a valid pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
         // SAFETY: the engine made it for this model.
-        let data = unsafe { Self::from_raw(made, model) };
-        #[cfg(engine_since = "2.3.0")]
-        let data = data.map(Self::with_plugin_states);
-        data
+        unsafe { Self::from_raw(made, model) }.map(Self::with_plugin_states)
     }
 
     /// Clears the states of plugins that have no function that resets them: the engine leaves them
     /// as it finds the memory.
-    #[cfg(engine_since = "2.3.0")]
     fn with_plugin_states(mut self) -> Self {
         let model = self.model.clone();
         for ((_, instance), (place, _)) in model.plugin_parts() {
-            // SAFETY: the function returns a registered plugin, which is never removed, or null.
-            let plugin = unsafe { mujoco_sys::mjp_getPluginAtSlot(model.plugin()[instance]).as_ref() };
-            if plugin.is_some_and(|plugin| plugin.reset.is_none()) {
+            // SAFETY: an instance of the model, whose plugin is registered and never removed.
+            if unsafe { adapted::plugin_has_reset(model.as_ptr(), instance as c_int) } == 0 {
                 self.plugin_state_values_mut()[place].fill(0.0);
             }
         }
