@@ -271,8 +271,8 @@ adapted! {
     mujoco_sys_pluginState = plugin_state(d: *const mjData) -> *mut mjtNum;
     /// Returns the length of the state of the plugins, `npluginstate`.
     mujoco_sys_pluginStateLength = plugin_state_len(m: *const mjModel) -> usize;
-    /// Returns 1 if an instance of a plugin has a function that resets its state, else 0: the engine
-    /// then leaves the state as it finds the memory.
+    /// Returns 1 if an instance of a plugin has a function that resets its state, else 0: the
+    /// engine then leaves the state as it finds the memory.
     mujoco_sys_pluginHasReset = plugin_has_reset(m: *const mjModel, instance: c_int) -> c_int;
     /// Returns the plastic deformation of the flexes (`plastic`, since 4.0), or null.
     mujoco_sys_plastic = plastic(d: *const mjData) -> *mut mjtNum;
