@@ -94,15 +94,20 @@ impl Data {
     /// same if the body, actuator or sensor to which it belongs is. By this rule, two alike
     /// elements without names that change places in a file take each other's state: name them.
     ///
-    /// In a spec with `fusestatic` or with elements that create others (`replicate`, `attach`,
-    /// `composite`, `flexcomp`), elements without names may not be found in the model, and then
-    /// count as new after every edit.
+    /// The compiler does not say which elements of a spec are those of the model, so some count as
+    /// new although they are not:
+    ///
+    /// - bodies and joints without names of a spec with `fusestatic`, or in a body with elements
+    ///   that create others (`attach`, `composite`, `flexcomp`);
+    /// - actuators, equality constraints, sensors and tendons without names, if there are elements
+    ///   that create others (also `replicate`) and another one of their kind without a name is
+    ///   added or removed;
+    /// - those that refer to copies of a `replicate`, if they are renamed.
     ///
     /// # Differences from `mj_recompile`
     ///
     /// The C function recompiles one `mjSpec`, and its elements are the same until they are
-    /// removed, also without names beside elements that create others. Otherwise that of 4.0.1
-    /// keeps the same values as this one.
+    /// removed, also in these cases. Otherwise that of 4.0.1 keeps the same values as this one.
     ///
     /// # Errors
     ///

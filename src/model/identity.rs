@@ -1,6 +1,6 @@
 //! Identities of the elements of a model that was compiled from a spec.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use crate::id::Lineage;
 use crate::kind::Kind;
@@ -25,14 +25,15 @@ pub(crate) struct Identity {
 pub(crate) struct Identities {
     /// Lineage of the spec. Clones have the same.
     pub(crate) spec: Lineage,
-    /// Kinds with elements of the spec that are not found in the model.
-    pub(crate) incomplete: HashSet<Kind>,
     elements: HashMap<Kind, Vec<Option<Identity>>>,
+    /// Elements of the spec by which the model may have others without identity, by their kinds and
+    /// names, which are empty for those without one.
+    sources: HashMap<Kind, HashMap<String, Vec<Identity>>>,
 }
 
 impl Identities {
     pub(crate) fn new(spec: Lineage) -> Self {
-        Self { spec, incomplete: HashSet::new(), elements: HashMap::new() }
+        Self { spec, elements: HashMap::new(), sources: HashMap::new() }
     }
 
     /// Sets the identities of all elements of a kind; `None` for elements that are not in the spec.
@@ -42,5 +43,19 @@ impl Identities {
 
     pub(crate) fn get(&self, kind: Kind, index: usize) -> Option<&Identity> {
         self.elements.get(&kind)?.get(index)?.as_ref()
+    }
+
+    /// Adds an element of the spec of which the model may have copies, or which is not found in it.
+    pub(crate) fn insert_source(&mut self, kind: Kind, name: Option<&str>, identity: Identity) {
+        let names = self.sources.entry(kind).or_default();
+        names.entry(name.unwrap_or_default().to_owned()).or_default().push(identity);
+    }
+
+    /// Returns the elements of the spec of which an element of the model without identity may be one
+    /// or a copy: those without a name, or those with whose name its name begins.
+    pub(crate) fn sources(&self, kind: Kind, name: Option<&str>) -> Vec<&Identity> {
+        let Some(names) = self.sources.get(&kind) else { return Vec::new() };
+        let prefixes = name.map_or(vec![""], |name| (1..=name.len()).filter_map(|end| name.get(..end)).collect());
+        prefixes.into_iter().filter_map(|prefix| names.get(prefix)).flatten().collect()
     }
 }

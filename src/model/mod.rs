@@ -47,7 +47,7 @@ pub(crate) use self::addressing::CheckedEdit;
 pub use self::adoption::{Adoption, ChangedElement};
 pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
-pub(crate) use self::identity::{Identities, Identity};
+pub(crate) use self::identity::{IDENTIFIED, Identities, Identity};
 pub use self::load::LoadOptions;
 pub(crate) use self::load::TEXT;
 pub(crate) use self::number::NumberArray;

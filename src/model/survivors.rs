@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use super::Model;
-use super::identity::{IDENTIFIED, Identities};
+use super::identity::IDENTIFIED;
 use crate::enums::EqualityType;
 use crate::ffi;
 use crate::kind::Kind;
@@ -79,16 +79,22 @@ impl<'m> Survivors<'m> {
         };
         let name = |index: usize| Some((old.name_at(kind, index)?, index));
         let names: HashMap<&str, usize> = (0..old.count(kind)).filter_map(name).collect();
+        // Elements without identities may be copies of elements of the specs, which must be the same.
+        let have_same_sources =
+            |name: Option<&str>| identities.is_none_or(|(old, new)| old.sources(kind, name) == new.sources(kind, name));
         for index in 0..new.count(kind) {
-            let origin = new.name_at(kind, index).and_then(|name| names.get(name));
-            if let Some(&origin) = origin.filter(|&&origin| !are_distinct(index, origin)) {
+            let Some((name, &origin)) = new.name_at(kind, index).and_then(|name| names.get_key_value(name)) else {
+                continue;
+            };
+            if !are_distinct(index, origin) && have_same_sources(Some(name)) {
                 pairing.join(index, origin);
             }
         }
         self.origins.insert(kind, pairing.origins);
-        // The order of elements that are not found in a model says nothing.
-        let is_complete = |identities: &Identities| !identities.incomplete.contains(&kind);
-        if identities.is_none_or(|(old, new)| is_complete(old) && is_complete(new)) {
+        // Which bodies the compiler fuses depends on more than the elements of the spec.
+        let is_fixed = !matches!(kind, Kind::Body | Kind::Joint);
+        let all_are_found = identities.is_none_or(|(old, _)| old.sources(kind, None).is_empty());
+        if have_same_sources(None) && (is_fixed || all_are_found) {
             self.find_unnamed(kind, &pairing.is_taken, &are_distinct);
         }
         #[cfg(engine_since = "2.3.0")]
@@ -159,7 +165,13 @@ impl<'m> Survivors<'m> {
                     joint_types(a, new) == joint_types(b, old)
                         && (a.body_mocapid()[new] < 0) == (b.body_mocapid()[old] < 0)
                 }
-                Kind::Tendon => a.tendon_num()[new] == b.tendon_num()[old],
+                Kind::Tendon => {
+                    let [new, old] = [path(a, new), path(b, old)];
+                    let are_alike = |(&(form, new), (other, old)): (&(i32, i32), &(i32, i32))| {
+                        form == *other && refers_alike(kind_of_wrap(form), new, *old)
+                    };
+                    new.len() == old.len() && new.iter().zip(&old).all(are_alike)
+                }
                 #[cfg(engine_since = "3.0.0")]
                 Kind::Flex => a.flex_vertnum()[new] == b.flex_vertnum()[old],
                 Kind::Actuator => {
@@ -185,9 +197,15 @@ impl<'m> Survivors<'m> {
                         && refers_alike(target, a.eq_obj2id()[new], b.eq_obj2id()[old])
                 }
                 Kind::Sensor => {
-                    let target = a.sensor_objtype()[new];
-                    target == b.sensor_objtype()[old]
+                    let (target, reference) = (a.sensor_objtype()[new], a.sensor_reftype()[new]);
+                    #[cfg(engine_since = "3.3.5")]
+                    let have_same_numbers = a.sensor_intprm().row(new) == b.sensor_intprm().row(old);
+                    #[cfg(not(engine_since = "3.3.5"))]
+                    let have_same_numbers = true;
+                    (target, reference) == (b.sensor_objtype()[old], b.sensor_reftype()[old])
+                        && have_same_numbers
                         && refers_alike(kind_of(target), a.sensor_objid()[new], b.sensor_objid()[old])
+                        && refers_alike(kind_of(reference), a.sensor_refid()[new], b.sensor_refid()[old])
                 }
                 // Plugins are paired by the elements to which they belong.
                 Kind::Plugin => false,
@@ -253,6 +271,23 @@ fn target(transmission: i32) -> Option<Kind> {
         mujoco_sys::mjTRN_TENDON => Some(Kind::Tendon),
         mujoco_sys::mjTRN_SITE | mujoco_sys::mjTRN_SLIDERCRANK => Some(Kind::Site),
         mujoco_sys::mjTRN_BODY => Some(Kind::Body),
+        _ => None,
+    }
+}
+
+/// Returns the types of the parts of a tendon's path, and the elements to which they refer.
+fn path(model: &Model, tendon: usize) -> Vec<(i32, i32)> {
+    let parts = ffi::size(model.tendon_adr()[tendon])..;
+    let parts = parts.take(ffi::size(model.tendon_num()[tendon]));
+    parts.map(|part| (model.wrap_type()[part], model.wrap_objid()[part])).collect()
+}
+
+/// Returns the kind of the element to which a part of a tendon's path refers.
+fn kind_of_wrap(form: i32) -> Option<Kind> {
+    match form as u32 {
+        mujoco_sys::mjWRAP_JOINT => Some(Kind::Joint),
+        mujoco_sys::mjWRAP_SITE => Some(Kind::Site),
+        mujoco_sys::mjWRAP_SPHERE | mujoco_sys::mjWRAP_CYLINDER => Some(Kind::Geom),
         _ => None,
     }
 }

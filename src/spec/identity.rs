@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use super::tree::{Index, Tree};
 use super::{Spec, layout, names};
 use crate::kind::Kind;
-use crate::model::{Identities, Identity, Model};
+use crate::model::{IDENTIFIED, Identities, Identity, Model};
 
 /// Element of a spec, and the number of the copy that each `replicate` around it makes.
 type Entry = (Index, Vec<usize>);
@@ -26,12 +26,18 @@ pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
     let copies = |&index: &Index| matches!(spec.tree.tag(index), "replicate" | "attach");
     let copies = spec.tree.descendants(Tree::ROOT).iter().any(copies);
     let identities = Identities::new(spec.lineages.of(Tree::ROOT));
-    let mut found = Found { spec, model, fuses, copies, places: HashMap::new(), identities };
+    let mut found = Found { spec, model, fuses, copies, places: HashMap::new(), missed: HashSet::new(), identities };
     found.bodies();
     for (kind, section) in SECTIONS {
         let sections = spec.tree.sections(section);
-        let entries = sections.flat_map(|section| spec.tree.children(section)).map(|&index| (index, Vec::new()));
-        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), entries.collect());
+        let entries: Vec<Entry> =
+            sections.flat_map(|section| spec.tree.children(section)).map(|&index| (index, Vec::new())).collect();
+        // Those without names are known by their order as long as the others are the same.
+        entries
+            .iter()
+            .filter(|(index, _)| names::name(&spec.tree, *index).is_none())
+            .for_each(|entry| found.miss(entry.0));
+        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), entries);
     }
     let Found { places, mut identities, .. } = found;
     for (kind, places) in places {
@@ -48,6 +54,8 @@ struct Found<'s> {
     /// The compiler copies elements of sections that refer to copies, and puts the copies last.
     copies: bool,
     places: HashMap<Kind, Vec<Option<Identity>>>,
+    /// Elements that may not be found, or of which a copy may not.
+    missed: HashSet<Index>,
     identities: Identities,
 }
 
@@ -66,8 +74,7 @@ impl Found<'_> {
             let mut elements = Vec::new();
             for (place, copies) in places {
                 let Some(found) = layout::elements(tree, place, &copies, &mut left) else {
-                    self.identities.incomplete.extend([Kind::Body, Kind::Joint]);
-                    return;
+                    return self.miss(Tree::ROOT);
                 };
                 elements.extend(found);
             }
@@ -87,10 +94,9 @@ impl Found<'_> {
         let (tree, model) = (&self.spec.tree, self.model);
         let named: HashMap<&str, usize> = ids.iter().filter_map(|&id| Some((model.name_at(kind, id)?, id))).collect();
         let mut pairs = Vec::new();
-        let count = entries.len();
         // Elements without names, and copies, to whose names the compiler appends their numbers.
         let mut others = [Vec::new(), Vec::new()];
-        for entry in entries {
+        for entry in &entries {
             match names::name(tree, entry.0) {
                 Some(name) if entry.1.is_empty() => pairs.extend(named.get(name).map(|&id| (id, entry))),
                 name => others[usize::from(name.is_some())].push(entry),
@@ -101,7 +107,7 @@ impl Found<'_> {
             let is_free =
                 |id: &&usize| !taken.contains(id) && usize::from(model.name_at(kind, **id).is_some()) == has_name;
             let free: Vec<usize> = ids.iter().filter(is_free).copied().collect();
-            let agrees = |(&id, entry): (&usize, &Entry)| {
+            let agrees = |(&id, entry): (&usize, &&Entry)| {
                 let [found, name] =
                     [model.name_at(kind, id), names::name(tree, entry.0)].map(Option::unwrap_or_default);
                 found.starts_with(name)
@@ -115,19 +121,33 @@ impl Found<'_> {
                 pairs.extend(free.into_iter().zip(entries));
             }
         }
-        if pairs.len() < count {
-            // Nor are the elements of a body that is not found.
-            let joints = (kind == Kind::Body).then_some(Kind::Joint);
-            self.identities.incomplete.extend(joints.into_iter().chain([kind]));
-        }
+        let found: HashSet<&Entry> = pairs.iter().map(|&(_, entry)| entry).collect();
+        entries.iter().filter(|entry| !found.contains(entry)).for_each(|entry| self.miss(entry.0));
+        let pairs: Vec<_> = pairs.into_iter().map(|(id, entry)| (id, entry.clone())).collect();
         for (id, entry) in &pairs {
             self.put(kind, *id, entry.clone());
         }
         pairs
     }
 
+    /// Notes an element that may not be found in the model, and all that it contains.
+    fn miss(&mut self, index: Index) {
+        let tree = &self.spec.tree;
+        for element in tree.descendants(index) {
+            let kind = names::kind(tree, element).filter(|kind| IDENTIFIED.contains(kind));
+            if let Some(kind) = kind.filter(|_| self.missed.insert(element)) {
+                let identity = self.identity(element, Vec::new());
+                self.identities.insert_source(kind, names::name(tree, element), identity);
+            }
+        }
+    }
+
+    fn identity(&self, index: Index, copies: Vec<usize>) -> Identity {
+        Identity { lineage: self.spec.lineages.of(index), number: index, copies }
+    }
+
     fn put(&mut self, kind: Kind, id: usize, (index, copies): Entry) {
-        let identity = Identity { lineage: self.spec.lineages.of(index), number: index, copies };
+        let identity = self.identity(index, copies);
         let count = self.model.count(kind);
         self.places.entry(kind).or_insert_with(|| vec![None; count])[id] = Some(identity);
     }

@@ -1,6 +1,8 @@
 //! Simulations that adopt edited models: the state of surviving elements, and unchanged models.
 
 mod cases;
+#[cfg(engine_since = "3.2.0")]
+mod copies;
 mod random;
 mod unchanged;
 

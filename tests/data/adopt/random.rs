@@ -6,7 +6,8 @@
 use std::collections::HashMap;
 
 use mujoco_safe::enums::JointType;
-use mujoco_safe::kind::{Actuator, Body, Equality, Joint, Sensor};
+use mujoco_safe::kind::{Actuator, Body, Equality, Joint, Kind, Sensor};
+use mujoco_safe::model::Adoption;
 use mujoco_safe::spec::{ActuatorElement, ElementId, Mount, Spec};
 use mujoco_safe::{Data, Model, StateSpec};
 use rand::{RngExt, SeedableRng};
@@ -17,11 +18,13 @@ use super::super::random_text::RandomText;
 use super::DELAY;
 
 type Rng = Xoshiro256PlusPlus;
-/// Kind of an element, and the bits of its number.
-type Key = (&'static str, u64);
+/// Kind of an element, the bits of its number, and the number of the copy that a `replicate` makes.
+type Key = (Kind, u64, usize);
 
 /// State of an element.
 struct Element {
+    /// Index in the model.
+    index: usize,
     name: Option<String>,
     /// Type of a joint or a sensor.
     form: i32,
@@ -32,10 +35,12 @@ struct Element {
 fn elements(data: &Data) -> HashMap<Key, Element> {
     let model = data.model();
     let mut found = HashMap::new();
-    let mut put = |kind, number: f64, name: Option<&str>, form, values: &[(&'static str, &[f64])]| {
+    let mut copies: HashMap<(Kind, u64), usize> = HashMap::new();
+    let mut put = |kind, index, number: f64, name: Option<&str>, form, values: &[(&'static str, &[f64])]| {
         let values = values.iter().map(|(vector, values)| (*vector, values.to_vec())).collect();
-        let element = Element { name: name.map(str::to_owned), form, values };
-        assert!(found.insert((kind, number.to_bits()), element).is_none(), "{kind} {number} twice");
+        let copy = copies.entry((kind, number.to_bits())).or_default();
+        found.insert((kind, number.to_bits(), *copy), Element { index, name: name.map(str::to_owned), form, values });
+        *copy += 1;
     };
     for body in 0..model.nbody() {
         let mut values = vec![("xfrc", &data.xfrc_applied()[body][..])];
@@ -43,7 +48,7 @@ fn elements(data: &Data) -> HashMap<Key, Element> {
             values.push(("pos", &data.mocap_pos()[mocap]));
             values.push(("quat", &data.mocap_quat()[mocap]));
         }
-        put("body", model.body_user().row(body)[0], model.name(model.id::<Body>(body).unwrap()), 0, &values);
+        put(Kind::Body, body, model.body_user().row(body)[0], model.name(model.id::<Body>(body).unwrap()), 0, &values);
     }
     for joint in 0..model.njnt() {
         let [positions, speeds] = [[7, 6], [4, 3], [1, 1], [1, 1]][model.jnt_type()[joint] as usize];
@@ -55,7 +60,7 @@ fn elements(data: &Data) -> HashMap<Key, Element> {
             ("qfrc", &data.qfrc_applied()[speed..][..speeds]),
         ];
         let name = model.name(model.id::<Joint>(joint).unwrap());
-        put("joint", model.jnt_user().row(joint)[0], name, model.jnt_type()[joint], &values);
+        put(Kind::Joint, joint, model.jnt_user().row(joint)[0], name, model.jnt_type()[joint], &values);
     }
     let history = data.state(StateSpec::HISTORY);
     for actuator in 0..model.nu() {
@@ -76,12 +81,12 @@ fn elements(data: &Data) -> HashMap<Key, Element> {
             values.push(("history", &history[model.actuator_historyadr()[actuator] as usize..][..2 + 2 * samples]));
         }
         let name = model.name(model.id::<Actuator>(actuator).unwrap());
-        put("actuator", model.actuator_user().row(actuator)[0], name, 0, &values);
+        put(Kind::Actuator, actuator, model.actuator_user().row(actuator)[0], name, 0, &values);
     }
     for equality in 0..model.neq() {
         let id = model.id::<Equality>(equality).unwrap();
         let active = [f64::from(u8::from(data.equality(id).active()))];
-        put("equality", model.eq_solref()[equality][0], model.name(id), 0, &[("active", &active)]);
+        put(Kind::Equality, equality, model.eq_solref()[equality][0], model.name(id), 0, &[("active", &active)]);
     }
     for sensor in 0..model.nsensor() {
         let mut values = Vec::new();
@@ -92,7 +97,7 @@ fn elements(data: &Data) -> HashMap<Key, Element> {
         }
         values.extend([("none", &history[..0])]);
         let name = model.name(model.id::<Sensor>(sensor).unwrap());
-        put("sensor", model.sensor_user().row(sensor)[0], name, model.sensor_type()[sensor], &values);
+        put(Kind::Sensor, sensor, model.sensor_user().row(sensor)[0], name, model.sensor_type()[sensor], &values);
     }
     found
 }
@@ -104,6 +109,8 @@ struct Generator {
     named: f64,
     /// 2.2.2 needs actuators without an activation before the others, so each model has one kind.
     stateful: bool,
+    /// Some bodies are copied.
+    copies: bool,
 }
 
 impl Generator {
@@ -119,6 +126,17 @@ impl Generator {
         let attribute = name.as_ref().map(|name| format!(" name='{name}'")).unwrap_or_default();
         let number = if kind == "e" { format!(" solref='{} 1'", solref(number)) } else { format!(" user='{number}'") };
         (attribute + &number, name)
+    }
+
+    /// Returns the text of a body in the world, perhaps in a frame or copied, and appends the names of
+    /// its hinges and sliders.
+    fn placed_body(&mut self, names: &mut Vec<String>) -> String {
+        let body = self.body(2, names);
+        match self.rng.random_range(0..6) {
+            0 if self.copies => format!("<replicate count='2' sep='_' offset='1 0 0'>{body}</replicate>"),
+            1 if cfg!(engine_since = "3.2.0") => format!("<frame pos='0 1 0'>{body}</frame>"),
+            _ => body,
+        }
     }
 
     /// Returns the text of a body, and appends the names of its hinges and sliders.
@@ -151,17 +169,25 @@ impl Generator {
             if self.rng.random_bool(0.2) {
                 world += &format!("<body mocap='true'{}><geom size='.1'/></body>", self.mark("b", false).0);
             } else {
-                world += &self.body(2, &mut names);
+                world += &self.placed_body(&mut names);
             }
         }
-        let (mut actuators, mut equalities, mut sensors) = (String::new(), String::new(), String::new());
+        let [mut tendons, mut actuators, mut equalities, mut sensors] = [const { String::new() }; 4];
         for joint in &names {
+            let tendon = self.rng.random_bool(0.2).then(|| format!("t{}", self.number()));
+            if let Some(name) = &tendon {
+                tendons += &format!("<fixed name='{name}'><joint joint='{joint}' coef='1'/></fixed>");
+            }
             while self.rng.random_bool(0.4) {
                 let (mark, _) = self.mark("a", false);
                 let is_stateful = if cfg!(engine_since = "3.2.0") { self.rng.random_bool(0.5) } else { self.stateful };
                 let delay = if self.rng.random_bool(0.3) { DELAY } else { "" };
                 let element = if is_stateful { "general dyntype='filter'" } else { "motor" };
-                actuators += &format!("<{element} joint='{joint}'{mark}{delay}/>");
+                let target = match &tendon {
+                    Some(name) if self.rng.random_bool(0.5) => format!("tendon='{name}'"),
+                    _ => format!("joint='{joint}'"),
+                };
+                actuators += &format!("<{element} {target}{mark}{delay}/>");
             }
             if self.rng.random_bool(0.4) {
                 equalities += &format!("<joint joint1='{joint}'{}/>", self.mark("e", false).0);
@@ -174,8 +200,8 @@ impl Generator {
         let text = format!(
             "<mujoco model='m'><compiler autolimits='true' settotalmass='-1'/>
              <size nuserdata='4' nuser_body='1' nuser_jnt='1' nuser_actuator='1' nuser_sensor='1' njmax='50' nconmax='10'/>
-             <default><geom contype='0' conaffinity='0'/></default><worldbody>{world}</worldbody><actuator>{actuators}</actuator><equality>{equalities}</equality>
-             <sensor>{sensors}</sensor></mujoco>"
+             <default><geom contype='0' conaffinity='0'/></default><worldbody>{world}</worldbody>
+             <tendon>{tendons}</tendon><actuator>{actuators}</actuator><equality>{equalities}</equality><sensor>{sensors}</sensor></mujoco>"
         );
         Spec::from_xml_str(&text).unwrap()
     }
@@ -341,8 +367,15 @@ fn solref(number: u32) -> f64 {
 }
 
 /// Checks the state after an edit. Elements are the same if their numbers are, or else if their
-/// names are.
-fn check(before: &Data, after: &Data, by_number: bool, log: &[String]) {
+/// names are. Beside copies they may also be new. Returns the numbers of elements that are the same
+/// and of those that have become new.
+fn check(
+    (before, after, adoption): (&Data, &Data, &Adoption),
+    (by_number, copies): (bool, bool),
+    log: &[String],
+) -> [usize; 2] {
+    let is_new = |kind, index| adoption.new.iter().any(|element| (element.kind, element.index) == (kind, index));
+    let mut counts = [0; 2];
     let [old, new] = [before, after].map(elements);
     let fresh = elements(&Data::new(after.model()).unwrap());
     let by_name: HashMap<_, _> =
@@ -353,7 +386,16 @@ fn check(before: &Data, after: &Data, by_number: bool, log: &[String]) {
         } else {
             element.name.as_deref().and_then(|name| by_name.get(&(key.0, name)).copied())
         };
-        let origin = origin.filter(|origin| origin.form == element.form);
+        let mut origin = origin.filter(|origin| origin.form == element.form);
+        let has_state = key.0 != Kind::Sensor || element.values.contains_key("history");
+        if let Some(found) = origin.filter(|_| has_state) {
+            let is_new = is_new(key.0, element.index);
+            assert!(!is_new || copies, "{} {:?} is not new\n{log:#?}", key.0, element.name);
+            origin = (!is_new).then_some(found);
+            counts[usize::from(is_new)] += 1;
+        } else if has_state {
+            assert!(is_new(key.0, element.index), "{} {:?} is new\n{log:#?}", key.0, element.name);
+        }
         for (vector, values) in &element.values {
             let kept = origin.and_then(|origin| origin.values.get(vector));
             let expected = kept.filter(|kept| kept.len() == values.len()).unwrap_or(&fresh[key].values[vector]);
@@ -366,17 +408,24 @@ fn check(before: &Data, after: &Data, by_number: bool, log: &[String]) {
     let common = after.userdata().len().min(before.userdata().len());
     assert_eq!(after.userdata()[..common], before.userdata()[..common]);
     assert!(after.userdata()[common..].iter().all(|value| *value == 0.0));
+    counts
 }
 
 #[test]
 fn the_state_of_surviving_elements_is_kept_in_random_edits() {
     let first: u64 = std::env::var("SKIP").map_or(0, |number| number.parse().unwrap());
-    let (mut edits, mut surviving) = (0, 0);
+    let (mut edits, mut surviving, mut beside_copies) = (0, 0, [0; 2]);
     for seed in first..first + cases(60, 2600) {
         // Half of the models are compiled from specs with unnamed elements, others also from texts.
         let from_texts = seed % 2 == 1;
         let named = if from_texts { 1.0 } else { 0.5 };
-        let mut generator = Generator { rng: Rng::seed_from_u64(seed), number: 0, named, stateful: seed % 4 < 2 };
+        let mut generator = Generator {
+            rng: Rng::seed_from_u64(seed),
+            number: 0,
+            named,
+            stateful: seed % 4 < 2,
+            copies: cfg!(engine_since = "3.2.0") && seed % 8 < 5,
+        };
         let mut spec = generator.spec();
         let mut log = vec![format!("seed {seed}"), spec.to_xml()];
         let mut data = Data::new(spec.compile().unwrap()).unwrap();
@@ -402,14 +451,20 @@ fn the_state_of_surviving_elements_is_kept_in_random_edits() {
             let before = data.clone();
             let adoption = data.adopt(model).unwrap();
             let by_number = was_compiled && is_compiled && is_same_spec;
-            check(&before, &data, by_number, &log);
-            surviving += data.model().nbody()
-                - 1
-                - adoption.new.iter().filter(|element| element.kind == mujoco_safe::kind::Kind::Body).count();
+            let has_copies = spec.to_xml().contains("<replicate");
+            let [same, new] = check((&before, &data, &adoption), (by_number, has_copies), &log);
+            surviving += same;
+            if has_copies {
+                beside_copies = [beside_copies[0] + same, beside_copies[1] + new];
+            }
             // It is a usable simulation.
             data.clone().forward().unwrap_or_else(|error| panic!("{error}\n{log:#?}"));
         }
     }
     assert!(edits >= cases(200, 10_000), "{edits} edits");
-    assert!(surviving > edits / 2, "{surviving} bodies survived {edits} edits");
+    assert!(surviving > 3 * edits, "{surviving} elements survived {edits} edits");
+    if cfg!(engine_since = "3.2.0") {
+        let [same, new] = beside_copies;
+        assert!(same > edits && new < same / 50, "beside copies {same} elements survived, {new} did not");
+    }
 }
