@@ -62,7 +62,8 @@ impl Data {
     ///
     /// New elements have the values that they have in a new simulation of the model, and so have a
     /// joint whose type has changed and those values of an actuator, sensor, flex or plugin whose
-    /// number has changed. Other values stay as they are, also those that are outside of a new
+    /// number has changed ([`Adoption::reset`]). A new sensor with an `interval` takes a sample in
+    /// each step until its own time, which starts at zero, is that of the simulation. Other values stay as they are, also those that are outside of a new
     /// range. A change of the pose of a free body in the model does not move it, because its
     /// position is that of its joint.
     ///

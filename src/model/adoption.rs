@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Model;
+use super::parts::Parts;
 use super::survivors::{KINDS, Survivors};
 use crate::kind::Kind;
 
@@ -37,6 +38,10 @@ pub struct Adoption {
     pub lost: Vec<ChangedElement>,
     /// Elements of the new model that start in their initial state.
     pub new: Vec<ChangedElement>,
+    /// Elements of the new model that are in both, of which some values are lost or start anew,
+    /// because their number has changed: controls, activations, samples of delays, plastic
+    /// deformation, or the state of a plugin.
+    pub reset: Vec<ChangedElement>,
 }
 
 impl Adoption {
@@ -50,19 +55,39 @@ impl Adoption {
             adoption.lost.extend(with_state(old, kind, lost));
             adoption.new.extend(with_state(new, kind, (0..new.count(kind)).filter(|index| !has_origin(index))));
         }
+        let [new_parts, old_parts] = [new, old].map(parts);
+        for kind in KINDS {
+            let has_other_values = |&(new_one, origin): &(usize, usize)| {
+                let is_another = |(new, old): (&Parts, &Parts)| {
+                    let form =
+                        |parts: &Parts, index| parts.get(&(kind, index)).map(|(place, form)| (place.len(), *form));
+                    form(new, new_one) != form(old, origin)
+                };
+                kind == Kind::Actuator
+                    && (new.controls_of(new_one).len() != old.controls_of(origin).len()
+                        || new.activations_of(new_one).len() != old.activations_of(origin).len())
+                    || new_parts.iter().zip(&old_parts).any(is_another)
+            };
+            let changed = survivors.pairs(kind).filter(has_other_values).map(|(index, _)| element(new, kind, index));
+            adoption.reset.extend(changed);
+        }
         adoption
     }
+}
+
+/// Returns the places of the values of elements in arrays with parts of different lengths.
+fn parts(model: &Model) -> [Parts; 3] {
+    [model.history_parts(), model.plastic_parts(), model.plugin_parts()]
+}
+
+fn element(model: &Model, kind: Kind, index: usize) -> ChangedElement {
+    ChangedElement { kind, index, name: model.name_at(kind, index).map(str::to_owned) }
 }
 
 /// Returns those of the elements that have a state.
 fn with_state(model: &Model, kind: Kind, indices: impl Iterator<Item = usize>) -> impl Iterator<Item = ChangedElement> {
     let is_always = matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality);
-    let parts =
-        if is_always { Vec::new() } else { vec![model.history_parts(), model.plastic_parts(), model.plugin_parts()] };
+    let parts = if is_always { Vec::new() } else { parts(model).into() };
     let has_state = move |&index: &usize| is_always || parts.iter().any(|parts| parts.contains_key(&(kind, index)));
-    indices.filter(has_state).map(move |index| ChangedElement {
-        kind,
-        index,
-        name: model.name_at(kind, index).map(str::to_owned),
-    })
+    indices.filter(has_state).map(move |index| element(model, kind, index))
 }

@@ -198,9 +198,9 @@ impl<'m> Survivors<'m> {
                 }
                 Kind::Sensor => {
                     let (target, reference) = (a.sensor_objtype()[new], a.sensor_reftype()[new]);
-                    #[cfg(engine_since = "3.3.5")]
-                    let have_same_numbers = a.sensor_intprm().row(new) == b.sensor_intprm().row(old);
-                    #[cfg(not(engine_since = "3.3.5"))]
+                    #[cfg(engine_since = "3.3.6")]
+                    let have_same_numbers = a.sensor_intprm()[new] == b.sensor_intprm()[old];
+                    #[cfg(not(engine_since = "3.3.6"))]
                     let have_same_numbers = true;
                     (target, reference) == (b.sensor_objtype()[old], b.sensor_reftype()[old])
                         && have_same_numbers

@@ -413,7 +413,11 @@ fn another_number_of_samples_starts_a_new_buffer() {
         [data.model().actuator_historyadr()[0], data.model().sensor_historyadr()[0]].map(|at| at as usize);
     let id = spec.ids::<mujoco_safe::kind::Actuator>()[0];
     spec.edit(id).set("nsample", 6).unwrap();
-    data.adopt(spec.compile().unwrap()).unwrap();
+    let adoption = data.adopt(spec.compile().unwrap()).unwrap();
+    assert_eq!(
+        adoption.reset.iter().map(|element| (element.kind, element.index)).collect::<Vec<_>>(),
+        [(Kind::Actuator, 0)]
+    );
     let (model, after) = (data.model(), data.state(StateSpec::HISTORY));
     let place = model.sensor_historyadr()[0] as usize;
     assert_eq!(after[place..][..10], before[sensor..][..10]);
@@ -422,6 +426,50 @@ fn another_number_of_samples_starts_a_new_buffer() {
     assert_eq!(after[place..][..14], fresh[place..][..14]);
     assert_ne!(after[place..][..10], before[actuator..][..10]);
     data.step_n(20).unwrap();
+}
+
+#[cfg(engine_since = "3.5.0")]
+#[test]
+fn a_new_sensor_with_an_interval_takes_samples_until_it_has_the_time_of_the_simulation() {
+    let text = |sensor: &str| {
+        format!(
+            "<mujoco><worldbody><body><joint name='j'/><geom size='.1' pos='.1 0 0'/></body></worldbody><sensor>{sensor}</sensor></mujoco>"
+        )
+    };
+    let model = |sensor: &str| Model::from_xml_str(&text(sensor)).unwrap();
+    let mut data = Data::new(model("")).unwrap();
+    data.set_time(1.0);
+    data.adopt(model("<jointpos joint='j' nsample='4' delay='.002' interval='.1'/>")).unwrap();
+    let mut samples = |steps: usize| {
+        let steps = (0..steps).filter(|_| {
+            let before = data.state(StateSpec::HISTORY);
+            data.step().unwrap();
+            data.state(StateSpec::HISTORY) != before
+        });
+        steps.count()
+    };
+    assert_eq!(samples(10), 10);
+    assert!((1..=3).contains(&samples(100)));
+}
+
+#[test]
+fn actuators_with_other_activations_are_listed() {
+    let model = |dynamics: &str| {
+        Model::from_xml_str(&format!(
+            "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+               <actuator><motor name='m' joint='j'/><general name='a' joint='j' {dynamics}/></actuator></mujoco>"
+        ))
+        .unwrap()
+    };
+    let [plain, filtered] = ["", "dyntype='filter' dynprm='.1'"].map(model);
+    for (from, to) in [(&plain, &filtered), (&filtered, &plain)] {
+        let mut data = Data::new(from.clone()).unwrap();
+        data.ctrl_mut().copy_from_slice(&[1.0, 2.0]);
+        let adoption = data.adopt(to.clone()).unwrap();
+        assert_eq!((adoption.lost, adoption.new), (vec![], vec![]));
+        assert_eq!(adoption.reset.iter().map(ToString::to_string).collect::<Vec<_>>(), ["actuator 'a'"]);
+        assert_eq!(data.ctrl(), [1.0, 2.0]);
+    }
 }
 
 #[cfg(engine_since = "4.0.0")]
