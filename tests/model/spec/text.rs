@@ -114,3 +114,17 @@ fn texts_that_are_not_xml_are_read_as_the_engine_reads_them() {
         assert!(Spec::from_xml_str(broken).is_err(), "{broken}");
     }
 }
+
+#[test]
+fn a_file_may_end_with_nul() {
+    let folder = tempfile::tempdir().unwrap();
+    for text in ["<mujoco model='m'/>\n\0", "<robot name='m'><link name='a'/></robot>\0\0"] {
+        let path = folder.path().join("model.xml");
+        std::fs::write(&path, text).unwrap();
+        let spec = Spec::from_xml_path(&path).unwrap();
+        assert_eq!((spec.name(), spec.compile().unwrap().nv()), ("m", 0));
+        assert_eq!(mujoco_safe::Model::from_xml_path(&path).unwrap().nv(), 0);
+    }
+    let text = "<mujoco/>\0<mujoco/>";
+    assert!(Spec::from_xml_str(text).unwrap_err().to_string().contains("NUL"));
+}
