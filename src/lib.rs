@@ -99,11 +99,20 @@ pub mod data;
 pub mod element;
 
 pub mod callback;
+#[doc(alias = "optimal control")]
+#[doc(alias = "linear quadratic regulator")]
 pub mod control;
 pub mod controller;
+#[doc(alias = "linearise")]
+#[doc(alias = "linearize")]
+#[doc(alias = "linearisation")]
+#[doc(alias = "linearization")]
 pub mod derivative;
 mod engine;
 pub mod enums;
+#[doc(alias = "gym")]
+#[doc(alias = "gymnasium")]
+#[doc(alias = "reinforcement learning")]
 pub mod environment;
 mod error;
 mod ffi;
@@ -119,11 +128,13 @@ pub mod matrix;
 mod memory;
 mod messages;
 #[cfg(feature = "npz")]
+#[doc(alias = "numpy")]
 pub mod npz;
 mod numerics;
 mod parallel;
 pub mod prelude;
 #[cfg(feature = "renderer")]
+#[doc(alias = "ffmpeg")]
 pub mod record;
 #[cfg(feature = "renderer")]
 pub mod render;
@@ -137,6 +148,16 @@ mod stage;
 mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
+#[doc(alias = "gui")]
+#[doc(alias = "visualise")]
+#[doc(alias = "visualise!")]
+#[doc(alias = "visualize")]
+#[doc(alias = "visualiser")]
+#[doc(alias = "visualizer")]
+#[doc(alias = "init_visualiser")]
+#[doc(alias = "install_visualiser")]
+#[doc(alias = "launch_passive")]
+#[doc(alias = "launch_from_path")]
 pub mod viewer;
 #[cfg(all(feature = "viewer", target_os = "linux"))]
 mod x11;
@@ -157,6 +178,7 @@ pub use ndarray;
 pub use rayon;
 
 /// The raw bindings, for calls that this crate does not wrap.
+#[doc(alias = "LibMuJoCo")]
 pub use mujoco_sys as sys;
 
 pub use crate::control::{Lqr, LqrWeights};

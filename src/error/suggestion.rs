@@ -1,5 +1,13 @@
 //! Suggestions of similar names in errors about unknown names.
 
+use crate::kind::Kind;
+
+/// Returns the elements of other kinds that have the unknown name of an element.
+pub(super) fn of_other_kinds(name: &str, others: &[Kind]) -> String {
+    let list = others.iter().map(|kind| format!("{kind} '{name}'")).collect::<Vec<_>>().join(", ");
+    if list.is_empty() { list } else { format!(" (there is {list})") }
+}
+
 /// Returns the end of the error about an unknown element: the most similar name, if one is similar
 /// enough, and the known names.
 pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {

@@ -169,8 +169,8 @@
 //! # Ok::<(), ViewerError>(())
 //! ```
 //!
-//! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches
-//! [`Data::time`].
+//! The loop above runs as fast as it can. To follow real time, give each step a
+//! [deadline](super::cookbook::real_time).
 //!
 //! [`Viewer::with_instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of
 //! a controller: plots of its values, sliders for its parameters, and paths or other geoms in the

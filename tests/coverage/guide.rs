@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::sources;
+use crate::{root, sources};
 
 /// Returns rustdoc's fragment for a heading.
 fn fragment(heading: &str) -> String {
@@ -21,7 +21,7 @@ fn every_section_that_the_guide_links_to_exists() {
     let modules: HashMap<String, HashSet<String>> = sources("src")
         .into_iter()
         .filter(|(path, _)| {
-            path.parent().is_some_and(|folder| folder.ends_with("src") || folder.ends_with("src/guide"))
+            ["src", "src/guide", "src/guide/cookbook"].iter().any(|folder| path.parent().unwrap().ends_with(folder))
         })
         .map(|(path, text)| (path.file_stem().unwrap().to_string_lossy().into_owned(), headings(&text)))
         .collect();
@@ -41,4 +41,32 @@ fn every_section_that_the_guide_links_to_exists() {
         }
     }
     assert!(links >= 10, "{links}");
+}
+
+#[test]
+fn the_programs_of_the_cookbook_fit_into_the_page() {
+    let mut programs = 0;
+    for (path, text) in sources("src/guide/cookbook") {
+        let mut inside = false;
+        for line in text.lines() {
+            let fence = line.contains("```");
+            if fence && !line.contains("```ignore") {
+                inside = !inside;
+                programs += usize::from(inside);
+            }
+            let line = line.strip_prefix("//! ").unwrap_or(line);
+            let fits = fence || !inside || line.chars().count() <= 90;
+            assert!(fits, "{}: rustdoc's page has about 90 columns: {line}", path.display());
+        }
+    }
+    assert!(programs > 20, "{programs}");
+}
+
+#[test]
+fn the_first_page_of_the_guide_lists_all_recipes() {
+    let index = std::fs::read_to_string(root().join("src/guide/mod.rs")).unwrap();
+    for (path, _) in sources("src/guide/cookbook") {
+        let page = path.file_stem().unwrap().to_string_lossy().into_owned();
+        assert!(page == "mod" || index.contains(&format!("](cookbook::{page})")), "{page}");
+    }
 }

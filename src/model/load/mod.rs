@@ -78,7 +78,7 @@ impl Model {
     /// ```
     /// use mujoco_safe::{LoadOptions, Model};
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let path = folder.path().join("scene.xml");
     /// std::fs::write(&path, r#"<mujoco><include file="ball.xml"/></mujoco>"#)?;
     ///
@@ -147,6 +147,7 @@ impl Model {
     /// let error = Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>").unwrap_err();
     /// assert!(error.to_string().contains("line 2"), "{error}");
     /// ```
+    #[doc(alias = "from_xml_string")]
     pub fn from_xml_str(xml: &str) -> Result<Self> {
         Self::from_xml_str_with(xml, &LoadOptions::default())
     }
