@@ -50,8 +50,8 @@
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
-//! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes
-//!   animations, `viewer` opens a window.
+//! - [`scene`]: abstract visualisation of a simulation. [`render`][render] draws it,
+//!   [`record`][record] writes animations, [`viewer`][viewer-module] opens a window.
 //! - [`sample`]: sample models.
 //!
 //! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of
@@ -86,6 +86,9 @@
 //! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices
 //! count from 0. The number of positions `nq` differs from the number of degrees of freedom `nv` if
 //! there are free or ball joints.
+//!
+#![cfg_attr(feature = "viewer", doc = include_str!("guide/links/with_viewer.md"))]
+#![cfg_attr(not(feature = "viewer"), doc = include_str!("guide/links/without_viewer.md"))]
 
 // The page of a type in the documentation has the methods in the order of the modules that declare
 // them: loading a model comes first, the generated accessors come last.

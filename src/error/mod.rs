@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 pub use self::instability::{Instability, UnstableField};
 pub use self::outcome::Outcome;
-pub(crate) use self::suggestion::near_names;
+pub(crate) use self::suggestion::{near_names, nearest_name};
 use crate::kind::Kind;
 use crate::stage::MissingResults;
 use crate::version::{Version, built_against};

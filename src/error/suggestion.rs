@@ -59,6 +59,12 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     near.into_iter().take(SHOWN).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
+/// Returns the most similar name if at most every third letter differs.
+pub(crate) fn nearest_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = known.map(|candidate| (edit_distance(name, candidate), candidate)).min();
+    nearest.filter(|&(distance, _)| 3 * distance <= name.len()).map(|(_, candidate)| candidate)
+}
+
 /// Returns `true` if `name` is likely to be a misspelling of a name at this edit distance.
 fn is_typo(distance: usize, name: &str) -> bool {
     distance <= 1 + name.len() / 3

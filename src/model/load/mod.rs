@@ -1,6 +1,7 @@
 //! Loading of models from XML and from the binary format.
 
 mod compiler;
+mod misspelling;
 mod options;
 mod package;
 
@@ -196,6 +197,8 @@ impl Model {
             let Error::Load { source_name, mut message } = error else { return error };
             if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
                 message = format!("{message}; {reason}");
+            } else if let Some(meant) = misspelling::suggestion(&message) {
+                message = format!("{}; did you mean '{meant}'?", message.trim_end());
             }
             Error::Load { source_name, message }
         })?;
