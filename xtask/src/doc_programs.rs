@@ -96,7 +96,9 @@ fn manifest(root: &Path, number: usize, dependencies: &BTreeSet<String>) -> Stri
          mujoco-safe = {{ path = \"{}\", features = [\"{features}\"] }}\n",
         root.display()
     );
-    dependencies.iter().for_each(|line| writeln!(manifest, "{line}").expect("a string"));
+    for line in dependencies {
+        writeln!(manifest, "{line}").expect("a string");
+    }
     manifest
 }
 
@@ -113,8 +115,8 @@ fn programs(text: &str, markdown: bool) -> Vec<Program> {
     found
 }
 
-/// Returns the text of a line of a doc comment. Of the two fences of a program that needs a feature,
-/// it returns the one that compiles the program.
+/// Returns the text of a line of a doc comment. Of the two fences of a program that needs a
+/// feature, it returns the one that compiles the program.
 fn doc_line(line: &str) -> Option<&str> {
     let line = line.trim_start();
     if line.starts_with("#![cfg_attr(") || line.starts_with("#[cfg_attr(") {
@@ -209,15 +211,30 @@ mod tests {
 
     #[test]
     fn programs_are_found_with_the_crates_that_their_page_names() {
-        let source = "//! Needs `cargo add rand plotters --no-default-features\n//! --features a,b`.\n//!\n\
-                      #![cfg_attr(x, doc = \"```no_run\")]\n#![cfg_attr(not(x), doc = \"```ignore\")]\n//! # let a = 1;\n\
-                      //! #[derive(Debug)]\n//! ```\n//!\n//! ```text\n//! no program\n//! ```\n\n/// ```\n/// f()?;\n/// ```\nfn f() {}\n";
+        let lines = [
+            "//! Needs `cargo add rand plotters --no-default-features",
+            "//! --features a,b`.",
+            "//!",
+            "#![cfg_attr(x, doc = \"```no_run\")]",
+            "#![cfg_attr(not(x), doc = \"```ignore\")]",
+            "//! # let a = 1;",
+            "//! #[derive(Debug)]",
+            "//! ```",
+            "//!",
+            "//! ```text",
+            "//! no program",
+            "//! ```",
+            "",
+            "/// ```",
+            "/// f()?;",
+            "/// ```",
+        ];
         let settings = ", default-features = false, features = [\"a\", \"b\"]";
         let dependencies = ["rand", "plotters"].map(|name| format!("{name} = {{ version = \"*\"{settings} }}"));
         let expected = [
             Program { line: 4, text: "\nlet a = 1;\n#[derive(Debug)]".into(), dependencies: dependencies.into() },
             Program { line: 14, text: "f()?;".into(), dependencies: BTreeSet::new() },
         ];
-        assert_eq!(programs(source, false), expected);
+        assert_eq!(programs(&lines.join("\n"), false), expected);
     }
 }
