@@ -29,5 +29,5 @@
 //! ```
 //!
 //! Without actuators, write the same forces to [`qfrc_applied_mut`](crate::Data::qfrc_applied_mut).
-//! Engines since 2.3.3 compensate the gravity of a body themselves: the attribute `gravcomp="1"` of
-//! the body.
+//! Newer engines, such as 2.3.7 and 4.0.1, compensate the gravity of a body themselves: the
+//! attribute `gravcomp="1"` of the body.
