@@ -120,6 +120,7 @@ impl Controller for ZeroController {
 /// assert!(data.ctrl().iter().all(|ctrl| ctrl.abs() <= 1.0));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
+#[doc(alias = "random_controller!")]
 #[derive(Clone, Debug)]
 pub struct RandomController {
     random: Xoshiro256PlusPlus,
@@ -165,6 +166,7 @@ impl Controller for RandomController {
 /// assert!((data.joint("slider")?.qpos()[0] - 0.2).abs() < 0.05);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
+#[doc(alias = "pid")]
 #[derive(Clone, Debug)]
 pub struct PdController {
     kp: f64,

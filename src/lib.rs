@@ -50,8 +50,8 @@
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
-//! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes
-//!   animations, `viewer` opens a window.
+//! - [`scene`]: abstract visualisation of a simulation. [`render`][render] draws it,
+//!   [`record`][record] writes animations, [`viewer`][viewer-module] opens a window.
 //! - [`sample`]: sample models.
 //!
 //! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of
@@ -86,6 +86,9 @@
 //! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices
 //! count from 0. The number of positions `nq` differs from the number of degrees of freedom `nv` if
 //! there are free or ball joints.
+//!
+#![cfg_attr(feature = "viewer", doc = include_str!("guide/links/with_viewer.md"))]
+#![cfg_attr(not(feature = "viewer"), doc = include_str!("guide/links/without_viewer.md"))]
 
 // The page of a type in the documentation has the methods in the order of the modules that declare
 // them: loading a model comes first, the generated accessors come last.
@@ -99,11 +102,20 @@ pub mod data;
 pub mod element;
 
 pub mod callback;
+#[doc(alias = "optimal control")]
+#[doc(alias = "linear quadratic regulator")]
 pub mod control;
 pub mod controller;
+#[doc(alias = "linearise")]
+#[doc(alias = "linearize")]
+#[doc(alias = "linearisation")]
+#[doc(alias = "linearization")]
 pub mod derivative;
 mod engine;
 pub mod enums;
+#[doc(alias = "gym")]
+#[doc(alias = "gymnasium")]
+#[doc(alias = "reinforcement learning")]
 pub mod environment;
 mod error;
 mod ffi;
@@ -119,11 +131,13 @@ pub mod matrix;
 mod memory;
 mod messages;
 #[cfg(feature = "npz")]
+#[doc(alias = "numpy")]
 pub mod npz;
 mod numerics;
 mod parallel;
 pub mod prelude;
 #[cfg(feature = "renderer")]
+#[doc(alias = "ffmpeg")]
 pub mod record;
 #[cfg(feature = "renderer")]
 pub mod render;
@@ -137,6 +151,16 @@ mod stage;
 mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
+#[doc(alias = "gui")]
+#[doc(alias = "visualise")]
+#[doc(alias = "visualise!")]
+#[doc(alias = "visualize")]
+#[doc(alias = "visualiser")]
+#[doc(alias = "visualizer")]
+#[doc(alias = "init_visualiser")]
+#[doc(alias = "install_visualiser")]
+#[doc(alias = "launch_passive")]
+#[doc(alias = "launch_from_path")]
 pub mod viewer;
 #[cfg(all(feature = "viewer", target_os = "linux"))]
 mod x11;
@@ -157,6 +181,7 @@ pub use ndarray;
 pub use rayon;
 
 /// The raw bindings, for calls that this crate does not wrap.
+#[doc(alias = "LibMuJoCo")]
 pub use mujoco_sys as sys;
 
 pub use crate::control::{Lqr, LqrWeights};

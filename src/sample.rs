@@ -14,9 +14,11 @@ pub const HOPPER_XML: &str = include_str!("../models/hopper.xml");
 pub const HALF_CHEETAH_XML: &str = include_str!("../models/half_cheetah.xml");
 
 /// Directory in which Debian's package `libmujoco-samples` installs the engine's sample models.
+#[doc(alias = "example_model_files_directory")]
 pub const SYSTEM_MODELS: &str = "/usr/share/mujoco/model";
 
-/// Loads a pole on a cart: 2 joints, 1 motor, and a keyframe `hanging_down`.
+/// Loads a pole on a cart: 2 joints, 1 motor, and a keyframe `hanging_down`, in which the pole is
+/// horizontal and about to fall.
 ///
 /// # Panics
 ///

@@ -60,6 +60,7 @@ impl Lqr {
     ///
     /// The errors of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a
     /// [`RiccatiError`] if there is no stabilising gain.
+    #[doc(alias = "dlqr")]
     pub fn at_present_state(data: &mut Data, weights: &LqrWeights) -> Result<Self> {
         let mut system = StateSpace::zeros(data.model());
         // The regulator does not use the sensors.

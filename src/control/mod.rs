@@ -7,8 +7,14 @@
 //! regulators. Simple controllers are in [`controller`](crate::controller).
 
 mod feedback;
+#[doc(alias = "ddp")]
+#[doc(alias = "trajectory optimisation")]
+#[doc(alias = "trajectory optimization")]
 pub mod ilqr;
 mod lqr;
+#[doc(alias = "mpc")]
+#[doc(alias = "model predictive control")]
+#[doc(alias = "receding horizon")]
 pub mod predictive;
 pub mod residual;
 pub mod riccati;

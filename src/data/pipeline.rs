@@ -114,6 +114,7 @@ macro_rules! parts {
 parts! {
     /// Computes poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap
     /// bodies. Normalises the quaternions in `qpos`.
+    #[doc(alias = "forward kinematics")]
     kinematics = mj_kinematics("mj_kinematics")
         computes C::KINEMATICS.union(C::CURRENT);
     /// Computes centres of mass of subtrees, inertias `cinert` about them, and motion axes `cdof`.

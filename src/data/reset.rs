@@ -20,6 +20,7 @@ impl Data {
     ///
     /// [`Error::Engine`](crate::Error::Engine) if the engine fails, which does not occur for a
     /// loaded model.
+    #[doc(alias = "reset!")]
     #[doc(alias = "mj_resetData")]
     pub fn reset(&mut self) -> Result<()> {
         self.reset_with("mj_resetData", |m, d| {
@@ -49,6 +50,7 @@ impl Data {
     /// # Ok::<(), Error>(())
     /// ```
     #[doc(alias = "mj_resetDataKeyframe")]
+    #[doc(alias = "resetkey!")]
     #[doc(alias = "resetkey")]
     pub fn reset_to_key(&mut self, key: impl IntoId<kind::Keyframe>) -> Result<()> {
         let key: Id<kind::Keyframe> = key.id_in(self.model.as_ref())?;

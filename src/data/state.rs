@@ -210,6 +210,7 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong length.
+    #[doc(alias = "set_physics_state!")]
     pub fn set_physics_state(&mut self, state: &[f64]) -> Result<()> {
         self.set_state(StateSpec::PHYSICS, state)
     }

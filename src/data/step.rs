@@ -24,6 +24,7 @@ impl Data {
     /// [`Error::Callback`] if a closure panics; [`Error::Engine`] if the engine fails;
     /// [`Error::Poisoned`] after one of these, until a reset. A position, velocity or control that
     /// is out of range is detected before the engine is called and does not poison the data.
+    #[doc(alias = "step!")]
     #[doc(alias = "mj_step")]
     #[doc(alias = "mj_checkAcc")]
     #[inline]
@@ -133,6 +134,8 @@ impl Data {
     /// # Errors
     ///
     /// As for [`step`](Self::step), except that accelerations are not checked.
+    #[doc(alias = "forward!")]
+    #[doc(alias = "forward dynamics")]
     #[doc(alias = "mj_forward")]
     #[inline]
     pub fn forward(&mut self) -> Result<()> {
@@ -163,6 +166,7 @@ impl Data {
     /// assert!((data.qfrc_inverse()[1] + moment).abs() < 1e-9);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
+    #[doc(alias = "inverse dynamics")]
     #[doc(alias = "mj_inverse")]
     #[inline]
     pub fn inverse(&mut self) -> Result<()> {

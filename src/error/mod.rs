@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 pub use self::instability::{Instability, UnstableField};
 pub use self::outcome::Outcome;
-pub(crate) use self::suggestion::near_names;
+pub(crate) use self::suggestion::{near_names, nearest_name};
 use crate::kind::Kind;
 use crate::stage::MissingResults;
 use crate::version::{Version, built_against};
@@ -161,7 +161,11 @@ pub enum Error {
     },
 
     /// The model has no element with this name.
-    #[error("there is no {kind} named '{name}'{}", suggestion::similar_and_known(name, known))]
+    #[error(
+        "there is no {kind} named '{name}'{}{}",
+        suggestion::of_other_kinds(name, others),
+        suggestion::similar_and_known(name, known)
+    )]
     NoSuchName {
         /// Kind of the element.
         kind: Kind,
@@ -169,6 +173,8 @@ pub enum Error {
         name: String,
         /// All names of this kind.
         known: Vec<String>,
+        /// The other kinds that have an element of this name.
+        others: Vec<Kind>,
     },
 
     /// The engine's struct has no field with this name.

@@ -1,5 +1,13 @@
 //! Suggestions of similar names in errors about unknown names.
 
+use crate::kind::Kind;
+
+/// Returns the elements of other kinds that have the unknown name of an element.
+pub(super) fn of_other_kinds(name: &str, others: &[Kind]) -> String {
+    let list = others.iter().map(|kind| format!("{kind} '{name}'")).collect::<Vec<_>>().join(", ");
+    if list.is_empty() { list } else { format!(" (there is {list})") }
+}
+
 /// Returns the end of the error about an unknown element: the most similar name, if one is similar
 /// enough, and the known names.
 pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {
@@ -49,6 +57,12 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
         .collect();
     near.sort_by_key(|&(distance, _)| distance);
     near.into_iter().take(SHOWN).map(|(_, candidate)| candidate.to_owned()).collect()
+}
+
+/// Returns the most similar name if at most every third letter differs.
+pub(crate) fn nearest_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = known.map(|candidate| (edit_distance(name, candidate), candidate)).min();
+    nearest.filter(|&(distance, _)| 3 * distance <= name.len()).map(|(_, candidate)| candidate)
 }
 
 /// Returns `true` if `name` is likely to be a misspelling of a name at this edit distance.

@@ -51,7 +51,7 @@
 //! each substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in
 //! a simulation that a struct stores; [`Data::with_callbacks`] installs it for a scope, in which it
 //! can borrow local variables. The cookbook compensates
-//! [gravity](crate::guide::cookbook#gravity-compensation) in this way.
+//! [gravity](crate::guide::cookbook::gravity_compensation) in this way.
 //!
 //! # Set-points
 //!

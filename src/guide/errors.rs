@@ -103,7 +103,7 @@
 //!         match data.step() {
 //!             Ok(()) => {}
 //!             Err(Error::Unstable(instability)) => {
-//!                 log::warn!("the episode ends after {step} steps: {instability}");
+//!                 eprintln!("the episode ends after {step} steps: {instability}");
 //!                 return Ok(step);
 //!             }
 //!             Err(error) => return Err(error),

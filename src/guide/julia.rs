@@ -119,6 +119,9 @@
 //! - The model is not an argument: each [`Data`] holds its model.
 //! - A view such as `data.body("torso")?` borrows the simulation. Take its
 //!   [`id`](crate::element::View::id) to keep it over a step.
+//! - Esc selects the free camera of the viewer, as in the engine's `simulate`. Ctrl+Q closes the
+//!   window.
+//! - [Plots](super::cookbook::plots) need a crate, as they need Makie in Julia.
 //! - A state matrix of trajectories is a [`Trajectory`](crate::Trajectory) with one record per row.
 //!   It also holds times and controls.
 

@@ -16,9 +16,19 @@
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these
-//! languages. The [`cookbook`] has complete programs and lists the examples, [`promises`] lists the
-//! guarantees with their tests, and [`coverage`] lists every function, field and kind of the engine
-//! with its counterpart.
+//! languages. [`promises`] lists the guarantees with their tests, and [`coverage`] lists every
+//! function, field and kind of the engine with its counterpart.
+//!
+//! # Recipes
+//!
+//! The [`cookbook`] has a page for each, and lists the examples.
+//!
+//! | subject | programs |
+//! |---|---|
+//! | models | [variations of a model](cookbook::variations), [a model that changes while it runs](cookbook::changing_model), [objects at random places](cookbook::random_places), [custom fields](cookbook::custom_fields) |
+//! | robots | [inverse kinematics](cookbook::inverse_kinematics), [gravity compensation](cookbook::gravity_compensation), [a gripper](cookbook::gripper), [forces of contacts](cookbook::forces), [lidar](cookbook::lidar), [sensors](cookbook::sensors) |
+//! | running | [real time](cookbook::real_time), [saving a state](cookbook::saved_state), [threads](cookbook::threads), [domain randomisation](cookbook::domain_randomisation), [identification](cookbook::identification), [tests in continuous integration](cookbook::testing) |
+//! | results | [CSV, NumPy and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video) |
 
 pub mod concepts;
 pub mod control;
@@ -26,6 +36,7 @@ pub mod cookbook;
 pub mod coverage;
 pub mod engines;
 pub mod errors;
+#[doc(alias = "MuJoCo.jl")]
 pub mod julia;
 pub mod parallel;
 pub mod performance;

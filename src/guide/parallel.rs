@@ -16,7 +16,7 @@
 //! A [`Model`] is constant while it is shared, so all threads read one `Arc<Model>`. A [`Data`]
 //! belongs to one thread at a time. Any number of threads may read a [`Data`] that no thread
 //! changes; the compiler enforces both rules. The cookbook has a program with
-//! [threads](crate::guide::cookbook#parallel-simulations).
+//! [threads](crate::guide::cookbook::threads).
 //!
 //! # Rollouts
 //!

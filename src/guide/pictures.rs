@@ -140,7 +140,7 @@
 //!
 //! F1 lists all keys and mouse gestures. They are the same as in the engine's `simulate`. A
 //! double-click selects a body, Ctrl with the right button pulls it, Tab and Shift+Tab open the
-//! side panels, and Ctrl+Q closes the window.
+//! side panels, and Ctrl+Q closes the window (Esc selects the free camera).
 //!
 #![cfg_attr(feature = "viewer", doc = "```no_run")]
 #![cfg_attr(not(feature = "viewer"), doc = "```ignore")]
@@ -169,8 +169,8 @@
 //! # Ok::<(), ViewerError>(())
 //! ```
 //!
-//! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches
-//! [`Data::time`].
+//! The loop above runs as fast as it can. To follow real time, give each step a
+//! [deadline](super::cookbook::real_time).
 //!
 //! [`Viewer::with_instrumented_controller`][instrumented] shows the [`Instruments`][instruments] of
 //! a controller: plots of its values, sliders for its parameters, and paths or other geoms in the

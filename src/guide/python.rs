@@ -90,7 +90,7 @@
 //! | `spec.attach(child, prefix='left_', site=site)` | [`spec.attach(&child, Mount::site(site), "left_")?`](crate::spec::Spec::attach) |
 //! | `spec.delete(body)` | [`spec.remove_with_references(body)?`](crate::spec::Spec::remove_with_references) |
 //! | `spec.compile()`, `spec.to_xml()` | [`spec.compile()?`](crate::spec::Spec::compile), [`spec.to_xml()`](crate::spec::Spec::to_xml) |
-//! | `spec.to_file(path)`, `spec.to_zip(path)` | [`spec.save_xml(path)?`](crate::spec::Spec::save_xml), [`spec.save_xml_with_assets(path)?`](crate::spec::Spec::save_xml_with_assets), a folder |
+//! | `spec.to_file(path)`, `spec.to_zip(path)` | [`spec.save_xml(path)?`](crate::spec::Spec::save_xml), [`spec.save_xml_with_assets(path)?`](crate::spec::Spec::save_xml_with_assets), a folder; `spec.save_archive(path)?`, feature `mjz` |
 //!
 //! # Contacts, rays and dynamics
 //!

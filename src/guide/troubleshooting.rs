@@ -13,6 +13,7 @@
 //! | `requires rustc 1.95` | the viewer's dependencies need a newer Rust than the rest | update Rust, or build without the feature `viewer` |
 //! | `cannot find render in mujoco_safe` | a feature is off | `cargo add mujoco-safe --features renderer` |
 //! | the documentation has no `render`, `viewer` or `save_npz` | `cargo doc` without features | `cargo doc --open --features viewer,mjz,npz,serde` |
+//! | a program of this documentation does not find a crate such as `tempfile` | its page names the crate | the command `cargo add` of the page |
 //! | a simulation takes ten times as long as expected | a debug build of the program's own code | `cargo run --release`: see [`performance`](super::performance#build-profiles) |
 //!
 //! # Models
@@ -118,7 +119,7 @@
 //! |---|---|---|
 //! | `no … was found. A software adapter is in …` (`RenderError::NoAdapter`) | no graphics driver | `apt-get install libvulkan1 mesa-vulkan-drivers` |
 //! | `no display is available for a window` (`ViewerError::NoDisplay`) | no X server | render without a window, or `xvfb-run`, or `ssh -X` |
-//! | a window fails on a minimal system | libraries of the desktop are missing | the list of packages in the documentation of the module `viewer` |
+//! | the same although `DISPLAY` is set, or a message that names a library such as `libxkbcommon-x11` | libraries of the desktop are missing | `apt-get install libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0` |
 //! | the first image takes long | shaders are compiled | keep the renderer for further images |
 //! | an image shows only the background | the camera is far away, or inside a geom | [`Camera::free`](crate::scene::Camera::free) shows the complete model |
 //! | a large floor is misplaced in the first image | the engine centres infinite planes at the previous viewpoint | [`Scene::update_camera`](crate::Scene::update_camera) before the first update |

@@ -67,7 +67,7 @@
 //! assert_eq!(model.actuator("left/hip")?.ctrlrange(), &[-30.0, 30.0]);
 //!
 //! // A folder that can be moved: scene.xml and the meshes in scene_assets.
-//! let folder = tempfile::tempdir()?;
+//! let folder = tempfile::tempdir()?; // cargo add tempfile
 //! scene.save_xml_with_assets(folder.path().join("scene.xml"))?;
 //! let mut data = Data::new(Model::from_xml_path(folder.path().join("scene.xml"))?)?;
 //! data.step()?;

@@ -9,13 +9,13 @@
 //!
 //! ```
 //! use mujoco_safe::Matrix;
-//! use nalgebra::dvector;
+//! use mujoco_safe::nalgebra::{Vector2, Vector3};
 //!
 //! let m = Matrix::from_rows(&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
 //! assert_eq!(m.row(1), &[4.0, 5.0, 6.0]);
 //!
-//! let product = m.transposed().tr_mul(&dvector![1.0, 0.0, -1.0]); // m · v, no copy
-//! assert_eq!(product, dvector![-2.0, -2.0]);
+//! let product = m.transposed().tr_mul(&Vector3::new(1.0, 0.0, -1.0)); // m · v, no copy
+//! assert_eq!(product, Vector2::new(-2.0, -2.0));
 //! let gram = m.transposed() * m.to_nalgebra();                    // mᵀ · m, one copy
 //! assert_eq!(Matrix::from(&gram)[(0, 1)], 22.0);
 //! ```
@@ -28,7 +28,7 @@
 //!
 //! ```compile_fail,E0308
 //! use mujoco_safe::{Data, sample};
-//! use nalgebra::DMatrix;
+//! use mujoco_safe::nalgebra::DMatrix;
 //!
 //! let model = std::sync::Arc::new(sample::humanoid());
 //! let mut data = Data::new(model.clone())?;

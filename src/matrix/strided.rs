@@ -14,10 +14,10 @@ use super::{Matrix, MatrixView};
 /// ```
 /// use mujoco_safe::Matrix;
 /// use mujoco_safe::matrix::StridedView;
-/// use mujoco_safe::nalgebra::matrix;
+/// use mujoco_safe::nalgebra::Matrix2x3;
 ///
 /// let rows = Matrix::from_rows(&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-/// let columns = matrix![1.0, 2.0, 3.0; 4.0, 5.0, 6.0];
+/// let columns = Matrix2x3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0);
 /// for view in [StridedView::from(&rows), StridedView::from(&columns)] {
 ///     assert_eq!((view.shape(), view[(1, 2)]), ((2, 3), 6.0));
 /// }

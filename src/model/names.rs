@@ -151,6 +151,7 @@ impl Lookup for Model {
             kind: K::KIND,
             name: name.to_owned(),
             known: self.names(K::KIND).map(str::to_owned).collect(),
+            others: Kind::ALL.iter().copied().filter(|&kind| self.names(kind).any(|other| other == name)).collect(),
         };
         // Reject the empty name here, because the engine would return an unnamed element for it.
         let name_c = Some(name)

@@ -9,8 +9,8 @@
 //! use mujoco_safe::render::RgbImage;
 //! use mujoco_safe::{Data, sample};
 //!
-//! # let folder = tempfile::tempdir()?;
-//! # let path = folder.path().join("cartpole.gif");
+//! let folder = tempfile::tempdir()?; // cargo add tempfile
+//! let path = folder.path().join("cartpole.gif");
 //! let mut data = Data::new(sample::cartpole())?;
 //! data.qvel_mut()[1] = 2.0;
 //! // The extension selects the format, here GIF.

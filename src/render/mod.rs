@@ -187,5 +187,5 @@ pub use self::settings::{Lighting, RendererOptions};
 use crate::macros::with_aliases;
 
 with_aliases! {
-    pub use self::renderer::{Renderer = "mjrContext"};
+    pub use self::renderer::{Renderer = "mjrContext" "GLContext"};
 }

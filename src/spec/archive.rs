@@ -41,7 +41,7 @@ impl Spec {
     /// ```
     /// use mujoco_safe::spec::Spec;
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let path = folder.path().join("ball.mjz");
     /// Spec::from_xml_str("<mujoco><worldbody><geom name='ball' size='.1'/></worldbody></mujoco>")?.save_archive(&path)?;
     /// let model = Spec::from_archive_path(&path)?.compile()?;
@@ -88,7 +88,7 @@ fn unpack(path: &Path) -> io::Result<(TempDir, PathBuf)> {
     if archive.len() > MOST_FILES {
         return Err(invalid(format!("has {} files, and at most {MOST_FILES} are allowed", archive.len())));
     }
-    let folder = tempfile::tempdir()?;
+    let folder = tempfile::tempdir()?; // cargo add tempfile
     for number in 0..archive.len() {
         let mut entry = archive.by_index(number)?;
         let name = entry.name()?.into_owned();

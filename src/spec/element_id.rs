@@ -154,7 +154,9 @@ impl<K: ElementKind> IntoElementId<K> for &str {
         names::find(&spec.tree, class, self).ok_or_else(|| {
             let known = names::all(&spec.tree, class);
             let known = known.filter_map(|index| names::name(&spec.tree, index).map(str::to_owned)).collect();
-            Error::NoSuchName { kind: K::KIND, name: self.to_owned(), known }
+            let has = |kind: &Kind| names::find(&spec.tree, Named::Kind(*kind), self).is_some();
+            let others = Kind::ALL.iter().copied().filter(has).collect();
+            Error::NoSuchName { kind: K::KIND, name: self.to_owned(), known, others }
         })
     }
 

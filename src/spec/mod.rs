@@ -218,6 +218,7 @@ impl Spec {
     /// assert_eq!(spec.compile()?.options().timestep, 0.001);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
+    #[doc(alias = "from_file")]
     #[doc(alias = "mj_parseXML")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
         Self::from_xml_path_with(path, &LoadOptions::default())
@@ -252,6 +253,7 @@ impl Spec {
     /// # Errors
     ///
     /// As for [`from_xml_path`](Self::from_xml_path).
+    #[doc(alias = "from_string")]
     #[doc(alias = "mj_parseXMLString")]
     #[doc(alias = "mj_parse")]
     pub fn from_xml_str(xml: &str) -> Result<Self> {

@@ -27,7 +27,7 @@ impl Spec {
     /// use mujoco_safe::Model;
     /// use mujoco_safe::spec::Spec;
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let path = folder.path().join("box.xml");
     /// let mut spec = Spec::from_xml_str(r#"<robot name="box"><link name="box"/></robot>"#)?;
     /// spec.add_geom(spec.world()).set_size(&[1.0]);
@@ -35,6 +35,7 @@ impl Spec {
     /// assert_eq!(Model::from_xml_path(&path)?.ngeom(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias = "to_file")]
     #[doc(alias = "mj_saveXML")]
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
@@ -66,7 +67,7 @@ impl Spec {
     /// use mujoco_safe::Model;
     /// use mujoco_safe::spec::Spec;
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     /// std::fs::create_dir_all(folder.path().join("robots/meshes"))?;
     /// std::fs::write(folder.path().join("robots/meshes/corner.obj"), corner)?;

@@ -19,11 +19,21 @@ fn the_error_suggests_the_nearest_name_and_lists_all_names() {
 
 #[test]
 fn the_error_variant_has_the_names() {
-    let Err(Error::NoSuchName { kind, name, known }) = sample::humanoid().keyframe("handstand").map(|_| ()) else {
+    let Err(Error::NoSuchName { kind, name, known, .. }) = sample::humanoid().keyframe("handstand").map(|_| ()) else {
         panic!("expected NoSuchName")
     };
     assert_eq!((kind, name.as_str()), (Kind::Keyframe, "handstand"));
     assert_eq!(known, ["squat", "stand_on_left_leg", "stand"]);
+}
+
+#[test]
+fn the_error_names_the_elements_of_other_kinds() {
+    let model = sample::humanoid();
+    let error = model.geom("left_knee").unwrap_err();
+    assert!(error.to_string().starts_with("there is no geom named 'left_knee' (there is joint 'left_knee'"), "{error}");
+    let Error::NoSuchName { others, .. } = error else { panic!("{error}") };
+    assert_eq!(others, [Kind::Joint, Kind::Actuator]); // in `models/humanoid.xml`
+    assert_eq!(unknown(zoo().joint("no such thing")).matches("there is").count(), 1);
 }
 
 #[test]

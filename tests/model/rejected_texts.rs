@@ -123,6 +123,32 @@ fn adhesion_on_more_contacts_than_njmax_allows_fails_in_a_step() {
 }
 
 #[test]
+fn a_similar_element_or_attribute_is_suggested() {
+    let message = |inner: &str| {
+        let text = format!("<mujoco><worldbody><body>{inner}</body></worldbody></mujoco>");
+        Model::from_xml_str(&text).unwrap_err().to_string()
+    };
+    for (inner, meant) in [
+        ("<gaom size='1'/>", "geom"),
+        ("<boddy/>", "body"),
+        ("<freejiont/>", "freejoint"),
+        ("<geom size='1' rbga='1 0 0 1'/>", ""), // two letters of four differ
+        ("<geom size='1' frction='1'/>", "friction"),
+        ("<joint dampin='1'/>", "damping"),
+        ("<site zzz='1'/>", ""),
+        ("<joint kv='1'/>", ""), // an attribute of actuators, like `kp`
+        ("<whatever/>", ""),
+    ] {
+        let message = message(inner);
+        assert!(message.contains("line 1"), "{message}");
+        match meant {
+            "" => assert!(!message.contains("did you mean"), "{message}"),
+            _ => assert!(message.ends_with(&format!("did you mean '{meant}'?")), "{message}"),
+        }
+    }
+}
+
+#[test]
 fn names_may_contain_any_characters() {
     let long = "n".repeat(5000);
     let xml = format!(

@@ -6,6 +6,7 @@
 //! cargo xtask generate --accessors  only the accessors, from the committed field table; needs no libclang
 //! cargo xtask generate --check      writes nothing, and fails if a committed file is out of date
 //! cargo xtask lint                  checks lines, calls of the engine and the chapter of promises
+//! cargo xtask doc-programs          compiles the programs of the documentation in a new crate
 //! ```
 //!
 //! The headers are those in `MUJOCO_DIR`, else those of the system, as for the build script of
@@ -22,6 +23,7 @@ mod arena;
 mod computed_by;
 #[path = "../../build/derived.rs"]
 mod derived;
+mod doc_programs;
 #[allow(dead_code, reason = "the build script uses all of it")]
 #[path = "../../mujoco-sys/build/engines.rs"]
 mod engines;
@@ -59,7 +61,8 @@ fn main() -> ExitCode {
         ["generate", "--check"] => generate(false, true),
         ["generate", "--accessors", "--check"] | ["generate", "--check", "--accessors"] => generate(true, true),
         ["lint"] => lint::run(root()),
-        _ => Err("usage: cargo xtask generate [--accessors] [--check] | lint".to_owned()),
+        ["doc-programs"] => doc_programs::check(root()),
+        _ => Err("usage: cargo xtask generate [--accessors] [--check] | lint | doc-programs".to_owned()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

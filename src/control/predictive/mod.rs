@@ -52,12 +52,17 @@ mod threaded;
 
 pub use self::controller::PredictiveController;
 pub use self::ilqr_planner::IlqrPlanner;
-pub use self::sampling::{Interpolation, SamplingOptions, SamplingPlanner};
+pub use self::sampling::{Interpolation, SamplingOptions};
 pub use self::threaded::ThreadedPredictiveController;
 use super::TimeVaryingLqr;
 use super::ilqr::TrajectoryCost;
 use crate::data::Data;
 use crate::error::Result;
+use crate::macros::with_aliases;
+
+with_aliases! {
+    pub use self::sampling::{SamplingPlanner = "MPPI" "predictive sampling"};
+}
 
 /// Cost of a plan, before and after its improvement.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -79,11 +79,11 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 ///
 /// ```
 /// use mujoco_safe::control::riccati::{Riccati, RiccatiError};
-/// use nalgebra::{matrix, vector, Matrix1, Matrix2};
+/// use mujoco_safe::nalgebra::{Matrix1, Matrix2, Vector2};
 ///
 /// // A mass of 1 kg under a force, in steps of 0.1 s: position (m), velocity (m/s).
-/// let a = matrix![1.0, 0.1; 0.0, 1.0];
-/// let b = vector![0.005, 0.1];
+/// let a = Matrix2::new(1.0, 0.1, 0.0, 1.0);
+/// let b = Vector2::new(0.005, 0.1);
 /// let solution = Riccati::new(&a, &b, &Matrix2::identity(), &Matrix1::identity()).solve()?;
 ///
 /// assert!(solution.relative_residual < 1e-14);
@@ -92,6 +92,9 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 /// assert!(-1.0 < force && force < -0.9); // newtons, towards the origin
 /// # Ok::<(), RiccatiError>(())
 /// ```
+#[doc(alias = "ared")]
+#[doc(alias = "dare")]
+#[doc(alias = "solve_discrete_are")]
 #[derive(Clone, Debug)]
 pub struct Riccati<'a> {
     a: StridedView<'a>,
@@ -202,11 +205,11 @@ impl<'a> Riccati<'a> {
     ///
     /// ```
     /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiSolution, RiccatiWorkspace};
-    /// use nalgebra::{matrix, vector, Matrix1, Matrix2};
+    /// use mujoco_safe::nalgebra::{Matrix1, Matrix2, Vector2};
     ///
     /// let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     /// for timestep in [0.1, 0.05] {
-    ///     let (a, b) = (matrix![1.0, timestep; 0.0, 1.0], vector![timestep * timestep / 2.0, timestep]);
+    ///     let (a, b) = (Matrix2::new(1.0, timestep, 0.0, 1.0), Vector2::new(timestep * timestep / 2.0, timestep));
     ///     Riccati::new(&a, &b, &Matrix2::identity(), &Matrix1::identity()).solve_into(&mut workspace, &mut solution)?;
     ///     assert!(solution.spectral_radius < 1.0);
     /// }

@@ -19,10 +19,10 @@ use crate::matrix::{Matrix, StridedView};
 /// ```
 /// use mujoco_safe::{LqrWeights, Matrix};
 /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiRecursion};
-/// use nalgebra::{matrix, vector};
+/// use mujoco_safe::nalgebra::{Matrix2, Vector2};
 ///
 /// // A mass of 1 kg under a force, in steps of 0.1 s: position (m), velocity (m/s). Only the final state has a cost.
-/// let (a, b) = (matrix![1.0, 0.1; 0.0, 1.0], vector![0.005, 0.1]);
+/// let (a, b) = (Matrix2::new(1.0, 0.1, 0.0, 1.0), Vector2::new(0.005, 0.1));
 /// let weights = LqrWeights::diagonal(&[0.0, 0.0], &[1e-3]);
 /// let mut recursion = RiccatiRecursion::new(&Matrix::identity(2), 1)?;
 /// for _ in 0..20 {

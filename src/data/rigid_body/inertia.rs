@@ -24,6 +24,8 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed.
+    #[doc(alias = "mass matrix")]
+    #[doc(alias = "inertia matrix")]
     #[doc(alias = "mj_fullM")]
     pub fn full_m(&self) -> Result<Matrix> {
         let nv = self.model().nv();

@@ -1,6 +1,7 @@
 //! Loading of models from XML and from the binary format.
 
 mod compiler;
+mod misspelling;
 mod options;
 mod package;
 
@@ -78,7 +79,7 @@ impl Model {
     /// ```
     /// use mujoco_safe::{LoadOptions, Model};
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let path = folder.path().join("scene.xml");
     /// std::fs::write(&path, r#"<mujoco><include file="ball.xml"/></mujoco>"#)?;
     ///
@@ -147,6 +148,7 @@ impl Model {
     /// let error = Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>").unwrap_err();
     /// assert!(error.to_string().contains("line 2"), "{error}");
     /// ```
+    #[doc(alias = "from_xml_string")]
     pub fn from_xml_str(xml: &str) -> Result<Self> {
         Self::from_xml_str_with(xml, &LoadOptions::default())
     }
@@ -195,6 +197,8 @@ impl Model {
             let Error::Load { source_name, mut message } = error else { return error };
             if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
                 message = format!("{message}; {reason}");
+            } else if let Some(meant) = misspelling::suggestion(&message) {
+                message = format!("{}; did you mean '{meant}'?", message.trim_end());
             }
             Error::Load { source_name, message }
         })?;

@@ -11,7 +11,7 @@ use super::package::{self, Packages};
 /// ```
 /// use mujoco_safe::{LoadOptions, Model};
 ///
-/// let folder = tempfile::tempdir()?;
+/// let folder = tempfile::tempdir()?; // cargo add tempfile
 /// let meshes = folder.path().join("arm_description/meshes");
 /// std::fs::create_dir_all(&meshes)?;
 /// std::fs::write(meshes.join("hand.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")?;

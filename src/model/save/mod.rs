@@ -157,7 +157,7 @@ impl Model {
     /// ```standalone_crate
     /// use mujoco_safe::{Error, Model};
     ///
-    /// let folder = tempfile::tempdir()?;
+    /// let folder = tempfile::tempdir()?; // cargo add tempfile
     /// let path = folder.path().join("ball.xml");
     /// let model = Model::from_xml_str(
     ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,

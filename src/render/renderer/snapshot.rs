@@ -73,6 +73,7 @@ impl Renderer {
     /// # Ok::<(), mujoco_safe::render::RenderError>(())
     /// ```
     #[track_caller]
+    #[doc(alias = "update_scene")]
     pub fn snapshot(&mut self, data: &mut Data, camera: impl CameraSource) -> Result<Snapshot<'_>, RenderError> {
         self.snapshot_with(data, camera, &SceneOptions::default())
     }
@@ -127,6 +128,7 @@ impl Snapshot<'_> {
     /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`]; [`Error::Invalid`] for a camera with
     /// the mode [`CameraView::User`](crate::scene::CameraView::User) in the first snapshot of a
     /// renderer, which has no viewpoints.
+    #[doc(alias = "read_pixels")]
     pub fn rgb(&mut self) -> Result<RgbImage, RenderError> {
         self.renderer.rgb(&self.shared_scene())
     }
@@ -146,6 +148,7 @@ impl Snapshot<'_> {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
+    #[doc(alias = "enable_depth_rendering")]
     pub fn depth(&mut self) -> Result<DepthImage, RenderError> {
         self.renderer.depth(&self.shared_scene())
     }
@@ -164,6 +167,7 @@ impl Snapshot<'_> {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
+    #[doc(alias = "enable_segmentation_rendering")]
     pub fn segmentation(&mut self) -> Result<SegmentationImage, RenderError> {
         self.renderer.segmentation(&self.shared_scene())
     }

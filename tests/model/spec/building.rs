@@ -3,7 +3,7 @@
 use mujoco_safe::enums::{GeomType, JointType, SensorType, TextureType};
 use mujoco_safe::kind::Kind;
 use mujoco_safe::spec::{ActuatorElement, SensorFrame, Spec, TexturePattern};
-use mujoco_safe::{Error, Model};
+use mujoco_safe::{Error, Model, sample};
 
 use super::same;
 
@@ -119,6 +119,10 @@ fn unknown_attributes_and_elements_are_errors_that_list_the_known_ones() {
     assert!(spec.default_mut("main", "body").is_err());
     let error = spec.body("arm").unwrap_err();
     assert!(matches!(error, Error::NoSuchName { kind: Kind::Body, .. }), "{error}");
+
+    let error = Spec::from_xml_str(sample::HUMANOID_XML).unwrap().body("left_knee").unwrap_err();
+    let expected = "there is no body named 'left_knee' (there is joint 'left_knee', actuator 'left_knee')";
+    assert!(error.to_string().starts_with(expected), "{error}");
 }
 
 /// The compiler reports a line of a text that the program never sees.

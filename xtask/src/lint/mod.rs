@@ -19,12 +19,12 @@ pub fn run(root: &Path) -> Result<(), String> {
 }
 
 /// Reads a file of the repository.
-fn read(path: &Path) -> String {
+pub fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// Returns the paths of all Rust files in a folder and its subfolders, or that of a file itself.
-fn sources(path: &Path) -> Vec<PathBuf> {
+pub fn sources(path: &Path) -> Vec<PathBuf> {
     assert!(path.exists(), "there is no {}", path.display());
     if path.is_dir() {
         let entries = fs::read_dir(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -74,7 +74,6 @@ use crate::model::IntoModel;
 /// assert!(data.qpos()[1].abs() < 0.1, "the pole is upright");
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "MPPI")]
 pub struct SamplingPlanner {
     horizon: usize,
     options: SamplingOptions,
