@@ -177,7 +177,7 @@ use crate::rollout::Random;
 ///
 /// After an action, the environment calls [`evaluate`](Self::evaluate), [`observe`](Self::observe)
 /// and [`remember`](Self::remember) with the simulation, in the threads that step the simulations.
-/// The simulation is in this state:
+/// Its quantities belong to these states:
 ///
 /// | quantities | after `start` | after an action | with `forward_after_step` |
 /// |---|---|---|---|
@@ -187,8 +187,8 @@ use crate::rollout::Random;
 ///
 /// The task reads the simulation, and changes it only in [`start`](Self::start). Edits of the model
 /// in `start` affect one simulation, and persist; [`Batch::reset_where`](crate::Batch::reset_where)
-/// states their cost, and
-/// [`with_parameters`](VectorEnvironment::with_parameters) varies the model without it.
+/// states their cost, and [`with_parameters`](VectorEnvironment::with_parameters) varies the model
+/// without it.
 pub trait Task: Send + Sync {
     /// Returns the number of values in an observation.
     fn observation_size(&self, model: &Model) -> usize;
@@ -213,6 +213,14 @@ pub trait Task: Send + Sync {
         false
     }
 
+    /// Returns `true` if [`Data::forward`] is called after [`start`](Self::start); `true` by
+    /// default. This costs one evaluation of forward dynamics per episode, and does not change the
+    /// results of later steps. Without it, only quantities that `start` computes are available at
+    /// the start of an episode, which suffices for a task that reads positions and velocities.
+    fn forward_after_start(&self) -> bool {
+        true
+    }
+
     /// Returns `true` if [`Data::rne_post_constraint`] computes the accelerations of the bodies and
     /// the forces on them, `cacc`, `cfrc_int` and `cfrc_ext`; `false` by default.
     fn body_forces(&self) -> bool {
@@ -221,8 +229,7 @@ pub trait Task: Send + Sync {
 
     /// Sets the initial state of an episode. The simulation has been reset. The random numbers are
     /// determined by the seed of the environment, the index of the simulation and the number of the
-    /// episode. After this call, the environment calls [`Data::forward`], which does not change the
-    /// state.
+    /// episode.
     ///
     /// # Errors
     ///

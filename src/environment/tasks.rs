@@ -43,6 +43,10 @@ impl Task for InvertedPendulum {
         TIME_LIMIT
     }
 
+    fn forward_after_start(&self) -> bool {
+        false
+    }
+
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         add_uniform(random, 0.01, data.qpos_mut());
         add_uniform(random, 0.01, data.qvel_mut());
@@ -98,6 +102,10 @@ impl Task for Hopper {
 
     fn time_limit(&self) -> Option<u64> {
         TIME_LIMIT
+    }
+
+    fn forward_after_start(&self) -> bool {
+        false
     }
 
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
@@ -156,6 +164,10 @@ impl Task for HalfCheetah {
 
     fn time_limit(&self) -> Option<u64> {
         TIME_LIMIT
+    }
+
+    fn forward_after_start(&self) -> bool {
+        false
     }
 
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {

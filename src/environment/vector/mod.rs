@@ -68,7 +68,7 @@ impl<T: Task> VectorEnvironment<T> {
         let refresh = Refresh {
             // Without a step, there are no quantities of a step.
             forward: task.forward_after_step() || substeps == 0,
-            forward_after_reset: true,
+            forward_after_reset: task.forward_after_start(),
             body_forces: task.body_forces(),
         };
         // The environment reads observations itself.
@@ -145,7 +145,9 @@ impl<T: Task> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// The error of [`Task::start`], or of [`Data::forward`] after it, with the smallest index.
+    /// The error of [`Task::start`], or of [`Data::forward`] after it, with the smallest index, and
+    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
+    /// separately.
     pub fn reset(&mut self) -> Result<()> {
         self.terminated.fill(false);
         self.truncated.fill(true);

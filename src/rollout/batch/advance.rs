@@ -178,8 +178,8 @@ impl Batch<'_> {
         });
     }
 
-    /// Resets simulations as [`reset_where`](Self::reset_where) does, and calls `read` with each, as
-    /// [`step_with`](Self::step_with) does.
+    /// Resets simulations as [`reset_where`](Self::reset_where) does, and calls `read` with each,
+    /// as [`step_with`](Self::step_with) does.
     pub(crate) fn reset_with<R: Send>(
         &mut self,
         records: &mut [R],

@@ -145,8 +145,8 @@ impl<'b> Member<'_, 'b> {
     }
 
     /// Loads the simulation into a worker, calls `work`, stores the new state, and calls `read` to
-    /// observe it. If `work` fails, the state is unchanged. `leaves` are the results that the worker
-    /// has afterwards.
+    /// observe it. If `work` fails, the state is unchanged. `leaves` are the results that the
+    /// worker has afterwards.
     fn work(
         &mut self,
         source: Source,

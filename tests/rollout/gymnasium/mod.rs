@@ -131,8 +131,8 @@ fn action(nu: usize, step: usize, episode: usize, factor: f64) -> Vec<f64> {
     (0..nu).map(|actuator| factor * multiple(actuator) / 20.0).collect()
 }
 
-/// Asserts that two environments with one seed have the same initial observations, and that those of
-/// different simulations, episodes and seeds differ.
+/// Asserts that two environments with one seed have the same initial observations, and that those
+/// of different simulations, episodes and seeds differ.
 fn assert_random<T: Task>(model: fn() -> Model, task: fn(&Model) -> T) {
     let new = |seed: u64| {
         let model = model();
