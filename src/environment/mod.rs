@@ -222,7 +222,8 @@ pub trait Task: Send + Sync {
     }
 
     /// Returns `true` if [`Data::rne_post_constraint`] computes the accelerations of the bodies and
-    /// the forces on them, `cacc`, `cfrc_int` and `cfrc_ext`; `false` by default.
+    /// the forces on them, `cacc`, `cfrc_int` and `cfrc_ext`, after an action and after the forward
+    /// dynamics of a start; `false` by default.
     fn body_forces(&self) -> bool {
         false
     }

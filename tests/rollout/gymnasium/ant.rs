@@ -43,7 +43,9 @@ impl Task for Ant {
 
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         add_uniform(random, 0.1, data.qpos_mut());
-        data.qvel_mut().iter_mut().for_each(|velocity| *velocity += 0.1 * random.normal());
+        for velocity in data.qvel_mut() {
+            *velocity += 0.1 * random.normal();
+        }
         Ok(())
     }
 

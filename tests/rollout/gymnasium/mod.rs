@@ -152,7 +152,9 @@ fn assert_random<T: Task>(model: fn() -> Model, task: fn(&Model) -> T) {
 
 /// Adds a number from a uniform distribution within ±`deviation` to each value.
 fn add_uniform(random: &mut Random, deviation: f64, values: &mut [f64]) {
-    values.iter_mut().for_each(|value| *value += random.uniform(-deviation, deviation));
+    for value in values {
+        *value += random.uniform(-deviation, deviation);
+    }
 }
 
 /// Writes parts of an observation one after another.
