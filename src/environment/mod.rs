@@ -89,12 +89,12 @@
 //!
 //! const ARM: &str = r#"<mujoco><option gravity="0 0 0"/><worldbody>
 //!     <body name="target" mocap="true"/>
-//!     <geom name="wall" type="box" pos="-.25 0 0" size=".01 .3 .1"/>
+//!     <geom name="wall" type="box" pos="-.18 0 0" size=".01 .3 .1"/>
 //!     <body>
-//!       <joint name="shoulder" axis="0 0 1" damping=".1"/>
+//!       <joint name="shoulder" axis="0 0 1" damping=".002"/>
 //!       <geom name="upper_arm" type="capsule" fromto="0 0 0 .1 0 0" size=".01"/>
 //!       <body pos=".1 0 0">
-//!         <joint name="elbow" axis="0 0 1" damping=".1"/>
+//!         <joint name="elbow" axis="0 0 1" damping=".002"/>
 //!         <geom name="lower_arm" type="capsule" fromto="0 0 0 .1 0 0" size=".01"/>
 //!         <site name="tip" pos=".1 0 0"/>
 //!       </body>
