@@ -164,8 +164,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A task sees the simulation after each action. So rewards, ends and observations can depend on all
-//! that the engine computes:
+//! A task sees the simulation after each action. So rewards, ends and observations can depend on
+//! all that the engine computes:
 //!
 //! | Gymnasium's task | reads | method of [`Task`] |
 //! |---|---|---|
