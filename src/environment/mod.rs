@@ -33,6 +33,8 @@
 //!
 //! # A task of your own
 //!
+//! A task needs the length of its observation, the initial states, the observation and the reward:
+//!
 //! ```
 //! use mujoco_safe::environment::{Evaluation, Task, Transition, VectorEnvironment};
 //! use mujoco_safe::rollout::Random;
@@ -61,7 +63,7 @@
 //!     }
 //!
 //!     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-//!         let upright = transition.after.qpos[1].cos();
+//!         let upright = transition.data.qpos()[1].cos();
 //!         Evaluation { reward: upright - 0.01 * transition.action[0].powi(2), terminated: false }
 //!     }
 //! }
@@ -69,6 +71,95 @@
 //! let mut environment = VectorEnvironment::new(sample::cartpole(), SwingUp, 1, 7)?;
 //! environment.step(&[1.0])?;
 //! assert!(environment.rewards()[0] < 0.2);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! Rewards and observations can depend on all quantities of the simulation: poses, sensor readings,
+//! contacts and forces. Random quantities of an episode, such as a target, are best a part of the
+//! simulation: of a mocap body, of a joint as in Gymnasium's `Reacher`, or of
+//! [`userdata`](Data::userdata). So the observation and the reward can read them.
+//!
+//! ```
+//! use std::f64::consts::PI;
+//!
+//! use mujoco_safe::environment::{Evaluation, Task, Transition, VectorEnvironment};
+//! use mujoco_safe::id::SiteId;
+//! use mujoco_safe::rollout::Random;
+//! use mujoco_safe::{Data, Model, Result};
+//!
+//! const ARM: &str = r#"<mujoco><option gravity="0 0 0"/><worldbody>
+//!     <body name="target" mocap="true"/>
+//!     <geom name="wall" type="box" pos="-.18 0 0" size=".01 .3 .1"/>
+//!     <body>
+//!       <joint name="shoulder" axis="0 0 1" damping=".002"/>
+//!       <geom name="upper_arm" type="capsule" fromto="0 0 0 .1 0 0" size=".01"/>
+//!       <body pos=".1 0 0">
+//!         <joint name="elbow" axis="0 0 1" damping=".002"/>
+//!         <geom name="lower_arm" type="capsule" fromto="0 0 0 .1 0 0" size=".01"/>
+//!         <site name="tip" pos=".1 0 0"/>
+//!       </body>
+//!     </body></worldbody>
+//!   <actuator><motor joint="shoulder"/><motor joint="elbow"/></actuator></mujoco>"#;
+//!
+//! /// Move the tip of an arm to a target, and do not touch the wall.
+//! struct Reach {
+//!     tip: SiteId,
+//! }
+//!
+//! impl Reach {
+//!     /// Returns the position of the tip relative to the target, in the plane, m.
+//!     fn offset(&self, data: &Data) -> [f64; 2] {
+//!         let (tip, target) = (data.site(self.tip).xpos(), data.mocap_pos()[0]);
+//!         [tip[0] - target[0], tip[1] - target[1]]
+//!     }
+//! }
+//!
+//! impl Task for Reach {
+//!     fn observation_size(&self, _: &Model) -> usize {
+//!         2 + 2 + 2
+//!     }
+//!
+//!     fn frame_skip(&self) -> usize {
+//!         5
+//!     }
+//!
+//!     fn time_limit(&self) -> Option<u64> {
+//!         Some(200)
+//!     }
+//!
+//!     fn forward_after_step(&self) -> bool {
+//!         true // so that the position of the tip is that of the present state
+//!     }
+//!
+//!     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
+//!         let (radius, angle) = (random.uniform(0.05, 0.2), random.uniform(-0.5 * PI, 0.5 * PI));
+//!         data.mocap_pos_mut()[0] = [radius * angle.cos(), radius * angle.sin(), 0.0];
+//!         Ok(())
+//!     }
+//!
+//!     fn observe(&self, data: &Data, observation: &mut [f64]) {
+//!         observation[..2].copy_from_slice(data.qpos());
+//!         observation[2..4].copy_from_slice(data.qvel());
+//!         observation[4..].copy_from_slice(&self.offset(data));
+//!     }
+//!
+//!     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+//!         let [x, y] = self.offset(transition.data);
+//!         let effort: f64 = transition.action.iter().map(|torque| torque * torque).sum();
+//!         let touches = transition.data.ncon() > 0;
+//!         Evaluation { reward: -x.hypot(y) - 0.01 * effort, terminated: touches }
+//!     }
+//! }
+//!
+//! let model = Model::from_xml_str(ARM)?;
+//! let tip = model.site("tip")?.id();
+//! let mut arms = VectorEnvironment::new(model, Reach { tip }, 8, 42)?;
+//! let mut touched = false;
+//! for _ in 0..200 {
+//!     arms.step(&[0.01, 0.0].repeat(8))?;
+//!     touched |= arms.terminated().contains(&true);
+//! }
+//! assert!(touched);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 
@@ -83,6 +174,21 @@ use crate::model::Model;
 use crate::rollout::Random;
 
 /// Definition of a task: initial states, observations, rewards and the end of an episode.
+///
+/// After an action, the environment calls [`evaluate`](Self::evaluate), [`observe`](Self::observe)
+/// and [`remember`](Self::remember) with the simulation, in the threads that step the simulations.
+/// Its quantities belong to these states:
+///
+/// | quantities | after `start` | after an action | with `forward_after_step` |
+/// |---|---|---|---|
+/// | `qpos`, `qvel`, `act`, `time`, controls, mocap bodies, `userdata` | present | present | present |
+/// | poses, velocities of bodies, contacts, forces, accelerations, sensor readings | present | those of the [last engine step](crate::guide::concepts#age-of-results), which belong to the state before it | present |
+/// | `cacc`, `cfrc_int`, `cfrc_ext`, with [`body_forces`](Self::body_forces) | present | those of the last engine step | present |
+///
+/// The task reads the simulation, and changes it only in [`start`](Self::start). Edits of the model
+/// in `start` affect one simulation, and persist; [`Batch::reset_where`](crate::Batch::reset_where)
+/// states their cost, and [`with_parameters`](VectorEnvironment::with_parameters) varies the model
+/// without it.
 pub trait Task: Send + Sync {
     /// Returns the number of values in an observation.
     fn observation_size(&self, model: &Model) -> usize;
@@ -99,6 +205,29 @@ pub trait Task: Send + Sync {
         None
     }
 
+    /// Returns `true` if [`Data::forward`] is called after the engine steps of an action, so that
+    /// poses, contacts, forces and sensor readings belong to the present state; `false` by default.
+    /// This costs one evaluation of forward dynamics per action, and does not change the results of
+    /// later steps: see [`Batch::with_forward_after_step`](crate::Batch::with_forward_after_step).
+    fn forward_after_step(&self) -> bool {
+        false
+    }
+
+    /// Returns `true` if [`Data::forward`] is called after [`start`](Self::start); `true` by
+    /// default. This costs one evaluation of forward dynamics per episode, and does not change the
+    /// results of later steps. Without it, only quantities that `start` computes are available at
+    /// the start of an episode, which suffices for a task that reads positions and velocities.
+    fn forward_after_start(&self) -> bool {
+        true
+    }
+
+    /// Returns `true` if [`Data::rne_post_constraint`] computes the accelerations of the bodies and
+    /// the forces on them, `cacc`, `cfrc_int` and `cfrc_ext`, after an action and after the forward
+    /// dynamics of a start; `false` by default.
+    fn body_forces(&self) -> bool {
+        false
+    }
+
     /// Sets the initial state of an episode. The simulation has been reset. The random numbers are
     /// determined by the seed of the environment, the index of the simulation and the number of the
     /// episode.
@@ -109,14 +238,24 @@ pub trait Task: Send + Sync {
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()>;
 
     /// Writes the observation of a simulation to a row of zeros.
-    ///
-    /// Poses, contacts and sensor readings belong to the state before the last engine step, unless
-    /// the environment was created with
-    /// [`with_forward_after_step`](VectorEnvironment::with_forward_after_step).
     fn observe(&self, data: &Data, observation: &mut [f64]);
 
     /// Returns the reward of a step, and if the episode ends in its new state.
     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation;
+
+    /// Returns the number of values that the task [remembers](Self::remember) of each simulation;
+    /// none by default.
+    fn memory_size(&self, model: &Model) -> usize {
+        let _ = model;
+        0
+    }
+
+    /// Updates the values that [`Transition::memory`] contains in the next step, such as a pose
+    /// before the step, the previous action, or the time since a foot touched the ground. They are
+    /// zero at the start of an episode. By default, the task remembers nothing.
+    fn remember(&self, data: &Data, memory: &mut [f64]) {
+        let _ = (data, memory);
+    }
 }
 
 /// Positions and velocities of a simulation.
@@ -144,16 +283,19 @@ pub struct Transition<'t> {
     pub before: Motion<'t>,
     /// Action `(nu)`: the controls during the step.
     pub action: &'t [f64],
-    /// Motion after the step.
-    pub after: Motion<'t>,
+    /// Simulation after the step. [`Task`] states which of its quantities belong to the present
+    /// state.
+    pub data: &'t Data,
+    /// Values that the task [remembered](Task::remember) before the step.
+    pub memory: &'t [f64],
     /// Duration of the step, s: the time step of the model times the frame skip.
     pub duration: f64,
 }
 
 impl<'t> Transition<'t> {
     /// Combines the parts of a step.
-    pub fn new(before: Motion<'t>, action: &'t [f64], after: Motion<'t>, duration: f64) -> Self {
-        Self { before, action, after, duration }
+    pub fn new(before: Motion<'t>, action: &'t [f64], data: &'t Data, memory: &'t [f64], duration: f64) -> Self {
+        Self { before, action, data, memory, duration }
     }
 }
 

@@ -43,6 +43,10 @@ impl Task for InvertedPendulum {
         TIME_LIMIT
     }
 
+    fn forward_after_start(&self) -> bool {
+        false
+    }
+
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         add_uniform(random, 0.01, data.qpos_mut());
         add_uniform(random, 0.01, data.qvel_mut());
@@ -56,9 +60,9 @@ impl Task for InvertedPendulum {
     }
 
     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-        let after = transition.after;
-        let is_finite = after.qpos.iter().chain(after.qvel).all(|value| value.is_finite());
-        let terminated = !is_finite || after.qpos[1].abs() > 0.2;
+        let (qpos, qvel) = (transition.data.qpos(), transition.data.qvel());
+        let is_finite = qpos.iter().chain(qvel).all(|value| value.is_finite());
+        let terminated = !is_finite || qpos[1].abs() > 0.2;
         Evaluation { reward: if terminated { 0.0 } else { 1.0 }, terminated }
     }
 }
@@ -100,6 +104,10 @@ impl Task for Hopper {
         TIME_LIMIT
     }
 
+    fn forward_after_start(&self) -> bool {
+        false
+    }
+
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         add_uniform(random, 0.005, data.qpos_mut());
         add_uniform(random, 0.005, data.qvel_mut());
@@ -114,9 +122,9 @@ impl Task for Hopper {
     }
 
     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-        let after = transition.after;
-        let is_moderate = after.qpos[2..].iter().chain(after.qvel).all(|value| value.abs() < 100.0);
-        let is_healthy = is_moderate && after.qpos[1] > 0.7 && after.qpos[2].abs() < 0.2;
+        let (qpos, qvel) = (transition.data.qpos(), transition.data.qvel());
+        let is_moderate = qpos[2..].iter().chain(qvel).all(|value| value.abs() < 100.0);
+        let is_healthy = is_moderate && qpos[1] > 0.7 && qpos[2].abs() < 0.2;
         let healthy = if is_healthy { 1.0 } else { 0.0 };
         Evaluation { reward: velocity(transition) + healthy - 1e-3 * effort(transition), terminated: !is_healthy }
     }
@@ -158,6 +166,10 @@ impl Task for HalfCheetah {
         TIME_LIMIT
     }
 
+    fn forward_after_start(&self) -> bool {
+        false
+    }
+
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         add_uniform(random, 0.1, data.qpos_mut());
         for velocity in data.qvel_mut() {
@@ -191,7 +203,7 @@ fn observe_without_x(data: &Data, observation: &mut [f64]) {
 
 /// Returns the mean velocity along the path, m/s.
 fn velocity(transition: &Transition<'_>) -> f64 {
-    (transition.after.qpos[0] - transition.before.qpos[0]) / transition.duration
+    (transition.data.qpos()[0] - transition.before.qpos[0]) / transition.duration
 }
 
 /// Returns the sum of the squares of the actions.

@@ -145,8 +145,8 @@
 //!
 //! A [`VectorEnvironment`] adds to a batch what algorithms of reinforcement learning expect:
 //! rewards, ends of episodes by the task (terminated) or by the time limit (truncated), and new
-//! episodes where one has ended. A [`Task`](crate::environment::Task) defines them; the module
-//! [`environment`](crate::environment) has ready tasks and an example of a custom task.
+//! episodes where one has ended. A [`Task`] defines them; the module
+//! [`environment`](crate::environment) has ready tasks and examples of custom tasks.
 //!
 //! ```
 //! use mujoco_safe::environment::{InvertedPendulum, VectorEnvironment};
@@ -163,6 +163,24 @@
 //! println!("{} steps", steps / ends.max(1));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
+//!
+//! A task sees the simulation after each action. So rewards, ends and observations can depend on
+//! all that the engine computes:
+//!
+//! | Gymnasium's task | reads | method of [`Task`] |
+//! |---|---|---|
+//! | `Reacher` | poses of two bodies: `data.body(fingertip).xpos()` | none: `start` draws the target |
+//! | `Ant`, `Humanoid` | forces of contacts on bodies: `data.cfrc_ext()` | [`body_forces`](Task::body_forces) |
+//! | `Ant`, `Humanoid` | a pose or a centre of mass before the action | [`remember`](Task::remember) |
+//! | `Humanoid` | `cinert`, `cvel`, `qfrc_actuator` | none |
+//!
+//! As in Gymnasium, these quantities belong to the state before the last engine step, unless
+//! [`forward_after_step`](Task::forward_after_step) returns `true`. After the start of an episode
+//! they belong to the initial state; Gymnasium leaves the forces on bodies at zero until the first
+//! step. Otherwise, the three tasks have the observations, rewards and ends of Gymnasium's classes
+//! from the same initial states: the tests in `tests/rollout/gymnasium` compare episodes with a
+//! bound of 1e-9. In them, `start` calls [`Data::forward`] as Gymnasium's reset does, because this
+//! changes the initial guess of the constraint solver.
 //!
 //! Noise on actions and observations, and delays of the actions that differ between episodes,
 //! prepare a policy for a robot:
@@ -251,6 +269,6 @@
 #[cfg(doc)]
 use crate::{
     Data, MatrixView, Model,
-    environment::VectorEnvironment,
+    environment::{Task, VectorEnvironment},
     rollout::{Batch, Parameter, Random, Rollout, Workers},
 };

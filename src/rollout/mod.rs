@@ -1,8 +1,8 @@
 //! Parallel simulations of one model.
 //!
 //! [`Rollout`] runs each simulation from its initial state to the end: for sampling, statistics and
-//! predictive control. [`Batch`] steps all simulations together under a common policy: for
-//! reinforcement learning.
+//! predictive control. [`Batch`] steps all simulations together under a common policy;
+//! [`environment`](crate::environment) adds what reinforcement learning needs.
 //!
 //! ```
 //! use mujoco_safe::rollout::Rollout;
@@ -44,6 +44,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 pub use self::batch::Batch;
+pub(crate) use self::batch::Refresh;
 pub use self::parameter::{Distribution, FieldNumber, Parameter, Parameters, Random};
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve_outcomes};

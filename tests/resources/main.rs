@@ -10,6 +10,7 @@ mod trouble;
 
 mod allocations;
 mod allocations_in_control;
+mod allocations_in_environments;
 mod allocator;
 #[cfg(target_os = "linux")]
 mod engine_version;

@@ -32,15 +32,15 @@ fn compare(name: &str, task: &dyn Task, model: Model) -> usize {
         let what = |of: &str| format!("{of} in step {step} of {name}");
         let motion = |key: &str| (numbers(&recorded[key][0]), numbers(&recorded[key][1]));
         let ((qpos, qvel), after, action) = (motion("before"), motion("after"), numbers(&recorded["action"]));
-        let (before, now) = (Motion::new(&qpos, &qvel), Motion::new(&after.0, &after.1));
+        data.qpos_mut().copy_from_slice(&after.0);
+        data.qvel_mut().copy_from_slice(&after.1);
         let duration = recorded["duration"].as_f64().unwrap();
-        let evaluation = task.evaluate(&Transition::new(before, &action, now, duration));
+        let transition = Transition::new(Motion::new(&qpos, &qvel), &action, &data, &[], duration);
+        let evaluation = task.evaluate(&transition);
         assert_near(&[evaluation.reward], &[recorded["reward"].as_f64().unwrap()], &what("reward"));
         assert_eq!(evaluation.terminated, recorded["terminated"].as_bool().unwrap(), "{}", what("termination"));
         terminations += usize::from(evaluation.terminated);
 
-        data.qpos_mut().copy_from_slice(&after.0);
-        data.qvel_mut().copy_from_slice(&after.1);
         task.observe(&data, &mut observation);
         assert_near(&observation, &numbers(&recorded["observation"]), &what("observation"));
         let steps = task.frame_skip() as f64;
@@ -113,8 +113,8 @@ impl Alone {
         self.data.ctrl_mut().copy_from_slice(action);
         (0..4).for_each(|_| self.data.step().unwrap());
         self.steps += 1;
-        let after = Motion::new(self.data.qpos(), self.data.qvel());
-        let evaluation = Hopper.evaluate(&Transition::new(Motion::new(&qpos, &qvel), action, after, 0.002 * 4.0));
+        let before = Motion::new(&qpos, &qvel);
+        let evaluation = Hopper.evaluate(&Transition::new(before, action, &self.data, &[], 0.002 * 4.0));
         (evaluation.reward, evaluation.terminated, !evaluation.terminated && self.steps == 23)
     }
 }

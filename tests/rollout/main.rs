@@ -17,10 +17,12 @@ mod environments;
 mod equality;
 mod field_parameters;
 mod forward;
+mod gymnasium;
 mod isolation;
 mod parameters;
 mod schedules;
 mod sizes;
+mod tasks;
 
 #[path = "../common/parameter_edits.rs"]
 mod parameter_edits;

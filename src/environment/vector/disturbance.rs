@@ -32,7 +32,7 @@ pub(super) const STREAM: u64 = u64::MAX;
 /// assert!(hoppers.batch().controls()[(0, 0)].abs() < 0.2); // the first action has not arrived yet
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-impl<T: Task + 'static> VectorEnvironment<T> {
+impl<T: Task> VectorEnvironment<T> {
     /// Adds normally distributed noise of these standard deviations `(nu)` to the actions, and
     /// starts new episodes. The reward depends on the actions with noise.
     ///

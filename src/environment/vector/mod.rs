@@ -4,15 +4,15 @@ mod disturbance;
 
 use std::fmt;
 use std::ops::Range;
-use std::sync::Arc;
 
 use self::disturbance::Disturbance;
-use super::{Motion, Task, Transition};
-use crate::data::StateSpec;
+use super::{Evaluation, Motion, Task, Transition};
+use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView};
+use crate::memory;
 use crate::model::IntoModel;
-use crate::rollout::{Batch, Parameters, Random};
+use crate::rollout::{Batch, Parameters, Random, Refresh};
 
 /// Simulations of a [`Task`] that step together, each of which starts a new episode when one ends.
 ///
@@ -24,11 +24,12 @@ use crate::rollout::{Batch, Parameters, Random};
 ///
 /// The module [`environment`](crate::environment) has examples.
 pub struct VectorEnvironment<T> {
-    task: Arc<T>,
+    task: T,
     batch: Batch<'static>,
     seed: u64,
     /// States before the last step.
     before: Matrix,
+    records: Vec<Record>,
     final_observations: Matrix,
     rewards: Vec<f64>,
     terminated: Vec<bool>,
@@ -41,28 +42,51 @@ pub struct VectorEnvironment<T> {
     disturbance: Disturbance,
 }
 
-impl<T: Task + 'static> VectorEnvironment<T> {
+/// Values of a task for one simulation.
+#[derive(Clone)]
+struct Record {
+    memory: Vec<f64>,
+    evaluation: Evaluation,
+}
+
+impl<T: Task> VectorEnvironment<T> {
     /// Creates `count` simulations of the task, and starts their first episodes. Takes a
     /// [`Model`](crate::Model), an `Arc<Model>` or an `&Arc<Model>`.
     ///
     /// # Errors
     ///
-    /// The errors of [`Batch::new`], and the error of [`Task::start`] with the smallest index.
+    /// The errors of [`Batch::new`], [`Error::Invalid`] if memory does not suffice for the values
+    /// that the task remembers, and the errors of [`reset`](Self::reset).
     ///
     /// # Panics
     ///
     /// If memory does not suffice for the observations.
     pub fn new(model: impl IntoModel, task: T, count: usize, seed: u64) -> Result<Self> {
-        let (model, task) = (model.into_model(), Arc::new(task));
-        let (width, observer) = (task.observation_size(&model), task.clone());
+        let model = model.into_model();
+        let (width, remembered, substeps) =
+            (task.observation_size(&model), task.memory_size(&model), task.frame_skip());
+        let refresh = Refresh {
+            // Without a step, there are no quantities of a step.
+            forward: task.forward_after_step() || substeps == 0,
+            forward_after_reset: task.forward_after_start(),
+            body_forces: task.body_forces(),
+        };
+        // The environment reads observations itself.
         let batch = Batch::new(&model, count)?
-            .with_substeps(task.frame_skip())
-            .with_observations(width, move |data, observation| observer.observe(data, observation));
+            .with_substeps(substeps)
+            .with_observations(width, |_, _| ())
+            .with_refresh(refresh);
+        memory::check("simulations", count, remembered.saturating_mul(size_of::<f64>()))?;
+        let record = Record {
+            memory: memory::zeros("values that a task remembers", remembered)?,
+            evaluation: Evaluation { reward: 0.0, terminated: false },
+        };
         let mut environment = Self {
             task,
             batch,
             seed,
             before: Matrix::zeros(count, model.state_size(StateSpec::INTEGRATION)),
+            records: vec![record; count],
             final_observations: Matrix::zeros(count, width),
             rewards: vec![0.0; count],
             terminated: vec![false; count],
@@ -75,14 +99,6 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         };
         environment.reset()?;
         Ok(environment)
-    }
-
-    /// Computes all quantities of the present state before an observation: see
-    /// [`Batch::with_forward_after_step`].
-    #[must_use]
-    pub fn with_forward_after_step(mut self) -> Self {
-        self.batch = self.batch.with_forward_after_step();
-        self
     }
 
     /// Draws new values of these parameters of the model at the start of each episode, and starts
@@ -129,7 +145,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// The error of [`Task::start`] with the smallest index.
+    /// The error of [`Task::start`], or of [`Data::forward`] after it, with the smallest index, and
+    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
+    /// separately.
     pub fn reset(&mut self) -> Result<()> {
         self.terminated.fill(false);
         self.truncated.fill(true);
@@ -147,8 +165,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `n × nu` actions. The error of [`Task::start`] with the
-    /// smallest index.
+    /// [`Error::Shape`] if there are not `n × nu` actions. The errors of [`reset`](Self::reset).
     ///
     /// # Panics
     ///
@@ -159,22 +176,24 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         self.before.as_mut_slice().copy_from_slice(self.batch.states().as_slice());
         self.disturbance.disturb_actions(actions, &self.steps);
         let actions = self.disturbance.received(actions);
-        self.batch.step(|_, controls| controls.as_mut_slice().copy_from_slice(actions))?;
+        let (task, states, qpos, qvel) = (&self.task, &self.before, &self.qpos, &self.qvel);
+        let substeps = task.frame_skip() as f64;
+        self.batch.step_with(actions, &mut self.records, |index, data, record, observation| {
+            let state = states.row(index);
+            let before = Motion::new(&state[qpos.clone()], &state[qvel.clone()]);
+            let (action, duration) = (&actions[index * nu..][..nu], data.model().timestep() * substeps);
+            record.evaluation = task.evaluate(&Transition { before, action, data, memory: &record.memory, duration });
+            observe(task, data, record, observation);
+        });
         self.final_observations.as_mut_slice().copy_from_slice(self.batch.observations().as_slice());
-        let duration = self.batch.model().timestep() * self.task.frame_skip() as f64;
-        let limit = self.task.time_limit().unwrap_or(u64::MAX);
-        for index in 0..self.len() {
+        let limit = task.time_limit().unwrap_or(u64::MAX);
+        for (index, record) in self.records.iter().enumerate() {
             self.steps[index] += 1;
-            if self.batch.failure(index).is_some() {
-                (self.rewards[index], self.terminated[index], self.truncated[index]) = (0.0, true, false);
-                continue;
-            }
-            let motion = |state| motion(state, &self.qpos, &self.qvel);
-            let (before, after) = (motion(self.before.row(index)), motion(self.batch.states().row(index)));
-            let action = &actions[index * nu..][..nu];
-            let evaluation = self.task.evaluate(&Transition::new(before, action, after, duration));
-            (self.rewards[index], self.terminated[index]) = (evaluation.reward, evaluation.terminated);
-            self.truncated[index] = !evaluation.terminated && self.steps[index] >= limit;
+            let failed = Evaluation { reward: 0.0, terminated: true };
+            let Evaluation { reward, terminated } =
+                if self.batch.failure(index).is_some() { failed } else { record.evaluation };
+            (self.rewards[index], self.terminated[index]) = (reward, terminated);
+            self.truncated[index] = !terminated && self.steps[index] >= limit;
         }
         if self.disturbance.has_observation_noise() {
             self.disturbance.disturb_observations(&mut self.final_observations);
@@ -191,15 +210,21 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         if self.has_parameters {
             self.batch.sample_parameters(ended, self.seed)?;
         }
-        let (task, seed) = (&*self.task, self.seed);
+        let (task, seed) = (&self.task, self.seed);
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
             self.steps[index] = 0;
         }
         let first = self.batch.random_index(0);
         let random_index = |index: usize| first.wrapping_add(index);
-        let result = self.batch.reset_where(ended, |index, episode, data| {
-            task.start(&mut Random::new(seed, random_index(index), episode), data)
-        });
+        let result = self.batch.reset_with(
+            &mut self.records,
+            ended,
+            |index, episode, data| task.start(&mut Random::new(seed, random_index(index), episode), data),
+            |data, record, observation| {
+                record.memory.fill(0.0);
+                observe(task, data, record, observation);
+            },
+        );
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
             let random = Random::stream(seed, random_index(index), self.batch.episode(index), disturbance::STREAM);
             self.disturbance.start(index, random, self.batch.observations().row(index));
@@ -267,6 +292,8 @@ impl<T> fmt::Debug for VectorEnvironment<T> {
     }
 }
 
-fn motion<'s>(state: &'s [f64], qpos: &Range<usize>, qvel: &Range<usize>) -> Motion<'s> {
-    Motion::new(&state[qpos.clone()], &state[qvel.clone()])
+/// Writes the observation of a simulation, and what the task remembers of it.
+fn observe(task: &impl Task, data: &Data, record: &mut Record, observation: &mut [f64]) {
+    task.observe(data, observation);
+    task.remember(data, &mut record.memory);
 }

@@ -70,7 +70,7 @@ impl Batch<'_> {
             move_callbacks(&mut old_row.overrides, &mut row.overrides);
         }
         (new.first_index, new.substeps) = (self.first_index, self.substeps);
-        new.common.forward = self.common.forward;
+        new.common.refresh = self.common.refresh;
         new.observe_all();
         *self = new;
         Ok(Adoption::of(&survivors, &old_model, &model))

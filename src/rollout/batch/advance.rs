@@ -32,7 +32,10 @@ impl Batch<'_> {
     ) -> Result<()> {
         policy(self.observations.view(), &mut MatrixViewMut::from(&mut self.controls)).into_result()?;
         let substeps = self.substeps;
-        self.each(|_, member| member.step(substeps));
+        self.each(|_, member| {
+            let read = &member.common().read;
+            member.step(substeps, read);
+        });
         Ok(())
     }
 
@@ -82,7 +85,8 @@ impl Batch<'_> {
             if !which(index) {
                 return Ok(());
             }
-            member.reset(|episode, data| start(index, episode, data).into_result())
+            let read = &member.common().read;
+            member.reset(|episode, data| start(index, episode, data).into_result(), read)
         })
     }
 
@@ -143,7 +147,8 @@ impl Batch<'_> {
         let (one, _) = rest.split(1);
         let mut result = Ok(());
         one.each(|_, member| {
-            result = member.reset(|_, _| Ok(()));
+            let read = &member.common().read;
+            result = member.reset(|_, _| Ok(()), read);
             true
         });
         result
@@ -155,6 +160,42 @@ impl Batch<'_> {
             member.observe();
             true
         });
+    }
+
+    /// Sets the controls `(n, nu)`, steps all simulations, and calls `read` with the index of each
+    /// one that has not failed, the simulation, its record, and its row of observations, which is
+    /// zero.
+    pub(crate) fn step_with<R: Send>(
+        &mut self,
+        controls: &[f64],
+        records: &mut [R],
+        read: impl Fn(usize, &Data, &mut R, &mut [f64]) + Sync,
+    ) {
+        self.controls.as_mut_slice().copy_from_slice(controls);
+        let substeps = self.substeps;
+        self.each_with(records, |index, member, record| {
+            member.step(substeps, |data, observation| read(index, data, record, observation));
+        });
+    }
+
+    /// Resets simulations as [`reset_where`](Self::reset_where) does, and calls `read` with each,
+    /// as [`step_with`](Self::step_with) does.
+    pub(crate) fn reset_with<R: Send>(
+        &mut self,
+        records: &mut [R],
+        which: impl Fn(usize) -> bool + Sync,
+        start: impl Fn(usize, u64, &mut Data) -> Result<()> + Sync,
+        read: impl Fn(&Data, &mut R, &mut [f64]) + Sync,
+    ) -> Result<()> {
+        let first_error = FirstError::default();
+        self.each_with(records, |index, member, record| {
+            if which(index) {
+                let read = |data: &Data, observation: &mut [f64]| read(data, record, observation);
+                let result = member.reset(|episode, data| start(index, episode, data), read);
+                result.unwrap_or_else(|error| first_error.record(index, error));
+            }
+        });
+        first_error.into_result()
     }
 
     /// Calls `work` for all simulations in parallel, and returns the error with the smallest index.
@@ -170,14 +211,20 @@ impl Batch<'_> {
 
     /// Calls `work` for all simulations in parallel.
     fn each(&mut self, work: impl Fn(usize, &mut Member<'_, '_>) + Sync) {
+        // A vector of values without a size allocates nothing.
+        self.each_with(&mut vec![(); self.len()], |index, member, ()| work(index, member));
+    }
+
+    /// Calls `work` for all simulations in parallel, each with its record.
+    fn each_with<R: Send>(&mut self, records: &mut [R], work: impl Fn(usize, &mut Member<'_, '_>, &mut R) + Sync) {
         let chunk = self.chunk.unwrap_or_else(|| default_chunk(self.len()));
         let stop = AtomicBool::new(false);
-        in_chunks(self.members(), 0, chunk, &|first, members| {
+        in_chunks(WithRecords(self.members(), records), 0, chunk, &|first, WithRecords(members, records)| {
             let guard = StopOnPanic::new(&stop);
             members.each(|offset, member| {
                 let go_on = !stop.load(Ordering::Relaxed);
                 if go_on {
-                    work(first + offset, member);
+                    work(first + offset, member, &mut records[offset]);
                 }
                 go_on
             });
@@ -194,5 +241,19 @@ impl Batch<'_> {
             observations: MatrixViewMut::from(&mut self.observations),
             values: MatrixViewMut::from(&mut self.values),
         }
+    }
+}
+
+/// Part of the simulations, and a record of each.
+struct WithRecords<'b, 'r, R>(Members<'b>, &'r mut [R]);
+
+impl<R: Send> Split for WithRecords<'_, '_, R> {
+    fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    fn split(self, first: usize) -> (Self, Self) {
+        let ((members, other_members), (records, other_records)) = (self.0.split(first), self.1.split_at_mut(first));
+        (Self(members, records), Self(other_members, other_records))
     }
 }

@@ -27,13 +27,24 @@ impl Row {
     }
 }
 
+/// Computations before an observation.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Refresh {
+    /// `true` if forward dynamics is computed after a step or an edit.
+    pub(crate) forward: bool,
+    /// `true` if forward dynamics is computed after a reset.
+    pub(crate) forward_after_reset: bool,
+    /// `true` if accelerations of bodies and forces on them are computed after a step, and after a
+    /// reset with forward dynamics.
+    pub(crate) body_forces: bool,
+}
+
 /// Properties that all simulations of a batch have in common.
 pub(super) struct Common<'a> {
     pub(super) pool: Pool<Worker>,
     /// Closure that observes a simulation.
     pub(super) read: Box<Read<'a>>,
-    /// `true` if forward dynamics is computed before an observation.
-    pub(super) forward: bool,
+    pub(super) refresh: Refresh,
     /// Index of the first control in a state.
     pub(super) first_control: usize,
     pub(super) parameters: Parameters,
@@ -42,8 +53,10 @@ pub(super) struct Common<'a> {
 /// Start of the work on a simulation.
 #[derive(Clone, Copy)]
 enum Source {
-    /// Its state, in a worker with at most these results.
-    State(Results),
+    /// Its state, in a worker without results.
+    State,
+    /// Its state before a step, in a worker with at most these results.
+    BeforeStep(Results),
     Reset,
 }
 
@@ -59,27 +72,35 @@ pub(super) struct Member<'m, 'b> {
     values: &'m mut [f64],
 }
 
-impl Member<'_, '_> {
-    /// Steps the simulation, unless it has failed.
-    pub(super) fn step(&mut self, substeps: usize) {
+impl<'b> Member<'_, 'b> {
+    pub(super) fn common(&self) -> &'b Common<'b> {
+        self.common
+    }
+
+    /// Steps the simulation and calls `read` with it, unless it has failed.
+    pub(super) fn step(&mut self, substeps: usize, read: impl FnOnce(&Data, &mut [f64])) {
         if self.row.failure.is_some() {
             return;
         }
         self.state[self.common.first_control..][..self.controls.len()].copy_from_slice(self.controls);
         // Without a step, the results of another simulation would remain.
         let allowed = if substeps == 0 { Results::None } else { Results::Steps };
-        let result = self.work(Source::State(allowed), Results::Steps, |data| data.step_n(substeps));
+        let result = self.work(Source::BeforeStep(allowed), Results::Steps, |data| data.step_n(substeps), read);
         if let Err(error) = result {
             self.fail(error);
         }
     }
 
-    /// Starts the next episode.
-    pub(super) fn reset(&mut self, start: impl FnOnce(u64, &mut Data) -> Result<()>) -> Result<()> {
+    /// Starts the next episode, and calls `read` with the simulation.
+    pub(super) fn reset(
+        &mut self,
+        start: impl FnOnce(u64, &mut Data) -> Result<()>,
+        read: impl FnOnce(&Data, &mut [f64]),
+    ) -> Result<()> {
         self.row.episode += 1;
         self.row.failure = None;
         let episode = self.row.episode;
-        let result = self.work(Source::Reset, Results::Any, |data| start(episode, data));
+        let result = self.work(Source::Reset, Results::Any, |data| start(episode, data), read);
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
@@ -88,7 +109,7 @@ impl Member<'_, '_> {
         if self.row.failure.is_some() {
             return Ok(());
         }
-        let result = self.work(Source::State(Results::None), Results::Any, edit);
+        let result = self.work(Source::State, Results::Any, edit, &self.common.read);
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
@@ -111,8 +132,8 @@ impl Member<'_, '_> {
         if self.row.failure.is_some() {
             return self.observations.fill(f64::NAN);
         }
-        let leaves = if self.common.forward { Results::Steps } else { Results::None };
-        let result = self.work(Source::State(Results::None), leaves, |_| Ok(()));
+        let leaves = if self.common.refresh.forward { Results::Steps } else { Results::None };
+        let result = self.work(Source::State, leaves, |_| Ok(()), &self.common.read);
         if let Err(error) = result {
             self.fail(error);
         }
@@ -123,17 +144,27 @@ impl Member<'_, '_> {
         self.observations.fill(f64::NAN);
     }
 
-    /// Loads the simulation into a worker, calls `work`, stores the new state, and observes it. If
-    /// `work` fails, the state is unchanged. `leaves` are the results that the worker has
-    /// afterwards.
-    fn work(&mut self, source: Source, leaves: Results, work: impl FnOnce(&mut Data) -> Result<()>) -> Result<()> {
+    /// Loads the simulation into a worker, calls `work`, stores the new state, and calls `read` to
+    /// observe it. If `work` fails, the state is unchanged. `leaves` are the results that the
+    /// worker has afterwards.
+    fn work(
+        &mut self,
+        source: Source,
+        leaves: Results,
+        work: impl FnOnce(&mut Data) -> Result<()>,
+        read: impl FnOnce(&Data, &mut [f64]),
+    ) -> Result<()> {
         let Self { common, lease, row, state, controls, observations, .. } = self;
-        let model = common.pool.model();
-        let allowed = if let Source::State(results) = source { results } else { Results::Any };
+        let (model, refresh) = (common.pool.model(), common.refresh);
+        let (allowed, forward) = match source {
+            Source::State => (Results::None, refresh.forward),
+            Source::BeforeStep(results) => (results, refresh.forward),
+            Source::Reset => (Results::Any, refresh.forward_after_reset),
+        };
         let mut loaded = Loaded::new(lease.get()?, &mut row.overrides, model, allowed)?;
         let data = loaded.data();
         match source {
-            Source::State(_) => continue_from(data, state, &row.warnings)?,
+            Source::State | Source::BeforeStep(_) => continue_from(data, state, &row.warnings)?,
             Source::Reset => restart(data)?,
         }
         work(data)?;
@@ -143,15 +174,20 @@ impl Member<'_, '_> {
         }
         data.state_into(StateSpec::INTEGRATION, state)?;
         controls.copy_from_slice(&state[common.first_control..][..controls.len()]);
-        if common.forward {
+        if forward {
             data.forward()?;
+        }
+        if refresh.body_forces && (forward || matches!(source, Source::BeforeStep(_))) {
+            data.rne_post_constraint()?;
+        }
+        if forward {
             // `forward` overwrites the initial guess of the constraint solver and normalises
             // quaternions.
             data.set_state(StateSpec::INTEGRATION, state)?;
         }
         row.warnings = data.warnings();
         observations.fill(0.0);
-        (common.read)(data, observations);
+        read(data, observations);
         loaded.finish(leaves);
         Ok(())
     }

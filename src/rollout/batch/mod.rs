@@ -9,6 +9,7 @@ mod worker;
 use std::fmt;
 use std::sync::Arc;
 
+pub(crate) use self::member::Refresh;
 use self::member::{Common, Row};
 use self::worker::{Worker, continue_from};
 use super::Parameters;
@@ -20,8 +21,7 @@ use crate::memory;
 use crate::model::{IntoModel, Model};
 use crate::parallel::Pool;
 
-/// Batch of simulations of one model that are stepped together under a policy: a vectorised
-/// environment of reinforcement learning.
+/// Batch of simulations of one model that are stepped together under a policy.
 ///
 /// The policy reads the observations and sets the controls of all simulations. It is called once
 /// per step, in the calling thread; stepping, observing and resetting run in parallel. The
@@ -31,6 +31,11 @@ use crate::parallel::Pool;
 /// observations: two kilobytes for a humanoid. Each thread has one [`Data`], into which it loads
 /// the simulations one after another. [`data`](Self::data) and [`load`](Self::load) return a
 /// simulation for inspection, and [`edit_where`](Self::edit_where) changes some of them.
+///
+/// A batch has no rewards, no ends of episodes and no time limits; it neither resets a simulation
+/// automatically nor keeps the last observation before a reset. A
+/// [`VectorEnvironment`](crate::environment::VectorEnvironment) adds these for reinforcement
+/// learning.
 ///
 /// ```
 /// use mujoco_safe::rollout::Batch;
@@ -101,7 +106,7 @@ impl<'a> Batch<'a> {
             common: Common {
                 pool,
                 read: Box::new(|_, _| ()),
-                forward: false,
+                refresh: Refresh::default(),
                 first_control: model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start,
                 parameters: Parameters::new(),
             },
@@ -165,8 +170,16 @@ impl<'a> Batch<'a> {
     /// ```
     #[must_use]
     pub fn with_forward_after_step(mut self) -> Self {
-        self.common.forward = true;
+        self.common.refresh.forward = true;
+        self.common.refresh.forward_after_reset = true;
         self.observe_all();
+        self
+    }
+
+    /// Sets the computations before an observation of [`step_with`](Self::step_with) and
+    /// [`reset_with`](Self::reset_with).
+    pub(crate) fn with_refresh(mut self, refresh: Refresh) -> Self {
+        self.common.refresh = refresh;
         self
     }
 

@@ -4,6 +4,7 @@
 use std::hint::black_box;
 use std::sync::{Arc, OnceLock};
 
+use mujoco_safe::data::MissingResults;
 use mujoco_safe::environment::{Evaluation, Hopper, Task, Transition, VectorEnvironment};
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Batch, Data, Model, Result};
@@ -63,6 +64,9 @@ struct Arbitrary {
     width: usize,
     skip: usize,
     limit: Option<u64>,
+    forward: bool,
+    body_forces: bool,
+    memory: usize,
     number: f64,
     fails: bool,
 }
@@ -80,6 +84,14 @@ impl Task for Arbitrary {
         self.limit
     }
 
+    fn forward_after_step(&self) -> bool {
+        self.forward
+    }
+
+    fn body_forces(&self) -> bool {
+        self.body_forces
+    }
+
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()> {
         data.qvel_mut().fill(random.uniform(0.0, self.number));
         if self.fails { data.reset_to_key(99) } else { Ok(()) }
@@ -90,12 +102,27 @@ impl Task for Arbitrary {
     }
 
     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-        let position = transition.after.qpos.first().copied().unwrap_or_default();
-        Evaluation { reward: transition.action.iter().sum(), terminated: position > self.number }
+        let position = transition.data.qpos().first().copied().unwrap_or_default();
+        let reward = transition.action.iter().chain(transition.memory).sum();
+        for contact in transition.data.contacts() {
+            black_box(contact.force().is_ok());
+        }
+        if self.body_forces {
+            transition.data.require(MissingResults::BODY_FORCES).unwrap();
+        }
+        Evaluation { reward, terminated: position > self.number }
+    }
+
+    fn memory_size(&self, _: &Model) -> usize {
+        self.memory
+    }
+
+    fn remember(&self, data: &Data, memory: &mut [f64]) {
+        memory.fill(data.cfrc_ext().as_flattened().iter().sum());
     }
 }
 
-fn step<T: Task + 'static>(mut environment: VectorEnvironment<T>, bytes: &mut Bytes<'_>) -> Result<()> {
+fn step<T: Task>(mut environment: VectorEnvironment<T>, bytes: &mut Bytes<'_>) -> Result<()> {
     let count = environment.len() * environment.batch().model().nu();
     for _ in 0..bytes.below(4) {
         if bytes.once_in(8) {
@@ -162,6 +189,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             width: bytes.below(4),
             skip: bytes.below(4),
             limit: bytes.once_in(2).then(|| bytes.below(4) as u64),
+            forward: bytes.once_in(4),
+            body_forces: bytes.once_in(2),
+            memory: bytes.below(3),
             number: bytes.number(),
             fails: bytes.once_in(16),
         };
@@ -170,9 +200,6 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let mut environment = VectorEnvironment::new(scene.data.model().clone(), task, count, seed)?;
         if let Some(parameters) = parameters {
             environment = environment.with_parameters(parameters)?;
-        }
-        if bytes.once_in(4) {
-            environment = environment.with_forward_after_step();
         }
         step(environment, bytes)
     }),
