@@ -63,9 +63,9 @@ impl Data {
     /// New elements have the values that they have in a new simulation of the model, and so have a
     /// joint whose type has changed and those values of an actuator, sensor, flex or plugin whose
     /// number has changed ([`Adoption::reset`]). A new sensor with an `interval` takes a sample in
-    /// each step until its own time, which starts at zero, is that of the simulation. Other values stay as they are, also those that are outside of a new
-    /// range. A change of the pose of a free body in the model does not move it, because its
-    /// position is that of its joint.
+    /// each step until its own time, which starts at zero, is that of the simulation. Other values
+    /// stay as they are, also those that are outside of a new range. A change of the pose of a free
+    /// body in the model does not move it, because its position is that of its joint.
     ///
     /// Everything else is that of the new model: parameters, options, keyframes, also where the old
     /// one was changed by [`edit_model`](Self::edit_model) or

@@ -51,8 +51,8 @@ impl Identities {
         names.entry(name.unwrap_or_default().to_owned()).or_default().push(identity);
     }
 
-    /// Returns the elements of the spec of which an element of the model without identity may be one
-    /// or a copy: those without a name, or those with whose name its name begins.
+    /// Returns the elements of the spec of which an element of the model without identity may be
+    /// one or a copy: those without a name, or those with whose name its name begins.
     pub(crate) fn sources(&self, kind: Kind, name: Option<&str>) -> Vec<&Identity> {
         let Some(names) = self.sources.get(&kind) else { return Vec::new() };
         let prefixes = name.map_or(vec![""], |name| (1..=name.len()).filter_map(|end| name.get(..end)).collect());

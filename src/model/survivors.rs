@@ -79,7 +79,8 @@ impl<'m> Survivors<'m> {
         };
         let name = |index: usize| Some((old.name_at(kind, index)?, index));
         let names: HashMap<&str, usize> = (0..old.count(kind)).filter_map(name).collect();
-        // Elements without identities may be copies of elements of the specs, which must be the same.
+        // Elements without identities may be copies of elements of the specs, which must be the
+        // same.
         let have_same_sources =
             |name: Option<&str>| identities.is_none_or(|(old, new)| old.sources(kind, name) == new.sources(kind, name));
         for index in 0..new.count(kind) {

@@ -22,10 +22,10 @@ impl Spec {
     ///
     /// # Errors
     ///
-    /// As for [`compile`](Self::compile), and as for
-    /// [`Model::save_xml`](crate::Model::save_xml) where the engine cannot save what it compiled:
-    /// it does not save the directory of the files of an asset that is a model, for which
-    /// [`attach`](Self::attach) is the way. [`Error::XmlReplaced`] if other threads load models all the time.
+    /// As for [`compile`](Self::compile), and as for [`Model::save_xml`](crate::Model::save_xml)
+    /// where the engine cannot save what it compiled: it does not save the directory of the files
+    /// of an asset that is a model, for which [`attach`](Self::attach) is the way.
+    /// [`Error::XmlReplaced`] if other threads load models all the time.
     ///
     #[cfg_attr(not(engine_since = "3.1.3"), doc = "```ignore")]
     #[cfg_attr(engine_since = "3.1.3", doc = "```")]

@@ -37,7 +37,7 @@ pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
             .iter()
             .filter(|(index, _)| names::name(&spec.tree, *index).is_none())
             .for_each(|entry| found.miss(entry.0));
-        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), entries);
+        found.assign(kind, &(0..model.count(kind)).collect::<Vec<_>>(), &entries);
     }
     let Found { places, mut identities, .. } = found;
     for (kind, places) in places {
@@ -82,21 +82,21 @@ impl Found<'_> {
                 let is_kind = move |(index, _): &&Entry| names::kind(tree, *index) == Some(kind);
                 elements.iter().filter(is_kind).cloned().collect::<Vec<_>>()
             };
-            self.assign(Kind::Joint, &joints[body], of(Kind::Joint));
-            for (child, entry) in self.assign(Kind::Body, &children[body], of(Kind::Body)) {
+            self.assign(Kind::Joint, &joints[body], &of(Kind::Joint));
+            for (child, entry) in self.assign(Kind::Body, &children[body], &of(Kind::Body)) {
                 open.push((child, vec![entry]));
             }
         }
     }
 
     /// Assigns elements of the spec to elements of the model, and returns the pairs.
-    fn assign(&mut self, kind: Kind, ids: &[usize], entries: Vec<Entry>) -> Vec<(usize, Entry)> {
+    fn assign(&mut self, kind: Kind, ids: &[usize], entries: &[Entry]) -> Vec<(usize, Entry)> {
         let (tree, model) = (&self.spec.tree, self.model);
         let named: HashMap<&str, usize> = ids.iter().filter_map(|&id| Some((model.name_at(kind, id)?, id))).collect();
         let mut pairs = Vec::new();
         // Elements without names, and copies, to whose names the compiler appends their numbers.
         let mut others = [Vec::new(), Vec::new()];
-        for entry in &entries {
+        for entry in entries {
             match names::name(tree, entry.0) {
                 Some(name) if entry.1.is_empty() => pairs.extend(named.get(name).map(|&id| (id, entry))),
                 name => others[usize::from(name.is_some())].push(entry),

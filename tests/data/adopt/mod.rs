@@ -3,6 +3,7 @@
 mod cases;
 #[cfg(engine_since = "3.2.0")]
 mod copies;
+mod other_values;
 mod random;
 mod unchanged;
 

@@ -128,8 +128,8 @@ impl Generator {
         (attribute + &number, name)
     }
 
-    /// Returns the text of a body in the world, perhaps in a frame or copied, and appends the names of
-    /// its hinges and sliders.
+    /// Returns the text of a body in the world, perhaps in a frame or copied, and appends the names
+    /// of its hinges and sliders.
     fn placed_body(&mut self, names: &mut Vec<String>) -> String {
         let body = self.body(2, names);
         match self.rng.random_range(0..6) {
