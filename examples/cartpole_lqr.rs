@@ -84,26 +84,22 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn plot(out: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn std::error::Error>> {
-    let line = |label: &str, color: usize, value: &dyn Fn(usize) -> f64| {
-        Line::new(
-            label,
-            PALETTE[color],
-            (0..trajectory.len()).map(|record| (trajectory.times()[record], value(record))),
-        )
+    let line = |color: usize, value: &dyn Fn(usize) -> f64| {
+        let points = (0..trajectory.len()).map(|record| (trajectory.times()[record], value(record)));
+        vec![Line::new("", PALETTE[color], points)]
     };
-    let state = vec![
-        line("cart position (m)", 0, &|record| trajectory.qpos(record)[0]),
-        line("pole angle (rad)", 1, &|record| trajectory.qpos(record)[1]),
-    ];
+    let position = line(0, &|record| trajectory.qpos(record)[0]);
+    let angle = line(1, &|record| trajectory.qpos(record)[1]);
     // The engine clamps the control to its range.
-    let control = vec![line("", 2, &|record| trajectory.ctrl(record)[0].clamp(-1.0, 1.0))];
+    let control = line(2, &|record| trajectory.ctrl(record)[0].clamp(-1.0, 1.0));
     chart::save(
         out,
         "cartpole.svg",
-        280,
+        240,
         &[
-            Panel::new("Cart-pole under LQR", ["time (s)", "position"], state),
-            Panel::new("Control", ["time (s)", "fraction of the motor's range"], control),
+            Panel::new("Position of a cart under LQR", ["time (s)", "position (m)"], position),
+            Panel::new("Angle of its pole from upright", ["time (s)", "angle (rad)"], angle),
+            Panel::new("Control of its motor", ["time (s)", "control (part of range)"], control),
         ],
     )
 }

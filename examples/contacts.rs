@@ -79,14 +79,14 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     println!("sum of the normal forces {sum:.3} N, weight {weight:.3} N");
 
     if let Some(out) = &arguments.out {
-        let panel = |title, y, color, points: Vec<_>| {
-            Panel::new(title, ["time, s", y], vec![Line::new("", color, points)]).at_least(0.0, 1.0)
-        };
+        let held = Line::dashed("weight", PALETTE[1], [(0.0, weight), (data.time(), weight)]);
+        let panel = |title, y, lines| Panel::new(title, ["time (s)", y], lines).at_least(0.0, 1.0);
+        let line = |points: Vec<_>| Line::new("", PALETTE[0], points);
         let panels = [
-            panel("Number of contacts", "", PALETTE[0], counts),
-            panel("Sum of the normal forces", "N", PALETTE[1], forces),
-            panel("Speed of the centre of mass", "m/s", PALETTE[2], speeds),
-            panel("Largest penetration", "mm", PALETTE[3], depths),
+            panel("Contacts of the block with the floor", "contacts (number)", vec![line(counts)]),
+            panel("Sum of the normal forces", "force (N)", vec![line(forces), held]),
+            panel("Speed of the centre of mass", "speed (m/s)", vec![line(speeds)]),
+            panel("Largest penetration", "penetration (mm)", vec![line(depths)]),
         ];
         chart::save(out, "contacts.svg", 200, &panels)?;
     }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Parser;
-use common::chart::{self, Line, PALETTE, Panel};
+use common::chart::{self, Event, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::enums::Integrator;
 use mujoco_safe::{Data, Model, Result};
@@ -61,10 +61,12 @@ fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Err
     let model = Arc::new(Model::from_xml_str(PENDULUM)?);
 
     let runs = (0..4).map(|run| swing(&model, 1e-9 * f64::from(run))).collect::<Result<Vec<_>>>()?;
+    let mut first_apart = None;
     for (run, angles) in runs.iter().enumerate().skip(1) {
         let apart = runs[0].iter().zip(angles).find(|(first, other)| (first.1 - other.1).abs() > 0.1);
         match apart {
             Some(((time, _), _)) => {
+                first_apart = first_apart.or((run == 1).then_some(*time));
                 println!("run {run}, faster by {run}e-9 rad/s: differs by 0.1 rad after {time:.2} s");
             }
             None => println!("run {run} stays within 0.1 rad"),
@@ -78,7 +80,7 @@ fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Err
         for timestep in [0.004, 0.002, 0.001, 0.0005] {
             let drift = energy_drift(integrator, timestep)?;
             println!("  {name:11} timestep {timestep:.4} s: {drift:.2e}");
-            line.push((f64::log10(timestep), f64::log10(drift)));
+            line.push((timestep, drift));
         }
         drifts.push((name, line));
     }
@@ -87,11 +89,14 @@ fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Err
         let lines = |curves: Vec<(String, Vec<(f64, f64)>)>| {
             curves.into_iter().zip(PALETTE).map(|((label, points), color)| Line::new(&label, color, points)).collect()
         };
-        let runs = runs.into_iter().enumerate().map(|(run, angles)| (format!("+{run}e-9 rad/s"), angles)).collect();
+        let label = |run| if run == 0 { "reference".to_owned() } else { format!("+{run}e-9 rad/s") };
+        let runs = runs.into_iter().enumerate().map(|(run, angles)| (label(run), angles)).collect();
         let drifts = drifts.into_iter().map(|(name, line)| (name.to_owned(), line)).collect();
         let panels = [
-            Panel::new("Shoulder angle from nearly equal states", ["time, s", "rad"], lines(runs)),
-            Panel::new("Drift of the energy", ["log10 of the timestep, s", "log10 of J"], lines(drifts)),
+            Panel::new("Shoulder angle, by initial velocity", ["time (s)", "angle (rad)"], lines(runs))
+                .events(first_apart.map(|time| Event::moment("0.1 rad apart", time))),
+            Panel::new("Largest drift of the energy in 10 s", ["timestep (s)", "drift (J)"], lines(drifts))
+                .logarithmic([true, true]),
         ];
         chart::save(out, "pendulum_chaos.svg", 260, &panels)?;
     }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
-use common::chart::{self, INK, Line, PALETTE, Panel};
+use common::chart::{self, Event, INK, Line, PALETTE, Panel};
 use common::command_line;
 use indicatif::{ProgressBar, ProgressStyle};
 use mujoco_safe::rollout::{Rollout, RolloutResult};
@@ -149,15 +149,15 @@ fn plot(
             lines.push(quantile("5 % and 95 %", 0.05, PALETTE[0]));
             lines.push(quantile("", 0.95, PALETTE[0]));
         }
-        Panel::new(title, ["time (s)", y], lines)
+        Panel::new(title, ["time (s)", y], lines).events([Event::new("push", 0.0, PUSH_DURATION)])
     };
     chart::save(
         out,
         "rollouts.svg",
         300,
         &[
-            panel("Pole angle after a random push of 0.1 s", "angle (rad)", 1),
-            panel("Cart position", "position (m)", 0),
+            panel("Angle of the pole during and after a random push", "angle (rad)", 1),
+            panel("Position of the cart", "position (m)", 0),
         ],
     )
 }

@@ -16,7 +16,7 @@ mod common;
 use std::path::PathBuf;
 
 use clap::Parser;
-use common::chart::{self, Line, PALETTE, Panel};
+use common::chart::{self, Event, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::{Data, Model};
 
@@ -77,11 +77,12 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     if let Some(out) = &arguments.out {
         let panel = |title, y, color, points: Vec<_>| {
             let every_tenth = points.into_iter().step_by(10);
-            Panel::new(title, ["time, s", y], vec![Line::new("", color, every_tenth)])
+            let line = Line::new("", color, every_tenth);
+            Panel::new(title, ["time (s)", y], vec![line]).events(turned.map(|time| Event::moment("on its stem", time)))
         };
         let panels = [
-            panel("Direction of the stem: 1 is up, -1 is down", "cosine", PALETTE[0], stem),
-            panel("Spin about the stem", "rad/s", PALETTE[1], rate),
+            panel("Tilt of the stem: 1 is up, −1 is down", "cosine of the tilt", PALETTE[0], stem),
+            panel("Spin about the stem", "angular velocity (rad/s)", PALETTE[1], rate),
         ];
         chart::save(out, "tippe_top.svg", 260, &panels)?;
     }

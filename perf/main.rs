@@ -10,6 +10,12 @@
 //! ratios. Every thread is pinned to a processor (see `processor.rs`). A multi-threaded pair counts
 //! only if the machine provided a core for each thread.
 
+#[allow(dead_code, reason = "the line charts of the examples use more of it")]
+#[path = "../examples/common/axis.rs"]
+mod axis;
+#[allow(dead_code, reason = "the line charts are for the examples")]
+#[path = "../examples/common/chart.rs"]
+mod chart;
 mod library;
 #[path = "../benches/common/models.rs"]
 mod models;
@@ -17,6 +23,7 @@ mod peer;
 mod processor;
 mod report;
 mod slicot;
+mod speed_chart;
 
 use std::error::Error;
 use std::fs;

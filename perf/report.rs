@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use mujoco_safe::rayon::ThreadPool;
-use plotters::prelude::*;
 
+use crate::speed_chart::{self, Bar};
 use crate::{Outcome, processor};
 
 /// Relative tolerance of checksums, which covers the order of summation.
@@ -92,6 +92,12 @@ struct Row {
     pairs: usize,
 }
 
+impl Row {
+    fn bar(&self) -> Bar<'_> {
+        Bar { task: &self.task, reference: self.reference, quartiles: self.quartiles }
+    }
+}
+
 #[derive(Default)]
 pub(crate) struct Report {
     rows: Vec<Row>,
@@ -133,37 +139,9 @@ impl Report {
         }
         writeln!(table, "\nMedians over alternating pairs. {}", machine())?;
         fs::write(out.join("compare.md"), table)?;
-        self.draw(&out.join("compare.svg"))?;
+        let bars: Vec<Bar<'_>> = self.rows.iter().map(Row::bar).collect();
+        speed_chart::draw(&out.join("compare.svg"), &bars).map_err(|error| error.to_string())?;
         println!("wrote {0}/compare.md and {0}/compare.svg", out.display());
-        Ok(())
-    }
-
-    /// Draws a bar between 1 and the ratio for each comparison, on a logarithmic scale.
-    fn draw(&self, path: &Path) -> Outcome<()> {
-        const LEFT: i32 = 400;
-        const RIGHT: i32 = 880;
-        let height = 60 + 26 * self.rows.len() as i32;
-        let root = SVGBackend::new(path, (960, height as u32)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let largest = self.rows.iter().map(|row| row.quartiles[2]).fold(10.0, f64::max);
-        let least = self.rows.iter().map(|row| row.quartiles[0]).fold(0.9, f64::min);
-        let place = |ratio: f64| {
-            let part = (ratio / least).ln() / (largest / least).ln();
-            LEFT + (part * f64::from(RIGHT - LEFT)).round() as i32
-        };
-        let font = |size: i32| ("sans-serif", size).into_font();
-        root.draw_text("speed relative to the reference (logarithmic)", &font(13).color(&BLACK), (LEFT, 12))?;
-        for (index, Row { task, reference, quartiles: [low, median, high], .. }) in self.rows.iter().enumerate() {
-            let top = 44 + 26 * index as i32;
-            let color = if *median >= 0.99 { RGBColor(46, 110, 166) } else { RGBColor(190, 90, 50) };
-            root.draw_text(&format!("{task} / {reference}"), &font(13).color(&BLACK), (10, top + 3))?;
-            let bar = [(place(median.min(1.0)), top), (place(*median).max(place(1.0) + 1), top + 16)];
-            root.draw(&Rectangle::new(bar, color.filled()))?;
-            root.draw(&PathElement::new([(place(*low), top + 8), (place(*high), top + 8)], BLACK))?;
-            root.draw_text(&format!("{median:.2}"), &font(13).color(&BLACK), (place(high.max(1.0)) + 6, top + 3))?;
-        }
-        root.draw(&PathElement::new([(place(1.0), 34), (place(1.0), height - 10)], BLACK))?;
-        root.present()?;
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
-use common::chart::{self, Line, PALETTE, Panel};
+use common::chart::{self, Event, Line, PALETTE, Panel};
 use common::command_line;
 use common::live_plan::{LivePlan, Point};
 use mujoco_safe::{Data, Model};
@@ -88,21 +88,24 @@ fn panels(times: &[f64], run: &Run) -> [Panel<'static>; 2] {
     let hand = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
         Line::new(&format!("hand {name}"), color, times.iter().zip(&run.hand).map(|(&time, at)| (time, at[axis])))
     });
-    let targets = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| Line {
-        dashed: true,
-        ..Line::new(&format!("target {name}"), color, times.iter().map(|&time| (time, target(time)[axis])))
+    let targets = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
+        Line::dashed(&format!("target {name}"), color, times.iter().map(|&time| (time, target(time)[axis])))
     });
-    let distance = times.iter().zip(&run.distances).map(|(&time, &distance)| (time, distance.max(1e-6).log10()));
+    let distance = times.iter().zip(&run.distances).map(|(&time, &distance)| (time, distance.max(1e-6)));
+    let approach = Event::new("approach", 0.0, APPROACH);
     [
         Panel::new(
-            "Position of the hand and (dashed) of its target",
+            "Position of the hand and of its target",
             ["time (s)", "position (m)"],
             hand.chain(targets).collect(),
-        ),
+        )
+        .events([approach.clone()]),
         Panel::new(
             "Distance of the hand from the target",
-            ["time (s)", "log10 of metres"],
+            ["time (s)", "distance (m)"],
             vec![Line::new("", PALETTE[0], distance)],
-        ),
+        )
+        .logarithmic([false, true])
+        .events([approach]),
     ]
 }

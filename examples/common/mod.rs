@@ -3,6 +3,7 @@
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 
+pub mod axis;
 pub mod balance;
 pub mod chart;
 pub mod command_line;

@@ -130,7 +130,7 @@ fn balance(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let names = ["humanoid_force.svg", "humanoid_balance.svg", "humanoid.csv"];
         let [force, balance, csv] = names.map(|name| out.join(name));
         plots::force_against_height(&force, &sweep, &set_point, weight)?;
-        plots::balance(&balance, &model, &run, &open_loop)?;
+        plots::balance(&balance, &model, &run, &open_loop, arguments.push)?;
         run.trajectory.save_csv(&csv)?;
         for path in [&force, &balance, &csv] {
             report(format!("wrote {}", path.display()));

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use mujoco_safe::Model;
 
-use crate::common::chart::{self, Line, PALETTE, Panel};
+use crate::common::chart::{self, Event, Line, PALETTE, Panel};
 use crate::set_point::{SetPoint, Sweep};
-use crate::simulate::Run;
+use crate::simulate::{Push, Run};
 
 /// Plots the vertical force of inverse dynamics against the height.
 pub fn force_against_height(
@@ -22,19 +22,21 @@ pub fn force_against_height(
     let best = set_point.offset * 1e3;
     let lines = vec![
         Line::new("force", PALETTE[0], millimetres.iter().copied().zip(sweep.forces.iter().copied())),
-        dashed("weight", 6, vec![(first, weight), (last, weight)]),
-        dashed(&format!("best: {best:.3} mm"), 1, vec![(best, lowest), (best, weight)]),
+        Line::dashed("weight", PALETTE[6], [(first, weight), (last, weight)]),
+        Line::dashed(&format!("best: {best:.3} mm"), PALETTE[1], [(best, lowest), (best, weight)]),
     ];
     let panel = Panel::new("External vertical force at the keyframe", ["vertical offset (mm)", "force (N)"], lines);
     chart::draw(path, 340, &[panel])
 }
 
-fn dashed(label: &str, color: usize, points: Vec<(f64, f64)>) -> Line {
-    Line { label: label.to_owned(), points, color: PALETTE[color], dashed: true }
-}
-
 /// Plots the centre of mass and the controls over time.
-pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result<(), Box<dyn Error>> {
+pub fn balance(
+    path: &Path,
+    model: &Model,
+    run: &Run,
+    open_loop: &Run,
+    push: Option<Push>,
+) -> Result<(), Box<dyn Error>> {
     const SHOWN: usize = 6;
     let times = run.trajectory.times();
     let drift = |axis: usize, label: &str, color: usize| {
@@ -67,6 +69,11 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
         })
         .collect();
 
+    let pushed = push.map(|Push { force: [x, y], start, duration }| {
+        Event::new(&format!("push with {:.0} N", x.hypot(y)), start, start + duration)
+    });
+    let fall = |label: &str, run: &Run| run.fell_at.map(|time| Event::moment(label, time));
+    let falls = [fall("fall under LQR", run), fall("fall without LQR", open_loop)];
     let title = format!("Largest {SHOWN} controls");
     let panels = [
         Panel::new(
@@ -74,14 +81,19 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
             ["time (s)", "drift (mm)"],
             vec![drift(0, "forward (x)", 0), drift(1, "left (y)", 1)],
         )
-        .at_least(-5.0, 5.0),
+        .at_least(-5.0, 5.0)
+        .events(pushed.clone()),
         Panel::new(
             "Height of the centre of mass",
             ["time (s)", "height (m)"],
-            vec![Line::new("LQR", PALETTE[0], height(run)), dashed("constant controls", 1, height(open_loop))],
+            vec![
+                Line::new("LQR", PALETTE[0], height(run)),
+                Line::dashed("constant controls", PALETTE[1], height(open_loop)),
+            ],
         )
-        .at_least(0.6, 1.0),
-        Panel::new(&title, ["time (s)", "control"], controls).at_least(-1.0, 1.0),
+        .at_least(0.6, 1.0)
+        .events(pushed.clone().into_iter().chain(falls.into_iter().flatten())),
+        Panel::new(&title, ["time (s)", "control (actuator's unit)"], controls).at_least(-1.0, 1.0).events(pushed),
     ];
     chart::draw(path, 280, &panels)
 }

@@ -4,13 +4,14 @@ use std::error::Error;
 use std::path::Path;
 
 use crate::attempt::Attempt;
-use crate::common::chart::{self, Line, PALETTE, Panel};
-use crate::simulate::Run;
+use crate::common::chart::{self, Event, Line, PALETTE, Panel};
+use crate::robot::PUSH_DURATION;
+use crate::simulate::{PUSH_AT, Run};
 
 pub fn draw(out: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     let color = |attempt: &Attempt| PALETTE[(attempt.seed as usize + PALETTE.len() - 1) % PALETTE.len()];
     let line = |attempt: &Attempt, run: &Run, dashed: bool, value: &dyn Fn([f64; 3]) -> f64| Line {
-        label: if dashed { String::new() } else { format!("push {}", attempt.seed) },
+        label: format!("push {}, {}", attempt.seed, if dashed { "LQR alone" } else { "planner" }),
         points: run.trajectory.times().iter().zip(&run.com).map(|(&time, &com)| (time, value(com))).collect(),
         color: color(attempt),
         dashed,
@@ -21,21 +22,22 @@ pub fn draw(out: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
         planned.chain(regulated).collect()
     };
     let expected = attempts.iter().map(|attempt| {
-        let points = attempt.decisions.iter().map(|&(time, cost)| (time, cost.max(1e-6).log10()));
+        let points = attempt.decisions.iter().map(|&(time, cost)| (time, cost.max(1e-6)));
         Line::new(&format!("push {}", attempt.seed), color(attempt), points)
     });
+    let push = Event::new("push", PUSH_AT, PUSH_AT + PUSH_DURATION);
     let panels = [
-        Panel::new(
-            "Height of the centre of mass with the planner and (dashed) under LQR alone",
-            ["time (s)", "height (m)"],
-            both(&|com| com[2]),
-        ),
+        Panel::new("Height of the centre of mass", ["time (s)", "height (m)"], both(&|com| com[2]))
+            .events([push.clone()]),
         Panel::new(
             "Horizontal distance of the centre of mass from the start",
             ["time (s)", "distance (m)"],
             both(&|com| com[0].hypot(com[1])),
-        ),
-        Panel::new("Predicted cost of the next half second", ["time (s)", "logarithm (base 10)"], expected.collect()),
+        )
+        .events([push.clone()]),
+        Panel::new("Predicted cost of the next half second", ["time (s)", "cost (no unit)"], expected.collect())
+            .logarithmic([false, true])
+            .events([push]),
     ];
     chart::save(out, "humanoid_predictive.svg", 280, &panels)
 }

@@ -62,8 +62,7 @@ fn panels(run: &Run) -> [Panel<'static>; 2] {
         let times = run.trajectory.times().iter().map(|time| time + timestep);
         times.zip(values.iter().copied()).collect()
     };
-    let target =
-        Line { dashed: true, ..Line::new("standing", PALETTE[1], over_time(&vec![run.target; run.heights.len()])) };
+    let target = Line::dashed("standing pose", PALETTE[1], over_time(&vec![run.target; run.heights.len()]));
     [
         Panel::new(
             "Height of the centre of mass",

@@ -24,7 +24,7 @@ pub fn draw(path: &Path, curves: &[Vec<f64>]) -> Result<(), Box<dyn Error>> {
         })
         .collect();
     let last = episodes(curves.iter().map(Vec::len).max().unwrap_or(1).max(2) - 1);
-    lines.push(Line { dashed: true, ..Line::new("goal", INK, [(0.0, GOAL), (last, GOAL)]) });
+    lines.push(Line::dashed("goal", INK, [(0.0, GOAL), (last, GOAL)]));
     let title = format!("Return of the policy during augmented random search, mean of {WINDOW} iterations");
-    chart::draw(path, 320, &[Panel::new(&title, ["episodes", "return"], lines)])
+    chart::draw(path, 320, &[Panel::new(&title, ["episodes (number)", "return (sum of rewards)"], lines)])
 }

@@ -1,6 +1,10 @@
 //! Recording of video and animations: numbered PNG files, animated PNG and GIF, and video through
 //! the program `ffmpeg`.
 //!
+#![doc = include_str!("picture.html")]
+//!
+//! *A humanoid under a linear-quadratic regulator is pushed, in slow motion: example `record`.*
+//!
 //! A [`Recorder`] samples images by simulation time, independently of the time that rendering
 //! takes. Check [`is_due`](Recorder::is_due) before rendering an image:
 //!

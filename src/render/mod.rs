@@ -1,5 +1,9 @@
 //! Off-screen rendering of simulations with wgpu: no window, no display, no OpenGL context.
 //!
+#![doc = include_str!("picture.html")]
+//!
+//! *Colours, depth and segments from the camera of a rover: example `camera_sensor`.*
+//!
 //! ```no_run
 //! use mujoco_safe::render::Renderer;
 //! use mujoco_safe::{Data, sample};

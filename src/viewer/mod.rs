@@ -1,5 +1,7 @@
 //! Interactive window for a simulation.
 //!
+#![doc = include_str!("picture.html")]
+//!
 //! | | steps the simulation | shows the window |
 //! |---|---|---|
 //! | [`Viewer::run`] | the viewer, with a controller, recorded trajectories or passive dynamics | the calling thread, which blocks |

@@ -15,11 +15,23 @@ pub struct Display {
 
 impl Display {
     /// Starts a server on the first free display number. Keys do not repeat, because on a loaded
-    /// machine a key can be released late.
+    /// machine a key can be released late. The screen has no cursor, which would be part of pictures.
     pub fn start() -> Self {
         let folder = tempfile::tempdir().expect("the temporary folder is writable");
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-r", "-fbdir"])
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1920x1200x24",
+                "-nolisten",
+                "tcp",
+                "-noreset",
+                "-nocursor",
+                "-r",
+                "-fbdir",
+            ])
             .arg(folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())

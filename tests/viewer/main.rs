@@ -12,6 +12,9 @@
 
 #![forbid(unsafe_code)]
 
+#[allow(dead_code, reason = "the example `humanoid_lqr` uses more of it")]
+#[path = "../../examples/common/balance.rs"]
+mod balance;
 #[path = "../common/cases.rs"]
 mod cases;
 mod contents;

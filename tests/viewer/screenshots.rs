@@ -7,6 +7,7 @@ use mujoco_safe::scene::NewGeom;
 use mujoco_safe::viewer::{self, Theme, Viewer, ViewerError, ViewerOptions, test_hooks};
 use mujoco_safe::{Data, Model, PdController, Trajectory, sample};
 
+use crate::balance;
 use crate::contents::click;
 use crate::display::Screen;
 use crate::harness::{double_click, exit_on_panic, press, settle, show_window, state, unique_title};
@@ -16,12 +17,15 @@ use crate::instruments;
 const SIZE: [u32; 2] = [1000, 700];
 /// Size of a window that shows several sections of a panel at once.
 const TALL: [u32; 2] = [600, 1080];
+/// Size of the window in the README.
+const WIDE: [u32; 2] = [1280, 720];
 /// Simulated time of the pictures of a running simulation, s.
 const RUN_TIME: f64 = 1.0;
 
 /// Saves all pictures in a directory.
 pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
+    draw_balance(directory);
     draw_modes(directory);
     draw_left_panel(directory);
     draw_physics(directory);
@@ -62,6 +66,21 @@ fn humanoid() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data
+}
+
+/// The picture of the README: a humanoid on one leg that regains its balance, with plots.
+fn draw_balance(directory: &Path) {
+    let (mut data, _, lqr) = balance::humanoid().unwrap();
+    data.qvel_mut()[1] = -0.15; // m/s, to the right
+    show_window(WIDE, ViewerOptions::default(), Viewer::new().with_controller(lqr), data, |input| {
+        press(input, "shift+Tab", "the right panel is closed", |state| !state.panels[3]);
+        press(input, "F3", "the profile is open", |state| state.panels[4]);
+        press(input, "F4", "the sensor plot is open", |state| state.panels[5]);
+        press(input, "space", "the simulation runs", |state| state.time > 3.0 * RUN_TIME);
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        park(input);
+        save(directory, "balance");
+    });
 }
 
 /// The start, the help, a running simulation, plots, the search, and the trajectory mode.

@@ -56,7 +56,14 @@ fn circle(
         let place = (x - scaled(4 * label.len() as u32) as i32, y - scaled(8) as i32);
         area.draw(&Text::new(label, place, font(12).color(&INK)))?;
     }
-    let legend = format!("middle to rim: time of the fall, 0 to {longest:.0} s; on the rim: stands");
-    area.draw(&Text::new(legend, (scaled(20) as i32, (height - scaled(20)) as i32), font(11)))?;
+    let legend = [
+        (PALETTE[0], 20, "stands".to_owned()),
+        (PALETTE[1], 90, format!("falls, after 0 s (middle) to {longest:.0} s (rim)")),
+    ];
+    for (color, left, label) in legend {
+        let (x, y) = (scaled(left) as i32, (height - scaled(20)) as i32);
+        area.draw(&Circle::new((x, y), scaled(4) as i32, color.filled()))?;
+        area.draw(&Text::new(label, (x + scaled(10) as i32, y - scaled(6) as i32), font(11)))?;
+    }
     Ok(())
 }
