@@ -105,8 +105,8 @@ impl<'a> Panel<'a> {
         Self { at_least: Some((low, high)), ..self }
     }
 
-    /// Makes the scale of the horizontal and of the vertical axis logarithmic. The values there must
-    /// be positive.
+    /// Makes the scale of the horizontal and of the vertical axis logarithmic. The values there
+    /// must be positive.
     pub fn logarithmic(self, logarithmic: [bool; 2]) -> Self {
         Self { logarithmic, ..self }
     }
@@ -214,7 +214,7 @@ fn legend(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
     for (row, line) in lines.iter().enumerate() {
         let style = line.color.stroke_width(scaled(2));
         let half_gap = (scaled(DASH[1]) / 2) as i32;
-        let half = (left + right) / 2;
+        let half = i32::midpoint(left, right);
         let dashes =
             if line.dashed { vec![(left, half - half_gap), (half + half_gap, right)] } else { vec![(left, right)] };
         for (start, end) in dashes {
@@ -225,7 +225,7 @@ fn legend(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
     for (row, event) in (lines.len()..).zip(&panel.events) {
         let (top, bottom) = (middle(row) - scaled(7) as i32, middle(row) + scaled(7) as i32);
         // A moment is a line.
-        let half = (left + right) / 2;
+        let half = i32::midpoint(left, right);
         let [start, end] = if event.start < event.end { [left, right] } else { [half, half + scaled(1) as i32] };
         area.draw(&Rectangle::new([(start, top), (end, bottom)], event.color().filled()))?;
         write(&event.label, row)?;

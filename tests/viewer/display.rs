@@ -15,7 +15,8 @@ pub struct Display {
 
 impl Display {
     /// Starts a server on the first free display number. Keys do not repeat, because on a loaded
-    /// machine a key can be released late. The screen has no cursor, which would be part of pictures.
+    /// machine a key can be released late. The screen has no cursor, which would be part of
+    /// pictures.
     pub fn start() -> Self {
         let folder = tempfile::tempdir().expect("the temporary folder is writable");
         let mut server = Command::new("Xvfb")
