@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-#[cfg(engine_since = "3.5.0")]
-use mujoco_safe::StateSpec;
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::enums::JointType;
 use mujoco_safe::kind::{Joint, Kind};
 use mujoco_safe::spec::{ActuatorElement, Spec};
 use mujoco_safe::{Data, Error, Model, sample};
+
+use super::numbers;
 
 /// Model and state of the oracle.
 const RECOMPILED: &str = "<mujoco><worldbody>
@@ -18,10 +18,6 @@ const RECOMPILED: &str = "<mujoco><worldbody>
     <body name='m' mocap='true' pos='0 2 0'><geom size='.1' contype='0' conaffinity='0'/></body></worldbody>
     <equality><joint name='e' joint1='ja' joint2='jb' active='false'/></equality>
     <actuator><motor name='ma' joint='ja'/><general name='gb' joint='jb' dyntype='filter' dynprm='.1'/></actuator></mujoco>";
-
-fn numbers(count: usize, first: f64) -> Vec<f64> {
-    (0..count).map(|number| first + number as f64).collect()
-}
 
 fn started(spec: &Spec) -> Data {
     let mut data = Data::new(spec.compile().unwrap()).unwrap();

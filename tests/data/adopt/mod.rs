@@ -34,3 +34,8 @@ fn mixed_text() -> String {
          <sensor><jointpos joint='a'{DELAY}/><framepos objtype='body' objname='held'/><tendonpos tendon='rope'/></sensor></mujoco>"
     )
 }
+
+/// Returns numbers that count up.
+fn numbers(count: usize, first: f64) -> Vec<f64> {
+    (0..count).map(|number| first + number as f64).collect()
+}

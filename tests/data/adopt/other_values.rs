@@ -8,6 +8,9 @@ use mujoco_safe::kind::Kind;
 use mujoco_safe::spec::Spec;
 use mujoco_safe::{Data, Model};
 
+#[cfg(engine_since = "4.0.0")]
+use super::numbers;
+
 #[cfg(engine_since = "3.5.0")]
 #[test]
 fn another_number_of_samples_starts_a_new_buffer() {
