@@ -87,11 +87,11 @@ impl Data {
     ///
     /// Other elements are the same if their names are: those of models from files or of unrelated
     /// specs, and those that `composite`, `flexcomp` and `attach` create. Those without names are
-    /// the same only if both models have as many of them, in bodies
-    /// that are the same (joints and bodies) or in the whole model (others), and they agree one by
-    /// one: joints in their types, bodies in the types of their joints and in being mocap bodies,
-    /// actuators, equality constraints and sensors in their types and the elements to which they
-    /// refer, tendons in the lengths of their paths. An instance of a plugin without a name is the
+    /// the same only if both models have as many of them, in bodies that are the same (joints and
+    /// bodies) or in the whole model (others), and they agree one by one: joints in their types,
+    /// bodies in the types of their joints and in being mocap bodies, actuators, equality
+    /// constraints and sensors in their types and the elements to which they refer, tendons in
+    /// their paths. An instance of a plugin without a name is the
     /// same if the body, actuator or sensor to which it belongs is. By this rule, two alike
     /// elements without names that change places in a file take each other's state: name them.
     ///

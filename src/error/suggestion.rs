@@ -12,8 +12,7 @@ pub(super) fn of_other_kinds(name: &str, others: &[Kind]) -> String {
 /// enough, and the known names.
 pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {
     const SHOWN: usize = 40;
-    let nearest = known.iter().map(|candidate| (edit_distance(name, candidate), candidate)).min();
-    let suggestion = match nearest {
+    let suggestion = match nearest(name, known.iter().map(String::as_str)) {
         Some((distance, candidate)) if is_typo(distance, name) => format!(", did you mean '{candidate}'?"),
         _ => String::new(),
     };
@@ -61,8 +60,12 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
 
 /// Returns the most similar name if at most every third letter differs.
 pub(crate) fn nearest_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let nearest = known.map(|candidate| (edit_distance(name, candidate), candidate)).min();
-    nearest.filter(|&(distance, _)| 3 * distance <= name.len()).map(|(_, candidate)| candidate)
+    nearest(name, known).filter(|&(distance, _)| 3 * distance <= name.len()).map(|(_, candidate)| candidate)
+}
+
+/// Returns the most similar name and its edit distance.
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<(usize, &'a str)> {
+    known.map(|candidate| (edit_distance(name, candidate), candidate)).min()
 }
 
 /// Returns `true` if `name` is likely to be a misspelling of a name at this edit distance.

@@ -38,25 +38,24 @@ pub struct Adoption {
     pub lost: Vec<ChangedElement>,
     /// Elements of the new model that start in their initial state.
     pub new: Vec<ChangedElement>,
-    /// Elements of the new model that are in both, of which some values are lost or start anew,
-    /// because their number has changed: controls, activations, samples of delays, plastic
-    /// deformation, or the state of a plugin.
+    /// Elements in both models whose number of values has changed, by their indices in the new
+    /// model. These values start anew, or are lost: controls, activations, samples of delays,
+    /// plastic deformation, or the state of a plugin.
     pub reset: Vec<ChangedElement>,
 }
 
 impl Adoption {
     pub(crate) fn of(survivors: &Survivors<'_>, old: &Model, new: &Model) -> Self {
         let mut adoption = Self::default();
+        let [old_parts, new_parts] = [old, new].map(parts);
         for kind in KINDS {
             let mut is_lost = vec![true; old.count(kind)];
             survivors.pairs(kind).for_each(|(_, origin)| is_lost[origin] = false);
-            let has_origin = |&index: &usize| survivors.origin(kind, index).is_some();
-            let lost = (0..old.count(kind)).filter(|&index| is_lost[index]);
-            adoption.lost.extend(with_state(old, kind, lost));
-            adoption.new.extend(with_state(new, kind, (0..new.count(kind)).filter(|index| !has_origin(index))));
-        }
-        let [new_parts, old_parts] = [new, old].map(parts);
-        for kind in KINDS {
+            let lost = (0..old.count(kind)).filter(|&index| is_lost[index] && has_state(&old_parts, kind, index));
+            adoption.lost.extend(lost.map(|index| element(old, kind, index)));
+            let is_new = |&index: &usize| survivors.origin(kind, index).is_none() && has_state(&new_parts, kind, index);
+            adoption.new.extend((0..new.count(kind)).filter(is_new).map(|index| element(new, kind, index)));
+
             let has_other_values = |&(new_one, origin): &(usize, usize)| {
                 let is_another = |(new, old): (&Parts, &Parts)| {
                     let form =
@@ -68,8 +67,8 @@ impl Adoption {
                         || new.activations_of(new_one).len() != old.activations_of(origin).len())
                     || new_parts.iter().zip(&old_parts).any(is_another)
             };
-            let changed = survivors.pairs(kind).filter(has_other_values).map(|(index, _)| element(new, kind, index));
-            adoption.reset.extend(changed);
+            let changed = survivors.pairs(kind).filter(has_other_values);
+            adoption.reset.extend(changed.map(|(index, _)| element(new, kind, index)));
         }
         adoption
     }
@@ -84,10 +83,8 @@ fn element(model: &Model, kind: Kind, index: usize) -> ChangedElement {
     ChangedElement { kind, index, name: model.name_at(kind, index).map(str::to_owned) }
 }
 
-/// Returns those of the elements that have a state.
-fn with_state(model: &Model, kind: Kind, indices: impl Iterator<Item = usize>) -> impl Iterator<Item = ChangedElement> {
-    let is_always = matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality);
-    let parts = if is_always { Vec::new() } else { parts(model).into() };
-    let has_state = move |&index: &usize| is_always || parts.iter().any(|parts| parts.contains_key(&(kind, index)));
-    indices.filter(has_state).map(move |index| element(model, kind, index))
+/// Returns `true` if an element has a state of its own.
+fn has_state(parts: &[Parts], kind: Kind, index: usize) -> bool {
+    matches!(kind, Kind::Body | Kind::Joint | Kind::Actuator | Kind::Equality)
+        || parts.iter().any(|parts| parts.contains_key(&(kind, index)))
 }

@@ -58,6 +58,7 @@ pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
 pub(crate) use self::parts::kept_parts;
 pub(crate) use self::relation::Relation;
 pub use self::save::{SaveXmlOptions, XmlCheck};
+pub(crate) use self::schema::Schema;
 pub use self::shared::IntoModel;
 pub(crate) use self::survivors::Survivors;
 #[cfg(feature = "renderer")]

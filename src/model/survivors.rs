@@ -92,7 +92,8 @@ impl<'m> Survivors<'m> {
             }
         }
         self.origins.insert(kind, pairing.origins);
-        // Which bodies the compiler fuses depends on more than the elements of the spec.
+        // The compiler can fuse other bodies although the spec has the same ones, so a body or
+        // joint is found by its order only if all of them are found.
         let is_fixed = !matches!(kind, Kind::Body | Kind::Joint);
         let all_are_found = identities.is_none_or(|(old, _)| old.sources(kind, None).is_empty());
         if have_same_sources(None) && (is_fixed || all_are_found) {

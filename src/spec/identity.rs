@@ -32,7 +32,8 @@ pub(super) fn of(spec: &Spec, model: &Model) -> Identities {
         let sections = spec.tree.sections(section);
         let entries: Vec<Entry> =
             sections.flat_map(|section| spec.tree.children(section)).map(|&index| (index, Vec::new())).collect();
-        // Those without names are known by their order as long as the others are the same.
+        // An element without a name is known by its order as long as no other one is added or
+        // removed.
         entries
             .iter()
             .filter(|(index, _)| names::name(&spec.tree, *index).is_none())

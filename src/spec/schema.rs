@@ -1,14 +1,7 @@
 //! The elements and attributes of MJCF that the engine's compiler accepts.
 
-use std::collections::HashMap;
-use std::sync::OnceLock;
-
 use super::tree::{Index, Tree};
-use crate::error::Result;
-use crate::model;
-
-/// Attributes of each element, by the path of the element from the root.
-pub(super) struct Schema(HashMap<String, Vec<String>>);
+pub(super) use crate::model::Schema;
 
 /// Attributes of elements that are not in the schema of the engine, because its reader handles them
 /// first.
@@ -19,37 +12,6 @@ const REPLICATE: [&str; 4] = ["count", "offset", "euler", "sep"];
 pub(super) const BODY: &str = "(world)body";
 
 impl Schema {
-    /// Returns the schema of the engine.
-    pub(super) fn of_engine() -> Result<&'static Self> {
-        static SCHEMA: OnceLock<Schema> = OnceLock::new();
-        if let Some(schema) = SCHEMA.get() {
-            return Ok(schema);
-        }
-        let text = model::schema()?;
-        Ok(SCHEMA.get_or_init(|| Self::parse(&text)))
-    }
-
-    /// Parses the engine's text: each element is indented by three spaces per level and followed by
-    /// its attributes, in this line and in the next ones.
-    fn parse(text: &str) -> Self {
-        const INDENT: usize = 3;
-        let mut elements: HashMap<String, Vec<String>> = HashMap::new();
-        let mut path: Vec<&str> = Vec::new();
-        for line in text.lines() {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let is_element = words.get(1).is_some_and(|word| word.starts_with('(') && word.ends_with(')'));
-            let attributes = if is_element {
-                path.truncate((line.len() - line.trim_start().len()) / INDENT);
-                path.push(words[0]);
-                &words[2..]
-            } else {
-                &words
-            };
-            elements.entry(path.join("/")).or_default().extend(attributes.iter().map(|&word| word.to_owned()));
-        }
-        Self(elements)
-    }
-
     /// Returns the attributes of an element, or `None` if the compiler does not accept the element
     /// at this place.
     pub(super) fn attributes(&self, tree: &Tree, index: Index) -> Option<Vec<&str>> {
@@ -59,7 +21,7 @@ impl Schema {
                 let attributes = if tag == "frame" { &FRAME[..] } else { &REPLICATE };
                 Some(attributes.to_vec())
             }
-            _ => self.0.get(&path).map(|attributes| attributes.iter().map(String::as_str).collect()),
+            _ => self.get(&path).map(|attributes| attributes.iter().map(String::as_str).collect()),
         }
     }
 
@@ -72,9 +34,8 @@ impl Schema {
     pub(super) fn children(&self, tree: &Tree, index: Index) -> Vec<&str> {
         let path = path(tree, index);
         let mut found: Vec<&str> = self
-            .0
-            .keys()
-            .filter_map(|key| key.strip_prefix(&path)?.strip_prefix('/'))
+            .elements()
+            .filter_map(|(element, _)| element.strip_prefix(&path)?.strip_prefix('/'))
             .filter(|rest| !rest.contains('/'))
             .map(|tag| if tag == BODY { "worldbody" } else { tag })
             .collect();
@@ -91,7 +52,7 @@ impl Schema {
     /// Returns the path of each element with the name of each of its attributes.
     #[cfg(test)]
     pub(super) fn all_attributes(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0.iter().flat_map(|(path, names)| names.iter().map(|name| (&path[..], &name[..])))
+        self.elements().flat_map(|(path, names)| names.iter().map(move |name| (path, &name[..])))
     }
 }
 

@@ -10,7 +10,7 @@ const MOST_NESTED: usize = 400;
 /// it accepts references to control characters and the other forms of [`lenient`], and does not
 /// know namespaces: the prefix of a name is a part of it.
 pub(super) fn parse(text: &str) -> Result<Tree, String> {
-    // Files that C programs have written may end with NUL.
+    // A file that a C program has written can end with NUL.
     let text = text.trim_end_matches('\0');
     let hidden = control::hide(text)?;
     let text = hidden.as_deref().unwrap_or(text);

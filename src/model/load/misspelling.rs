@@ -1,7 +1,7 @@
 //! Suggestions for misspelt elements and attributes of MJCF.
 
 use crate::error::nearest_name;
-use crate::model::schema;
+use crate::model::Schema;
 
 /// Returns the element or the attribute that the text of a failed compilation may mean, of those
 /// that the engine accepts. The lock of the compiler must be free.
@@ -13,22 +13,13 @@ pub(super) fn suggestion(message: &str) -> Option<String> {
         Some(attribute) => (attribute, element),
         None => (quoted("element: '").or(element)?, None),
     };
-    let schema = schema().ok()?;
-    // A line of the schema has an element with the number of times that it may occur, and
-    // attributes, which continue in the next lines.
-    let (mut candidates, mut current) = (Vec::new(), "");
-    for line in schema.lines() {
-        let mut words: Vec<&str> = line.split_whitespace().collect();
-        if words.get(1).is_some_and(|word| word.starts_with('(')) {
-            current = words[0].trim_start_matches("(world)");
-            words.drain(..2);
-            if of.is_none() {
-                candidates.push(current);
-            }
+    let tag = |path: &'static str| path.rsplit('/').next().unwrap_or(path).trim_start_matches("(world)");
+    let elements = Schema::of_engine().ok()?.elements().map(|(path, attributes)| (tag(path), attributes));
+    let candidates: Vec<&str> = match of {
+        Some(of) => {
+            elements.filter(|(tag, _)| *tag == of).flat_map(|(_, attributes)| attributes).map(String::as_str).collect()
         }
-        if of == Some(current) {
-            candidates.extend(words);
-        }
-    }
+        None => elements.map(|(tag, _)| tag).collect(),
+    };
     nearest_name(name, candidates.into_iter()).map(str::to_owned)
 }

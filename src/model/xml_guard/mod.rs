@@ -200,7 +200,7 @@ impl<'f> Check<'f> {
 
     /// Checks a text and those that it includes.
     fn text(&mut self, source: Source<'_>) -> Result<()> {
-        // What C programs have written may end with NUL.
+        // A file that a C program has written can end with NUL.
         let end = source.text.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
         if let Some(position) = source.text[..end].iter().position(|&byte| byte == 0) {
             let why = if source.text.starts_with(b"PK\x03\x04") {

@@ -78,7 +78,7 @@ fn an_actuator_that_replaces_one_of_copies_is_new() {
             motor.set_name("m");
         }
         adopt(&mut data, &spec);
-        // That of `k` has no name, so it is known only while no other one without a name changes.
+        // The motor of `k` has no name, so it counts as new when another unnamed one is replaced.
         let of_k = if motor_of_j.is_empty() { 0.0 } else { of_k.1 };
         let expected = [("j_0", 0.0), ("j_1", 0.0), ("j_2", 0.0), ("k", of_k)];
         assert_eq!(controls(&data), expected.map(|(name, control)| (name.to_owned(), control)), "{motor_of_j}");

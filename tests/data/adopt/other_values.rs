@@ -1,4 +1,4 @@
-//! Surviving elements whose values start anew, and values of new kinds.
+//! Elements that survive while some of their values start anew, and plastic deformation.
 
 #[cfg(engine_since = "3.5.0")]
 use mujoco_safe::StateSpec;
