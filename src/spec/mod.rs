@@ -407,6 +407,12 @@ impl Spec {
         if matches!(tag, "composite" | "flexcomp") && self.own_class().is_some() && self.is_section(parent) {
             return Err(attach::inseparable(&format!("<{tag}>")));
         }
+        // It has the defaults of joints of `main` itself.
+        let mut own = self.tree.children(self.world).iter().filter(|index| !self.attached.contains(index));
+        let flex = own.find_map(|&index| attach::flexcomp_in(&self.tree, index));
+        if let Some(flex) = flex.filter(|_| tag == "joint" && self.own_class() == Some(parent)) {
+            return Err(attach::inseparable(&names::describe(&self.tree, flex)));
+        }
         if known.contains(&tag) {
             return Ok(());
         }
