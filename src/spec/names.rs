@@ -86,17 +86,20 @@ pub(super) const MAIN: &str = "main";
 
 /// Returns the element with a name.
 pub(super) fn find(tree: &Tree, class: Named, wanted: &str) -> Option<Index> {
+    if class == Named::Class {
+        // For every attribute that may have a default.
+        let found = || {
+            let classes = all(tree, class).collect::<Vec<_>>().into_iter().rev();
+            classes.filter_map(|index| Some((name(tree, index)?.to_owned(), index))).collect()
+        };
+        return tree.classes(found).get(wanted).copied();
+    }
     all(tree, class).find(|&index| name(tree, index) == Some(wanted))
 }
 
 /// Returns all elements of a class of names, in the order of the text.
 pub(super) fn all(tree: &Tree, class: Named) -> impl Iterator<Item = Index> {
-    // Classes are looked up for every attribute that may have a default.
-    let places = match class {
-        Named::Class => tree.sections("default").flat_map(|section| tree.descendants(section)).collect(),
-        _ => tree.descendants(Tree::ROOT),
-    };
-    places.into_iter().filter(move |&index| named(tree, index) == Some(class))
+    tree.descendants(Tree::ROOT).into_iter().filter(move |&index| named(tree, index) == Some(class))
 }
 
 /// Reference of an attribute to other elements.

@@ -1,7 +1,7 @@
 //! Elements of a model description, as a tree with stable indices.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Index of an element in a [`Tree`]. The index of a removed element is not used again.
 pub(super) type Index = u32;
@@ -87,14 +87,19 @@ impl Node {
 pub(super) struct Tree {
     /// `None` for a removed element.
     nodes: Vec<Option<Node>>,
+    /// Classes by their names, from the first search to the next change of a class.
+    classes: OnceLock<HashMap<String, Index>>,
 }
+
+/// Tag of classes of defaults.
+const CLASS: &str = "default";
 
 impl Tree {
     pub(super) const ROOT: Index = 0;
 
     /// Creates a tree with a root only.
     pub(super) fn new(tag: &str) -> Self {
-        Self { nodes: vec![Some(Node::new(tag, None))] }
+        Self { nodes: vec![Some(Node::new(tag, None))], classes: OnceLock::new() }
     }
 
     /// Returns the index of the next element.
@@ -124,7 +129,16 @@ impl Tree {
     /// If the element was removed.
     #[track_caller]
     pub(super) fn node_mut(&mut self, index: Index) -> &mut Node {
-        self.nodes[index as usize].as_mut().expect("the element was removed from its spec")
+        let node = self.nodes[index as usize].as_mut().expect("the element was removed from its spec");
+        if node.tag == CLASS {
+            self.classes.take();
+        }
+        node
+    }
+
+    /// Returns the classes by their names, which `find` finds in the tree.
+    pub(super) fn classes(&self, find: impl FnOnce() -> HashMap<String, Index>) -> &HashMap<String, Index> {
+        self.classes.get_or_init(find)
     }
 
     /// Returns `true` if an element has a position whose unit depends on the type of the joint.
@@ -154,6 +168,9 @@ impl Tree {
         let index = self.next();
         self.node_mut(parent).children.push(index);
         self.nodes.push(Some(Node::new(tag, Some(parent))));
+        if tag == CLASS {
+            self.classes.take();
+        }
         index
     }
 
@@ -163,6 +180,7 @@ impl Tree {
         if let Some(parent) = self.parent(index) {
             self.node_mut(parent).children.retain(|&child| child != index);
         }
+        self.classes.take();
         for index in self.descendants(index) {
             self.nodes[index as usize] = None;
         }

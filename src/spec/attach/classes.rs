@@ -46,7 +46,8 @@ pub(super) fn default(tree: &Tree, index: Index, attribute: &str) -> Option<Inde
     });
     let inherited = || ancestors(tree, index).find_map(|outer| tree.attribute(outer, "childclass"));
     let class = own.or_else(inherited).unwrap_or(MAIN);
-    let is_default = |child: &str| match names::kind(tree, index) {
+    let kind = names::kind(tree, index);
+    let is_default = |child: &str| match kind {
         Some(Kind::Actuator) => ACTUATORS.contains(&child),
         Some(Kind::Tendon) => child == "tendon",
         Some(Kind::Equality) => child == "equality",
