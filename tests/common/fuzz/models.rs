@@ -30,7 +30,7 @@ pub(super) const ZOO: &str = include_str!("../../models/zoo.xml");
 pub(super) const EVERY_ELEMENT: &str = include_str!("../../models/every_element.xml");
 
 /// A small model that uses every callback.
-const ASSEMBLY: &str = include_str!("../../models/assembly.xml");
+pub(super) const ASSEMBLY: &str = include_str!("../../models/assembly.xml");
 
 pub(super) const COLLIDERS: &str = include_str!("../../models/colliders.xml");
 
@@ -46,6 +46,27 @@ pub(super) const ADHESION: &str = r#"<mujoco>
     <adhesion body="ball" ctrlrange="0 1"/>
   </actuator>
 </mujoco>"#;
+
+/// Elements that the compiler creates and that older compilers do not know.
+pub(super) const COPIES: &str = if cfg!(engine_since = "3.5.0") {
+    r#"<mujoco>
+  <worldbody>
+    <replicate count="3" offset="0 1 0" sep="_"><body name="post"><joint name="hinge"/><geom size=".1"/><site name="tip"/></body></replicate>
+    <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" pos="0 0 1" radius=".01" mass=".1"/>
+    <body name="free" pos="1 0 1"><freejoint/><geom size=".1"/></body>
+  </worldbody>
+  <actuator><motor name="motor" joint="hinge"/><adhesion name="pad" body="free" ctrlrange="0 1"/></actuator>
+  <keyframe><key name="home" time="1" ctrl="1 2 3 4"/></keyframe>
+</mujoco>"#
+} else {
+    r#"<mujoco>
+  <worldbody>
+    <body name="rB2" pos="0 0 1"><freejoint/><composite type="rope" count="5 1 1" spacing=".1" prefix="r">
+      <joint kind="main" damping=".1"/><geom type="capsule" size=".01 .02"/></composite><geom size=".01"/></body>
+  </worldbody>
+  <keyframe><key name="home" time="1"/></keyframe>
+</mujoco>"#
+};
 
 /// Name of the model whose simulations are created fastest.
 pub(super) const SMALLEST: &str = "no joints";

@@ -20,6 +20,7 @@ mod rollouts;
 mod scene_view;
 mod several;
 mod simulate;
+mod specs;
 mod write;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -79,6 +80,7 @@ const TABLES: &[Table] = &[
     Table { weight: 1, needs_step: false, calls: batches::CALLS },
     Table { weight: 3, needs_step: true, calls: scene_view::CALLS },
     Table { weight: 1, needs_step: false, calls: files::CALLS },
+    Table { weight: 1, needs_step: false, calls: specs::CALLS },
 ];
 
 const MOST_CALLS: usize = 40;
