@@ -172,6 +172,7 @@ impl Data {
     }
 
     /// Sets whether the equality constraints are active.
+    #[cfg_attr(engine_since = "3.0.0", allow(clippy::unnecessary_wraps, reason = "2.2.2 may copy the model"))]
     fn keep_equalities(&mut self, old: &Self, survivors: &Survivors<'_>) -> Result<()> {
         let active = old.active_equalities();
         #[cfg(engine_since = "3.0.0")]

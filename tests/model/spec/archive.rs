@@ -1,5 +1,7 @@
 //! Archives of a model and its files.
 
+#![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
+
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
