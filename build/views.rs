@@ -52,7 +52,7 @@ const fn rows(name: &'static str, range: &'static str) -> Rows {
 }
 
 /// Arrays whose rows are parts of elements: the size, the kind, and the rows of an element.
-const PARTS: [(&str, &str, Rows); 10] = [
+const PARTS: [(&str, &str, Rows); 22] = [
     ("nv", "Joint", rows("dofs", "self.in_model().dofs()")),
     ("nq", "Joint", rows("positions", "self.in_model().qpos_range()")),
     ("nu", "Actuator", rows("controls", "self.in_model().controls()")),
@@ -62,6 +62,53 @@ const PARTS: [(&str, &str, Rows); 10] = [
     ("nflexedge", "Flex", rows("edges", "range(model.flex_edgeadr(), model.flex_edgenum(), self.id.index())")),
     ("nflexelem", "Flex", rows("elements", "range(model.flex_elemadr(), model.flex_elemnum(), self.id.index())")),
     ("nflexnode", "Flex", rows("nodes", "range(model.flex_nodeadr(), model.flex_nodenum(), self.id.index())")),
+    (
+        "nflexelemdata",
+        "Flex",
+        rows("element_data", "to_next(model.flex_elemdataadr(), self.id.index(), model.nflexelemdata())"),
+    ),
+    (
+        "nflexelemedge",
+        "Flex",
+        rows("element_edges", "to_next(model.flex_elemedgeadr(), self.id.index(), model.nflexelemedge())"),
+    ),
+    (
+        "nflexshelldata",
+        "Flex",
+        rows("shell_data", "to_next(model.flex_shelldataadr(), self.id.index(), model.nflexshelldata())"),
+    ),
+    (
+        "nflexstiffness",
+        "Flex",
+        rows("stiffness", "to_next(model.flex_stiffnessadr(), self.id.index(), model.nflexstiffness())"),
+    ),
+    (
+        "nflexbending",
+        "Flex",
+        rows("bending", "to_next(model.flex_bendingadr(), self.id.index(), model.nflexbending())"),
+    ),
+    (
+        "nflextexcoord",
+        "Flex",
+        rows("texcoords", "to_next(model.flex_texcoordadr(), self.id.index(), model.nflextexcoord())"),
+    ),
+    ("nflexevpair", "Flex", rows("evpairs", "range(model.flex_evpairadr(), model.flex_evpairnum(), self.id.index())")),
+    ("nmeshpoly", "Mesh", rows("polygons", "range(model.mesh_polyadr(), model.mesh_polynum(), self.id.index())")),
+    ("noct", "Mesh", rows("octree", "range(model.mesh_octadr(), model.mesh_octnum(), self.id.index())")),
+    ("nmeshvert", "Mesh", rows("mesh_vertices", "self.vert_range()")),
+    (
+        "nmeshpolyvert",
+        "Mesh",
+        rows(
+            "polygon_vertices",
+            "of_parts(range(model.mesh_polyadr(), model.mesh_polynum(), self.id.index()), model.mesh_polyvertadr(), model.mesh_polyvertnum())",
+        ),
+    ),
+    (
+        "nmeshpolymap",
+        "Mesh",
+        rows("polygon_map", "of_parts(self.vert_range(), model.mesh_polymapadr(), model.mesh_polymapnum())"),
+    ),
     (
         "npluginstate",
         "Plugin",

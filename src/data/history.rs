@@ -49,8 +49,7 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] for a
-    /// wrong length, [`Error::Invalid`] for a time that is NaN, and [`Error::Unsupported`] for the
-    /// buffer of an actuator with several controls.
+    /// wrong length, and [`Error::Invalid`] for a time that is NaN.
     ///
     /// # Panics
     ///
@@ -67,9 +66,6 @@ impl Data {
         let actuator = actuator.id_in(model)?.index();
         Error::check_length("values", values.len(), model.controls_of(actuator).len())?;
         let interpolation = model.interpolation(ACTUATORS, actuator, time, interpolation)?;
-        if model.buffer(ACTUATORS, actuator).is_some() {
-            check_one_control(values.len())?;
-        }
         // SAFETY: an actuator of this model, and a place for each of its controls. The cursors of
         // the buffers are valid.
         unsafe {
@@ -123,15 +119,14 @@ impl Data {
     }
 
     /// Fills the buffer of samples of an actuator: `times`, in seconds, and for each time the
-    /// controls. The last sample is the newest.
+    /// [`controls`](crate::element::Actuator) of the actuator. The last sample is the newest.
     ///
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] unless
     /// there are as many times as samples (`nsample`), and as many values as times and controls,
-    /// and [`Error::Invalid`] for times that are not finite or do not increase by 1e-15 s.
-    /// [`Error::Unsupported`] for an actuator with several controls. An actuator without a buffer,
-    /// and every actuator of engines before 3.5, has no samples.
+    /// and [`Error::Invalid`] for times that are not finite or do not increase by 1e-15 s. An
+    /// actuator without a buffer, and every actuator of engines before 3.5, has no samples.
     ///
     /// # Panics
     ///
@@ -192,9 +187,6 @@ impl Data {
         // The engine's function has this limit, too.
         if let Some(pair) = times.windows(2).find(|pair| pair[1] - pair[0] < sys::mjMINVAL) {
             return Err(Error::out_of_range("a time of a sample", pair[1], format!("1e-15 s after {}", pair[0])));
-        }
-        if kind == ACTUATORS {
-            check_one_control(dim)?;
         }
         if samples == 0 {
             return Ok(());
@@ -310,12 +302,4 @@ impl Model {
         debug_assert_eq!(history.len(), self.history_len(), "Bug: a history has the length of the model's buffers");
         Ok(())
     }
-}
-
-/// Checks that an actuator has one control: the layout of its samples is not known else.
-fn check_one_control(controls: usize) -> Result<()> {
-    if controls == 1 {
-        return Ok(());
-    }
-    Err(Error::Unsupported("samples of an actuator with several controls".to_owned()))
 }

@@ -17,3 +17,20 @@ fields!(Plugin on Model {
 
 fields!(Plugin on Data {
 });
+
+/// # Configuration of [`Plugin`](super::Plugin)
+#[cfg(engine_since = "2.3.0")]
+impl<'a> View<'a, Model, kind::Plugin> {
+    /// Returns the values of the attributes that the plugin declares, in their order. An attribute
+    /// that the model does not set is empty.
+    #[doc(alias = "plugin_attr")]
+    #[doc(alias = "plugin_attradr")]
+    pub fn attr(&self) -> impl Iterator<Item = std::borrow::Cow<'a, str>> + use<'a> {
+        let model = self.owner;
+        let values = model.plugin_attributes();
+        let own = super::to_next(model.plugin_attradr(), self.id.index(), values.len());
+        values[own]
+            .split_inclusive(|&byte| byte == 0)
+            .map(|value| String::from_utf8_lossy(value.strip_suffix(&[0]).unwrap_or(value)))
+    }
+}

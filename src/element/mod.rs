@@ -359,3 +359,24 @@ fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usi
     let start = usize::try_from(addresses[index]).unwrap_or(0);
     start..start + ffi::size(counts[index])
 }
+
+/// Returns the range from an element's address to that of the next element. Empty for an element
+/// without entries, whose address is -1.
+#[cfg(engine_since = "2.3.0")]
+fn to_next(addresses: &[i32], index: usize, end: usize) -> std::ops::Range<usize> {
+    let Ok(start) = usize::try_from(addresses[index]) else { return 0..0 };
+    let next = addresses[index + 1..].iter().find_map(|&address| usize::try_from(address).ok());
+    start..next.unwrap_or(end)
+}
+
+/// Returns the range of the entries of parts that follow each other.
+#[cfg(engine_since = "3.3.0")]
+fn of_parts(mut parts: std::ops::Range<usize>, addresses: &[i32], counts: &[i32]) -> std::ops::Range<usize> {
+    match (parts.next(), parts.next_back()) {
+        (Some(first), last) => {
+            let last = last.unwrap_or(first);
+            ffi::size(addresses[first])..ffi::size(addresses[last]) + ffi::size(counts[last])
+        }
+        _ => 0..0,
+    }
+}

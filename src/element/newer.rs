@@ -7,6 +7,10 @@
 
 use std::fmt::Debug;
 
+#[cfg(engine_since = "3.3.0")]
+use super::of_parts;
+#[cfg(engine_since = "3.0.0")]
+use super::to_next;
 #[allow(unused_imports, reason = "2.2.2 has no newer fields")]
 use super::{Owner, View, range};
 use crate::data::Data;

@@ -69,6 +69,7 @@ use crate::ffi;
 pub use crate::field_docs::FieldDoc;
 use crate::field_docs::field_docs;
 use crate::id::Lineage;
+use crate::kind::Kind;
 use crate::macros::with_aliases;
 use crate::stage::PipelineFeatures;
 
@@ -226,6 +227,11 @@ impl Model {
     /// Sets the elements of the spec from which the model was compiled.
     pub(crate) fn set_identities(&mut self, identities: Identities) {
         self.identities = Some(Arc::new(identities));
+    }
+
+    /// Returns the number of the element of the spec from which an element was compiled.
+    pub(crate) fn source_of(&self, kind: Kind, index: usize) -> Option<u32> {
+        Some(self.identities.as_deref()?.get(kind, index)?.number)
     }
 
     #[inline]

@@ -103,6 +103,13 @@ impl Model {
         unsafe { ffi::array(self.raw().text_data.cast::<u8>(), self.ntextdata()) }
     }
 
+    /// Returns the values of the attributes of all plugin instances, each NUL-terminated.
+    #[cfg(engine_since = "2.3.0")]
+    pub(crate) fn plugin_attributes(&self) -> &[u8] {
+        // SAFETY: as in `text_data`.
+        unsafe { ffi::array(self.raw().plugin_attr.cast::<u8>(), self.npluginattr()) }
+    }
+
     /// Returns the id of the element with a name or an index, or of a view.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use super::tree::{Index, Tree};
 use crate::kind::Kind;
 
 /// Elements with names that others refer to. In each class the names are unique.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Named {
     /// Kind of the compiled model.
     Kind(Kind),

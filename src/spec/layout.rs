@@ -3,8 +3,8 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::attach::effective;
-use super::names;
 use super::tree::{Entry, Index, Tree};
+use super::{copies, names};
 use crate::kind::Kind;
 
 /// Attributes of a keyframe with the values of all elements of a kind.
@@ -77,19 +77,19 @@ fn makeup(tree: &Tree, index: Index) -> u64 {
 }
 
 fn of_actuators(tree: &Tree, vector: &str) -> Vec<Entry> {
-    let elements = tree.descendants(Tree::ROOT);
-    // The compiler copies an actuator of an element in a `replicate`, and puts the copies last.
-    let has_copies = elements.iter().any(|&index| tree.tag(index) == "replicate");
-    let mut entries = Vec::new();
-    for index in tree.sections("actuator").flat_map(|section| tree.children(section)).copied() {
-        let (activations, controls) = widths(tree, index);
-        let width = if vector == "act" { activations } else { controls };
-        entries.push(entry(tree, index, Vec::new(), width.filter(|_| !has_copies)));
-    }
-    // A model that is attached by an element can have actuators, which come last.
-    let attached = elements.into_iter().filter(|&index| tree.tag(index) == "attach");
-    entries.extend(attached.map(|index| entry(tree, index, Vec::new(), None)));
-    entries
+    let order = copies::actuators(tree);
+    let is_known = order.is_some();
+    let in_text = || {
+        let sections = tree.descendants(Tree::ROOT).into_iter();
+        let is_one = |&index: &Index| names::kind(tree, index) == Some(Kind::Actuator) || tree.tag(index) == "attach";
+        sections.filter(is_one).map(|index| (index, Vec::new())).collect()
+    };
+    let width = |index| {
+        let (activations, controls) = if tree.tag(index) == "attach" { (None, None) } else { widths(tree, index) };
+        if vector == "act" { activations } else { controls }
+    };
+    let entries = order.unwrap_or_else(in_text).into_iter();
+    entries.map(|(index, copies)| entry(tree, index, copies, width(index).filter(|_| is_known))).collect()
 }
 
 /// Returns the numbers of activations and of controls of an actuator. The shortcuts of `general`

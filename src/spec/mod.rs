@@ -88,11 +88,11 @@
 //! do not start at 0 wrongly, so with 3.5.0 such a joint is an error there. An element counts as
 //! new if its attributes change in a way that may change its number of values; other contents of
 //! its files are not noticed. The values from the first such element to the end of a vector stay
-//! together. Beside a `replicate` this holds for all actuators, because the compiler puts copies of
-//! them behind the others. If values cannot be placed by these rules, because one
-//! comes after a new element of this kind, for example, or if a vector was set with more values
-//! than the spec had, `compile` returns an error after a change of the elements, until the vector
-//! is set again. `plastic` stays as it is.
+//! together. This holds for all actuators if one may drive an element that another one creates in a
+//! `replicate`, and with engines before 3.17 beside any `replicate`. If values cannot be placed by
+//! these rules, because one comes after a new element of this kind, for example, or if a vector was
+//! set with more values than the spec had, `compile` returns an error after a change of the
+//! elements, until the vector is set again. `plastic` stays as it is.
 //!
 //! # Texts
 //!
@@ -112,6 +112,7 @@ mod attach;
 mod attributes;
 mod compile;
 mod control;
+mod copies;
 mod element;
 mod element_id;
 mod expand;
@@ -405,6 +406,12 @@ impl Spec {
         let known = Schema::of_engine()?.children(&self.tree, parent);
         if matches!(tag, "composite" | "flexcomp") && self.own_class().is_some() && self.is_section(parent) {
             return Err(attach::inseparable(&format!("<{tag}>")));
+        }
+        // It has the defaults of joints of `main` itself.
+        let mut own = self.tree.children(self.world).iter().filter(|index| !self.attached.contains(index));
+        let flex = own.find_map(|&index| attach::flexcomp_in(&self.tree, index));
+        if let Some(flex) = flex.filter(|_| tag == "joint" && self.own_class() == Some(parent)) {
+            return Err(attach::inseparable(&names::describe(&self.tree, flex)));
         }
         if known.contains(&tag) {
             return Ok(());

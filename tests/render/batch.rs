@@ -290,4 +290,14 @@ fn camera_of_a_batch_sees_each_simulation_with_its_edits() {
     let other = Batch::new(sample::cartpole(), 1).unwrap();
     let error = camera.rgb(&other).unwrap_err();
     assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");
+
+    let before = camera.rgb(batch).unwrap().to_vec();
+    assert!(camera.adopt(other.model(), "no such camera").is_err());
+    assert!(camera.rgb(batch).unwrap() == before);
+    let mut free = Camera::free(other.model());
+    camera.adopt(other.model(), &mut free).unwrap();
+    let mut new = BatchCamera::new(renderer(other.model(), 1), other.model(), &mut free).unwrap();
+    assert!(camera.rgb(&other).unwrap() == new.rgb(&other).unwrap());
+    let error = camera.rgb(batch).unwrap_err();
+    assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");
 }

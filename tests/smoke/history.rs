@@ -220,9 +220,24 @@ fn the_state_of_the_engine_has_the_same_buffers() {
     assert_eq!(data.state(StateSpec::HISTORY), state);
 }
 
+/// The model, and one with an actuator with two controls between the others.
+fn models() -> Vec<Arc<Model>> {
+    let mut models = vec![model()];
+    if cfg!(engine_since = "3.17.0") {
+        let pid = r#"<pid name="pid" joint="a" kp="2" nsample="5" delay=".007"/><motor name="direct""#;
+        models.push(Arc::new(Model::from_xml_str(&MODEL.replace("<motor name=\"direct\"", pid)).unwrap()));
+        assert!(models[1].nu() > models[1].nactuator());
+    }
+    models
+}
+
 #[test]
 fn values_at_earlier_times_are_those_of_the_c_functions_bit_for_bit() {
-    let mut data = Data::new(model()).unwrap();
+    models().into_iter().for_each(check_values_at_earlier_times);
+}
+
+fn check_values_at_earlier_times(model: Arc<Model>) {
+    let mut data = Data::new(model).unwrap();
     let model = data.model().clone();
     advance(&mut data, 0..40);
     data.forward().unwrap();
@@ -233,18 +248,20 @@ fn values_at_earlier_times_are_those_of_the_c_functions_bit_for_bit() {
             let time = time - 0.0013 * f64::from(step);
             for actuator in 0..model.nactuator() {
                 // The C functions take -1 for the interpolation of the element.
-                let (mut ours, mut theirs) = ([f64::NAN], [f64::NAN]);
+                let controls = model.actuator(actuator).unwrap().controls().len();
+                let (mut ours, mut theirs) = (vec![f64::NAN; controls], vec![f64::NAN; controls]);
                 data.read_ctrl_into(actuator, time, order, &mut ours).unwrap();
                 let (m, d, id) = (model.as_ptr(), data.as_ptr(), actuator as i32);
                 #[cfg(engine_since = "3.11.0")]
                 {
                     let at = c!(mj_readCtrl(m, d, id, time, theirs.as_mut_ptr(), number));
-                    // SAFETY: NULL or a control.
-                    theirs = unsafe { at.as_ref() }.map_or(theirs, |value| [*value]);
+                    if !at.is_null() {
+                        theirs = array(at, controls).to_vec();
+                    }
                 }
                 #[cfg(not(engine_since = "3.11.0"))]
                 {
-                    theirs = [c!(mj_readCtrl(m, d, id, time, number))];
+                    theirs[0] = c!(mj_readCtrl(m, d, id, time, number));
                 }
                 assert_eq!(ours, theirs, "actuator {actuator}, {time}, {order:?}");
             }
@@ -264,7 +281,11 @@ fn values_at_earlier_times_are_those_of_the_c_functions_bit_for_bit() {
 
 #[test]
 fn buffers_are_filled_as_by_the_c_functions() {
-    let mut data = Data::new(model()).unwrap();
+    models().into_iter().for_each(check_filled_buffers);
+}
+
+fn check_filled_buffers(model: Arc<Model>) {
+    let mut data = Data::new(model).unwrap();
     advance(&mut data, 0..7);
     let model = data.model().clone();
     let raw = Raw(c!(mj_copyData(std::ptr::null_mut(), model.as_ptr(), data.as_ptr())));
@@ -275,6 +296,12 @@ fn buffers_are_filled_as_by_the_c_functions() {
     let late = model.sensor("late").unwrap().index() as i32;
     c!(mj_initCtrlHistory(model.as_ptr(), raw.0, 0, times.as_ptr(), values.as_ptr()));
     c!(mj_initSensorHistory(model.as_ptr(), raw.0, late, times.as_ptr(), values.as_ptr(), 0.25));
+    if let Ok(pid) = model.actuator("pid") {
+        let both: Vec<f64> = (0..5 * pid.controls().len()).map(|number| number as f64).collect();
+        data.init_ctrl_history(pid, &times[..5], &both).unwrap();
+        c!(mj_initCtrlHistory(model.as_ptr(), raw.0, pid.index() as i32, times.as_ptr(), both.as_ptr()));
+        assert!(matches!(data.init_ctrl_history(pid, &times[..5], &values[..5]), Err(Error::Shape { .. })));
+    }
     // SAFETY: a pointer of a living data.
     let theirs = array(unsafe { (*raw.0).history }, data.history().len());
     assert_eq!(data.history(), theirs);

@@ -153,6 +153,41 @@ impl BatchCamera {
         Ok(ids)
     }
 
+    /// Makes this the camera of the batches of another model, such as an edited one that a batch
+    /// has [adopted](Batch::adopt). `camera` is one of the new model, as for [`new`](Self::new),
+    /// because ids belong to a model. The size of the images, the scene options and the edits stay;
+    /// edits receive simulations of the new model.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new) and [`Renderer::adopt`]. The camera is unchanged then.
+    ///
+    /// # Panics
+    ///
+    /// If an id belongs to another model.
+    ///
+    /// ```no_run
+    /// use mujoco_safe::render::{BatchCamera, Renderer};
+    /// use mujoco_safe::spec::Spec;
+    /// use mujoco_safe::{Batch, sample};
+    ///
+    /// let mut batch = Batch::new(sample::humanoid(), 32)?;
+    /// let model = batch.model().clone();
+    /// let mut camera = BatchCamera::new(Renderer::new(&model, 84, 84)?, &model, "side")?;
+    /// batch.adopt(Spec::from_xml_path("edited.xml")?.compile()?)?;
+    /// camera.adopt(batch.model(), "side")?;
+    /// let images = camera.rgb(&batch)?;
+    /// # Ok::<(), mujoco_safe::render::RenderError>(())
+    /// ```
+    #[track_caller]
+    pub fn adopt(&mut self, model: impl IntoModel, camera: impl CameraSource) -> Result<(), RenderError> {
+        let data = Data::new(model)?;
+        let camera = camera.with_camera(data.model(), |camera| Ok(*camera))?;
+        self.renderer.adopt(data.model())?;
+        (self.data, self.camera) = (data, camera);
+        Ok(())
+    }
+
     /// Returns the renderer.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer

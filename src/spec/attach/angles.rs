@@ -68,8 +68,8 @@ impl Angles {
         }
         if tree.tag(index) == "replicate" {
             let numbers = parsed(tree, index, attribute, &text)?;
-            let Some(angles) = self.about_one_axis(&numbers, new) else {
-                return Err(not_convertible("<replicate euler> about several axes"));
+            let Some(angles) = self.in_order_of(new, &numbers) else {
+                return Err(not_convertible("<replicate euler> about axes in another order"));
             };
             tree.node_mut(index).set(attribute, angles.text().into_owned());
             return Ok(());
@@ -94,15 +94,21 @@ impl Angles {
         Ok(())
     }
 
-    /// Returns the same rotation about one axis in another order of Euler angles.
-    fn about_one_axis(&self, numbers: &[f64], new: &Self) -> Option<[f64; 3]> {
-        let mut turned = numbers.iter().zip(self.eulerseq.chars()).filter(|(angle, _)| **angle != 0.0);
+    /// Returns the same Euler angles for another sequence, or `None` if it turns about these axes
+    /// in another order: the compiler multiplies each angle by the number of the copy, so that no
+    /// other angles give the same copies.
+    fn in_order_of(&self, new: &Self, numbers: &[f64]) -> Option<[f64; 3]> {
+        let &[_, _, _] = numbers else { return None };
+        let mut left = rotations(&new.eulerseq).into_iter();
         let mut angles = [0.0; 3];
-        if let Some((angle, axis)) = turned.next() {
-            let place = new.eulerseq.chars().position(|other| other.eq_ignore_ascii_case(&axis))?;
-            *angles.get_mut(place)? = self.in_unit_of(new, *angle);
+        for (axis, place) in rotations(&self.eulerseq) {
+            let angle = *numbers.get(place)?;
+            if angle != 0.0 {
+                let (_, place) = left.find(|(other, _)| *other == axis)?;
+                *angles.get_mut(place)? = self.in_unit_of(new, angle);
+            }
         }
-        (numbers.len() == 3 && turned.next().is_none()).then_some(angles)
+        Some(angles)
     }
 
     /// Returns the quaternion of an orientation, as the compiler computes it.
@@ -149,6 +155,17 @@ impl Angles {
             }
         }
     }
+}
+
+/// Returns the axes of a sequence of Euler angles, and their places in it, in the order of a
+/// product of rotations: an axis in capitals is that of the fixed frame.
+fn rotations(eulerseq: &str) -> Vec<(char, usize)> {
+    let mut found = Vec::new();
+    for (place, letter) in eulerseq.chars().enumerate() {
+        let rotation = (letter.to_ascii_lowercase(), place);
+        if letter.is_ascii_lowercase() { found.push(rotation) } else { found.insert(0, rotation) }
+    }
+    found
 }
 
 /// Returns the tags of the elements whose orientation is given by axes.

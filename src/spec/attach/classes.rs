@@ -108,9 +108,9 @@ pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &
         return Ok(None);
     }
     let name = unused(&[tree, child], "outer");
-    let own = if ours { Some(demote(tree, &name, true, &HashSet::new())?) } else { None };
+    let own = if ours { Some(demote(tree, &name, true, false, &HashSet::new())?) } else { None };
     let name = if prefix.is_empty() { unused(&[tree, child], "attached") } else { MAIN.to_owned() };
-    demote(child, &name, ours || of_body || has_settings(child), &HashSet::new())?;
+    demote(child, &name, ours || of_body || has_settings(child), of_body, &HashSet::new())?;
     Ok(own)
 }
 
@@ -118,7 +118,7 @@ pub(super) fn separate(tree: &mut Tree, child: &mut Tree, body: Index, prefix: &
 /// Returns the class.
 pub(in super::super) fn separate_own(tree: &mut Tree, attached: &HashSet<Index>) -> Result<Index> {
     let name = unused(&[tree], "outer");
-    demote(tree, &name, true, attached)
+    demote(tree, &name, true, false, attached)
 }
 
 /// Returns `true` if a tree has classes, or refers to `main`, which always exists.
@@ -142,14 +142,17 @@ fn has_settings(tree: &Tree) -> bool {
 }
 
 /// Moves all classes into a new one with this name, which is directly in `main`, and gives it to
-/// all elements without a class, except `others`. Returns the class.
-fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -> Result<Index> {
+/// all elements without a class, except `others`. Returns the class. `matters` is true if one of
+/// the specs has defaults, and `of_body` if the elements come into a body with a class.
+fn demote(tree: &mut Tree, name: &str, matters: bool, of_body: bool, others: &HashSet<Index>) -> Result<Index> {
     let of = |tree: &Tree, index| -> Vec<Index> {
         tree.children(index).iter().copied().filter(|child| !others.contains(child)).collect()
     };
     let sections: Vec<Index> = tree.sections("default").collect();
     let old = sections.iter().find_map(|&section| tree.attribute(section, "class")).unwrap_or(MAIN).to_owned();
     names::rename_references(tree, Named::Class, &old, name);
+    // The only defaults that a flexcomp has from its class.
+    let has_joints = sections.iter().any(|&section| of(tree, section).iter().any(|&child| tree.tag(child) == "joint"));
     let mut contents: Vec<Vec<Index>> = sections.iter().map(|&section| of(tree, section)).collect();
     let last = contents.pop().unwrap_or_default();
     let mut place = tree.section("default");
@@ -178,18 +181,34 @@ fn demote(tree: &mut Tree, name: &str, matters: bool, others: &HashSet<Index>) -
             _ => {}
         }
     }
+    let flex = elements.iter().find_map(|&element| flexcomp_in(tree, element));
+    if let Some(flex) = flex.filter(|_| has_joints || of_body) {
+        return Err(inseparable(&names::describe(tree, flex)));
+    }
     while let Some(index) = elements.pop() {
         match tree.tag(index) {
             "body" | "frame" => set_if_missing(tree, index, "childclass", name),
             "replicate" => elements.extend(tree.children(index)),
-            "composite" | "flexcomp" if matters => {
-                return Err(inseparable(&names::describe(tree, index)));
-            }
+            "composite" if matters => return Err(inseparable(&names::describe(tree, index))),
+            "flexcomp" => {}
             _ if has_class(tree, index)? => set_if_missing(tree, index, "class", name),
             _ => {}
         }
     }
     Ok(place)
+}
+
+/// Returns a `flexcomp` that has the defaults of joints from the body around an element.
+pub(in super::super) fn flexcomp_in(tree: &Tree, index: Index) -> Option<Index> {
+    let mut open = vec![index];
+    while let Some(index) = open.pop() {
+        match tree.tag(index) {
+            "flexcomp" => return Some(index),
+            "frame" | "replicate" => open.extend(tree.children(index)),
+            _ => {}
+        }
+    }
+    None
 }
 
 /// Returns the error for an element in the world that has defaults and no attribute for a class.

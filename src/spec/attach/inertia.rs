@@ -37,6 +37,14 @@ pub(super) fn adapt(child: &mut Tree, attribute: &str, theirs: &str, ours: &str)
     }
 }
 
+/// Returns `true` for a body without an inertia. The compiler takes its position, before that of a
+/// frame around it, as its centre of mass too.
+pub(super) fn is_without(tree: &Tree, index: Index) -> bool {
+    tree.tag(index) == "body"
+        && !tree.children(index).iter().any(|&child| tree.tag(child) == "inertial")
+        && (paths::setting(tree, "inertiafromgeom") == Some("false") || !is_from_geoms(tree, index))
+}
+
 /// Returns `true` if a body has geoms of the groups from which the compiler computes inertias. Else
 /// it uses the given one in all settings.
 pub(super) fn is_from_geoms(tree: &Tree, body: Index) -> bool {
@@ -47,17 +55,23 @@ pub(super) fn is_from_geoms(tree: &Tree, body: Index) -> bool {
         let group = numbers(classes::effective(tree, geom, "group").unwrap_or("0"));
         group.iter().all(|group| (low..=high).contains(group))
     };
+    geoms(tree, body).into_iter().any(is_inside)
+}
+
+/// Returns the geoms of a body, also in frames and copies.
+pub(super) fn geoms(tree: &Tree, body: Index) -> Vec<Index> {
+    let mut found = Vec::new();
     let mut open = vec![body];
     while let Some(index) = open.pop() {
         for &child in tree.children(index) {
             match tree.tag(child) {
-                "geom" if is_inside(child) => return true,
+                "geom" => found.push(child),
                 "frame" | "replicate" => open.push(child),
                 _ => {}
             }
         }
     }
-    false
+    found
 }
 
 fn has_meshes(tree: &Tree) -> bool {
@@ -65,7 +79,7 @@ fn has_meshes(tree: &Tree) -> bool {
 }
 
 /// Returns `true` if bodies come from other elements than `body`.
-fn creates_bodies(tree: &Tree) -> bool {
+pub(super) fn creates_bodies(tree: &Tree) -> bool {
     let creates = |index: Index| matches!(tree.tag(index), "composite" | "flexcomp" | "attach");
     tree.descendants(Tree::ROOT).into_iter().any(creates)
 }

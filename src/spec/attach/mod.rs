@@ -2,6 +2,7 @@
 
 mod angles;
 mod classes;
+mod computed;
 mod inertia;
 mod initial;
 mod pose;
@@ -12,7 +13,7 @@ mod units;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-pub(super) use self::classes::{defaults_of, effective, heirs, inseparable, separate_own};
+pub(super) use self::classes::{defaults_of, effective, flexcomp_in, heirs, inseparable, separate_own};
 pub(super) use self::initial::Defaults;
 pub(super) use self::positions::resolved;
 use self::units::Angles;
@@ -87,7 +88,7 @@ const COPIED: [&str; 11] = [
 impl Spec {
     /// Attaches another spec: adds copies of the elements of its world to a body, and copies of its
     /// other elements, with `prefix` before all names. Returns the ids of the bodies that were in
-    /// its world.
+    /// its world, also in frames.
     ///
     /// The attached elements keep the defaults, angles, limits and directories of their own spec:
     /// classes of defaults are copied, angles are converted if the unit or the order of Euler
@@ -108,13 +109,16 @@ impl Spec {
     ///
     /// The settings of `compiler` that concern inertia and meshes are those of this spec. A spec
     /// without bodies, or without meshes, takes them from the first spec that is attached. The
-    /// bodies of other specs keep the mass and inertia of their own settings if a text can express
-    /// them: with `<inertial>` and moments in all bodies under another `inertiafromgeom`
-    /// (except `true` of this spec), `inertiagrouprange` (except with `true` of theirs),
-    /// `boundmass`, `boundinertia` or `balanceinertia`, and with any bodies if theirs is
-    /// `inertiafromgeom="true"` and this spec's `auto`. A spec without meshes may differ in the
+    /// bodies of other specs keep the mass and inertia of their own settings: if the text alone
+    /// does not determine these, the attached spec is compiled, and its bodies get an `<inertial>`,
+    /// which geoms that are added later do not change. A spec without meshes may differ in the
     /// settings of meshes, one without free joints in `alignfree`. A total mass that this spec sets
-    /// (`settotalmass`) is that of the whole model. All else is an error, which names the setting.
+    /// (`settotalmass`) is that of the whole model.
+    ///
+    /// An error, which names the setting, is all else: a bound of this spec that would change an
+    /// attached body, `inertiafromgeom="true"` of this spec beside explicit inertias, other
+    /// settings of inertia beside elements that create bodies (`composite`, `flexcomp`, `attach`),
+    /// inertias of files in memory, and `settotalmass` of the attached spec.
     ///
     /// # Errors
     ///
@@ -159,7 +163,7 @@ impl Spec {
             check_known(&child)?;
         }
         check_prefix(&child, prefix)?;
-        settings::agree(&mut tree, &mut child)?;
+        settings::agree(&mut tree, &mut child, other)?;
         Angles::of(&child).convert(&mut child, &Angles::of(&tree))?;
         if child.descendants(Tree::ROOT).iter().any(|&index| paths::is_asset(&child, index)) {
             paths::resolve(&mut tree, None);
@@ -190,8 +194,13 @@ impl Spec {
             let element = pose::moved(&mut child, element, &pose, &angles)?;
             let copy = tree.copy_into(&child, element, body, &mut copies);
             attached.insert(copy);
-            if tree.tag(copy) == "body" {
-                bodies.push(self.id(copy));
+            let mut open = vec![copy];
+            while let Some(index) = open.pop() {
+                match tree.tag(index) {
+                    "body" => bodies.push(index),
+                    "frame" => open.extend(tree.children(index).iter().rev()),
+                    _ => {}
+                }
             }
         }
         for section in COPIED {
@@ -207,7 +216,7 @@ impl Spec {
         self.attached = attached;
         self.own_class = own_class.or(self.own_class);
         self.unpacked.extend_from_slice(&other.unpacked);
-        Ok(bodies)
+        Ok(bodies.into_iter().map(|index| self.id(index)).collect())
     }
 
     /// Returns the body and the pose in its frame.

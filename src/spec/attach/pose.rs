@@ -4,8 +4,8 @@ use super::super::names;
 use super::super::tree::{Index, Tree};
 use super::super::value::Value;
 use super::angles::ORIENTATIONS;
-use super::classes;
 use super::units::{Angles, parsed};
+use super::{classes, inertia};
 use crate::error::{Error, InvalidKind, Result};
 use crate::math::{self, Pose};
 
@@ -26,7 +26,8 @@ pub(super) fn moved(tree: &mut Tree, index: Index, pose: &Pose, angles: &Angles)
             return not_movable(tree, flex);
         }
     }
-    if tree.tag(index) == "flexcomp" || move_in_place(tree, index, pose, angles)? {
+    let is_framed = cfg!(engine_since = "3.2.0") && inertia::is_without(tree, index);
+    if tree.tag(index) == "flexcomp" || (!is_framed && move_in_place(tree, index, pose, angles)?) {
         return Ok(index);
     }
     if cfg!(not(engine_since = "3.2.0")) {

@@ -1,11 +1,10 @@
 //! Settings of `compiler` on which two specs must agree.
 
 use super::super::attributes::{self, Meaning, Named};
-use super::super::names;
-use super::super::paths;
 use super::super::tree::{Index, Tree};
 use super::super::value;
-use super::{BODY, classes, inertia};
+use super::super::{Spec, names, paths};
+use super::{BODY, classes, computed, inertia};
 use crate::error::{Error, InvalidKind, Result};
 use crate::kind::Kind;
 use crate::spec::schema::Schema;
@@ -25,16 +24,19 @@ const SETTINGS: [(&str, &str); 11] = [
     ("alignfree", "false"),
 ];
 
+/// Those that act on inertias only.
+const OF_INERTIAS: [&str; 5] = ["inertiafromgeom", "inertiagrouprange", "boundmass", "boundinertia", "balanceinertia"];
+
 /// Those that act on the geoms of the world too, by the meshes.
 const OF_MESHES: [&str; 3] = ["convexhull", "exactmeshinertia", "fitaabb"];
 
 /// Default of `autolimits`.
 const AUTOLIMITS: &str = if cfg!(engine_since = "2.3.0") { "true" } else { "false" };
 
-/// Adapts a spec to the settings of the one to which it is attached, or returns an error. A spec
-/// without bodies, or without meshes, takes those settings of the attached one that it does not
-/// have.
-pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
+/// Adapts `child`, a copy of the elements of `other`, to the settings of the spec to which it is
+/// attached, or returns an error. A spec without bodies, or without meshes, takes those settings of
+/// the attached one that it does not have.
+pub(super) fn agree(tree: &mut Tree, child: &mut Tree, other: &Spec) -> Result<()> {
     if paths::setting(child, "coordinate") == Some("global") {
         return Err(Error::Unsupported("cannot attach a spec with global coordinates".to_owned()));
     }
@@ -46,6 +48,8 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
     let undecided: Vec<String> = undecided.map(str::to_owned).collect();
     // The default of a setting of a newer engine is not known.
     let undecided = undecided.iter().map(|attribute| (&attribute[..], None));
+    // Result of the only attempt.
+    let mut explicit = None;
     for (attribute, default) in
         SETTINGS.map(|(attribute, default)| (attribute, Some(default))).into_iter().chain(undecided)
     {
@@ -59,27 +63,42 @@ pub(super) fn agree(tree: &mut Tree, child: &mut Tree) -> Result<()> {
         let is_of_meshes = OF_MESHES.contains(&attribute);
         if ours.is_some() || (has_bodies && !is_of_meshes) || (has_meshes && is_of_meshes) {
             let theirs = theirs.to_owned();
-            if let Some(ours) = ours.or(default)
-                && inertia::adapt(child, attribute, &theirs, ours)
-            {
+            let ours = ours.or(default);
+            if ours.is_some_and(|ours| inertia::adapt(child, attribute, &theirs, ours)) {
                 continue;
             }
+            let expected = match (attribute, ours) {
+                ("settotalmass", _) => {
+                    "absent: it scales a whole model, and mjSpec ignores it in an attached one".to_owned()
+                }
+                (_, Some(ours)) if OF_INERTIAS.contains(&attribute) && !replaces_inertias(tree) => {
+                    let explicit = explicit.get_or_insert_with(|| computed::make_explicit(child, other));
+                    match explicit {
+                        Ok(true) if computed::is_respected(child, attribute, ours) => continue,
+                        Ok(true) => format!("'{ours}', as in this spec, whose bound would change a body"),
+                        Ok(false) => format!("'{ours}', as in this spec, beside elements that create bodies"),
+                        Err(error) => {
+                            format!("'{ours}', as in this spec, or a setting of a spec that compiles alone: {error}")
+                        }
+                    }
+                }
+                (_, ours) => {
+                    format!("{}, as in this spec", ours.map_or("absent".to_owned(), |ours| format!("'{ours}'")))
+                }
+            };
             let what = format!("'{attribute}' of <compiler> in the attached spec");
-            let ours = ours.or(default).map_or("absent".to_owned(), |ours| format!("'{ours}'"));
-            return Err(Error::invalid(
-                InvalidKind::Unsuitable,
-                what,
-                format!("'{theirs}'"),
-                format!(
-                    "{ours}, as in this spec, or bodies whose <inertial> has the mass and a 'diaginertia' for both"
-                ),
-            ));
+            return Err(Error::invalid(InvalidKind::Unsuitable, what, format!("'{theirs}'"), expected));
         }
         let theirs = theirs.to_owned();
         let section = tree.section("compiler");
         tree.node_mut(section).set(attribute, theirs);
     }
     Ok(())
+}
+
+/// Returns `true` if the compiler replaces explicit inertias by those of geoms.
+fn replaces_inertias(tree: &Tree) -> bool {
+    paths::setting(tree, "inertiafromgeom") == Some("true")
 }
 
 /// Returns `true` if ranges are limits unless a text says otherwise.

@@ -47,14 +47,6 @@ impl Counts {
             let is_of =
                 |field: &String, names: &[&str]| names.iter().any(|name| field.starts_with(&format!("{name}[")));
             found.retain(|field| !is_of(field, arbitrary));
-            // The compiler stores the position of a body without mass, before the poses of frames,
-            // as its centre of mass.
-            let is_massless = |field: &String| {
-                let cell =
-                    field.strip_prefix("body_ipos[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());
-                cell.is_some_and(|cell| ours.body_mass()[cell / 3] == 0.0)
-            };
-            found.retain(|field| !is_massless(field));
             // Rounding decides the order of boxes in a hierarchy whose centres are equal in one
             // direction.
             if found.iter().all(|field| is_of(field, &HIERARCHY))

@@ -1,8 +1,10 @@
 //! The elements that the compiler creates have ids in an expanded spec.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use mujoco_safe::kind::Kind;
 use mujoco_safe::spec::Spec;
-use mujoco_safe::{LoadOptions, Model};
+use mujoco_safe::{Error, LoadOptions, Model};
 
 use super::parse;
 use crate::assets;
@@ -75,4 +77,27 @@ fn files_in_memory_and_errors_are_those_of_the_compiler() {
     assert!(spec.expanded().unwrap_err().to_string().contains("solid"));
     let error = parse("<mujoco><worldbody><geom type='mesh'/></worldbody></mujoco>").expanded().unwrap_err();
     assert!(error.to_string().contains("mesh"), "{error}");
+}
+
+/// The engine saves the text that it has loaded last. Another thread may load in between.
+#[test]
+fn an_expanded_spec_is_never_that_of_another_thread() {
+    let done = AtomicBool::new(false);
+    let spec =
+        parse("<mujoco><worldbody><body name='own'><joint name='hinge'/><geom size='.1'/></body></worldbody></mujoco>");
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                Model::from_xml_str("<mujoco><worldbody><geom name='other' size='.1'/></worldbody></mujoco>").unwrap();
+            }
+        });
+        for _ in 0..20 {
+            match spec.expanded() {
+                Ok(expanded) => assert!(expanded.body("own").is_ok() && expanded.geom("other").is_err()),
+                Err(error) => assert!(matches!(error, Error::XmlReplaced), "{error}"),
+            }
+        }
+        done.store(true, Ordering::Relaxed);
+    });
+    assert!(spec.expanded().unwrap().joint("hinge").is_ok());
 }

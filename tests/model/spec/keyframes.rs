@@ -8,7 +8,7 @@ use mujoco_safe::{Error, Model};
 use super::parse;
 use crate::cases::cases;
 
-const TWO: &str = "<mujoco><worldbody>
+pub(super) const TWO: &str = "<mujoco><worldbody>
     <body name='b1'><joint name='j1'/><geom size='.1'/></body>
     <body name='b2' pos='1 0 0'><joint name='j2'/><geom size='.1'/></body>
   </worldbody>
@@ -16,7 +16,7 @@ const TWO: &str = "<mujoco><worldbody>
   <keyframe><key name='home' time='2' qpos='.1 .2' qvel='.3 .4' ctrl='.5 .6'/></keyframe></mujoco>";
 
 #[track_caller]
-fn key(model: &Model, name: &str, qpos: &[f64], qvel: &[f64], ctrl: &[f64]) {
+pub(super) fn key(model: &Model, name: &str, qpos: &[f64], qvel: &[f64], ctrl: &[f64]) {
     let key = model.keyframe(name).unwrap().id().index();
     for (found, expected) in [(model.key_qpos(), qpos), (model.key_qvel(), qvel), (model.key_ctrl(), ctrl)] {
         assert_eq!(found.row(key), expected);
@@ -28,7 +28,7 @@ fn remove_first(spec: &mut Spec) {
     spec.remove_with_references(body).unwrap();
 }
 
-fn add_hinge(spec: &mut Spec, name: &str) {
+pub(super) fn add_hinge(spec: &mut Spec, name: &str) {
     let body = spec.add_body(spec.world()).set_name(name).id();
     spec.add_joint(body).set_name(name);
     spec.add_geom(body).set_size(&[0.1]);
@@ -238,25 +238,6 @@ fn values_follow_the_copies_of_elements() {
     key(&spec.compile().unwrap(), "home", &expected, &expected, &[]);
     spec.remove(copied).unwrap();
     key(&spec.compile().unwrap(), "home", &[3.0, 5.0, 0.0, 6.0], &[3.0, 5.0, 0.0, 6.0], &[]);
-}
-
-/// The compiler puts the copies of an actuator behind the others, so that no edit may move their
-/// values.
-#[cfg(engine_since = "3.17.0")]
-#[test]
-fn controls_beside_copies_stay_or_are_an_error() {
-    let mut spec = parse(
-        "<mujoco><worldbody><replicate count='1' offset='0 1 0'><body name='b'><joint name='j'/><geom size='.1'/></body></replicate>
-           <body><joint name='k'/><geom size='.1'/></body></worldbody>
-         <actuator><motor joint='j' gear='1'/><motor name='m' joint='k' gear='2'/></actuator>
-         <keyframe><key name='home' ctrl='22 11'/></keyframe></mujoco>",
-    );
-    let model = spec.compile().unwrap();
-    assert_eq!([model.actuator_gear()[0][0], model.actuator_gear()[1][0]], [2.0, 1.0]);
-    assert_eq!(model.keyframe("home").unwrap().ctrl(), [22.0, 11.0]);
-    let removed = spec.actuator("m").unwrap().id();
-    spec.remove(removed).unwrap();
-    assert!(spec.compile().unwrap_err().to_string().contains("'ctrl' of key 'home'"));
 }
 
 /// These have two and three controls.

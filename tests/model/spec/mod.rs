@@ -15,6 +15,7 @@ mod generated;
 mod kept;
 mod keyframes;
 mod keyframes_generated;
+mod keyframes_order;
 mod moved;
 mod names;
 mod operations;
