@@ -56,8 +56,9 @@ impl Trajectory {
     }
 
     /// Reads a file written by [`save_npz`](Self::save_npz), or by `numpy.savez` or
-    /// `numpy.savez_compressed` with these arrays, of which `sensordata` may be missing, for
-    /// simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64
+    /// `numpy.savez_compressed` with these arrays, for simulations of this model. `sensordata` and
+    /// arrays that have no columns, such as `act` of a model without activations, may be missing.
+    /// Other arrays in the file are ignored. The arrays may unpack to 64
     /// MiB, or to a hundred times the size of the file if that is more, so that a small file cannot
     /// exhaust the memory.
     ///
@@ -84,6 +85,9 @@ impl Trajectory {
         })?;
         let records = times.len();
         let mut matrix = |name: &str, width: usize| {
+            if width == 0 && !archive.has(name) {
+                return Ok(Vec::new());
+            }
             archive.array(name, |shape| match shape {
                 &[rows, columns] if (rows, columns) == (records, width) => {
                     rows.checked_mul(columns).ok_or_else(|| "fewer values".to_owned())

@@ -9,8 +9,9 @@ use crate::render::RenderError;
 pub enum ViewerError {
     /// No display is available.
     #[error(
-        "no display is available for a window ({0}). On Linux, DISPLAY must name an X server; on a machine without a screen, \
-         xvfb-run provides a virtual display, and the renderer needs no window"
+        "no display is available for a window ({0}). On Linux, DISPLAY must name an X server, and the libraries of X must be \
+         installed (Debian's packages libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0); on a machine \
+         without a screen, xvfb-run provides a virtual display, and the renderer needs no window"
     )]
     NoDisplay(String),
 

@@ -28,7 +28,8 @@ const OTHERS: &[&str] = &[
 ];
 
 /// Returns the path of an example, after building all that tests start, in the profile and with the
-/// features of this test. Cargo builds several at the same time.
+/// features of this test, so that the library is not compiled again. Cargo builds several at the
+/// same time.
 pub fn build(name: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let started = [USUAL, cases(&[], OTHERS)].concat();
@@ -37,6 +38,7 @@ pub fn build(name: &str) -> PathBuf {
         let features = [
             ("renderer", cfg!(feature = "renderer")),
             ("viewer", cfg!(feature = "viewer")),
+            ("mjz", cfg!(feature = "mjz")),
             ("npz", cfg!(feature = "npz")),
             ("serde", cfg!(feature = "serde")),
         ];

@@ -229,6 +229,28 @@ fn a_small_file_does_not_decompress_to_gigabytes() {
 }
 
 #[test]
+fn arrays_without_columns_may_be_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let arrays = [
+        ("time.npy", shaped("(2,)", &[0.0, 0.1])),
+        ("qpos.npy", shaped("(2, 2)", &[1.0, 2.0, 3.0, 4.0])),
+        ("qvel.npy", shaped("(2, 2)", &[5.0, 6.0, 7.0, 8.0])),
+        ("ctrl.npy", shaped("(2, 1)", &[9.0, 10.0])),
+    ];
+    let write = |arrays| fs::write(&path, archive(arrays, CompressionMethod::Stored)).unwrap();
+    write(&arrays);
+    let read = Trajectory::load_npz(&sample::cartpole(), &path).unwrap();
+    assert_eq!(read.states(), [1.0, 2.0, 5.0, 6.0, 3.0, 4.0, 7.0, 8.0]);
+    // This model has one activation.
+    let text = Trajectory::load_npz(&Model::from_xml_str(FILTERED).unwrap(), &path).unwrap_err().to_string();
+    assert!(text.contains("'act' is missing from the file"), "{text}");
+    write(&arrays[..3]);
+    let text = Trajectory::load_npz(&sample::cartpole(), &path).unwrap_err().to_string();
+    assert!(text.contains("'ctrl' is missing from the file"), "{text}");
+}
+
+#[test]
 fn entries_in_folders_are_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
