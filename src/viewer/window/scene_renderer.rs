@@ -5,10 +5,10 @@ use crate::scene::{Camera, RenderFlags};
 use crate::viewer::link::{Asset, Snapshot};
 
 /// Renderer of the current model.
-#[derive(Default)]
 pub(super) struct SceneRenderer {
     /// Generation of the model, and its renderer.
     renderer: Option<(u64, Renderer)>,
+    options: RendererOptions,
     /// Image of the last scene, and its content.
     drawn: Option<(SceneContent, wgpu::Texture)>,
     picture: RgbImage,
@@ -25,6 +25,20 @@ struct SceneContent {
 }
 
 impl SceneRenderer {
+    pub fn new(options: RendererOptions) -> Self {
+        Self { renderer: None, options, drawn: None, picture: RgbImage::default() }
+    }
+
+    /// Sets the size of the labels, as in [`RendererOptions`].
+    pub fn set_font_scale(&mut self, scale: f64) {
+        if scale != self.options.font_scale {
+            (self.options.font_scale, self.drawn) = (scale, None);
+            if let Some((_, renderer)) = &mut self.renderer {
+                renderer.set_font_scale(scale);
+            }
+        }
+    }
+
     /// Drops the GPU resources.
     pub fn drop_renderer(&mut self) {
         (self.renderer, self.drawn) = (None, None);
@@ -35,7 +49,7 @@ impl SceneRenderer {
         let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
         let renderer = match kept {
             Some((_, renderer)) => renderer,
-            None => Renderer::on(gpu, &snapshot.model, width, height, RendererOptions::default())?,
+            None => Renderer::on(gpu, &snapshot.model, width, height, self.options)?,
         };
         Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
     }
