@@ -159,5 +159,14 @@ pub fn changes_of_the_file() {
         press(input, "Right", "the previous model runs on", |state| state.time > before.time);
         press(input, "BackSpace", "the simulation is reset", |state| state.time == 0.0);
         assert_eq!(state().qpos, [0.0]);
+
+        // The panel starts with the directory of the file.
+        fs::write(folder.path().join("other.xml"), text("", &[block, block, block].concat())).unwrap();
+        press(input, "ctrl+o", "the path of a file is edited", |state| state.editing);
+        input.write("oth");
+        input.key("Tab");
+        input.key("Return");
+        wait_until("the file is opened", || state().nbody == 5 && !state().editing);
+        press(input, "Right", "the new model takes a step", |state| state.time > 0.0);
     });
 }

@@ -56,7 +56,9 @@ impl SceneView {
                 _ => camera,
             })
         };
-        self.options == other.options && comparable(self.camera) == comparable(other.camera)
+        self.options == other.options
+            && (self.orthographic, &self.panes) == (other.orthographic, &other.panes)
+            && comparable(self.camera) == comparable(other.camera)
     }
 }
 

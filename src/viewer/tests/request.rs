@@ -5,10 +5,12 @@ use std::sync::Arc;
 use super::{Bench, trajectories};
 use crate::enums::Integrator;
 use crate::model::EnableFlags;
-use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags};
+use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags, Scene};
 use crate::viewer::link::{
-    EndpointRequest, Event, Kept, Mode, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest, link,
+    EndpointRequest, Event, Kept, Mode, PaneView, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest,
+    link,
 };
+use crate::viewer::view::{Pane, PaneKind};
 use crate::{Data, Model, sample};
 
 const TIED: &str = r#"<mujoco>
@@ -246,6 +248,23 @@ fn camera_and_selection_remain_after_the_file_is_loaded_again() {
         bench.send(SimulationRequest::Load(SharedModel(model(&text(""))), kept));
         assert_eq!((bench.snapshot().camera.view, bench.snapshot().selected), (CameraView::Free, None));
     }
+}
+
+#[test]
+fn snapshots_have_the_viewpoints_of_panes_and_of_the_main_camera() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let side = data.model().camera("side").unwrap().id();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    scene.update_camera(&data, &mut Camera::fixed(data.model(), side)).unwrap();
+    let mut bench = Bench::new(data);
+    let main = bench.snapshot().scene.viewpoints();
+    bench.view.panes = vec![Pane { camera: side, kind: PaneKind::Depth }];
+    let snapshot = bench.tick();
+    assert_eq!(snapshot.panes, [PaneView { camera: side, viewpoints: scene.viewpoints() }]);
+    assert_eq!(snapshot.scene.viewpoints(), main);
+    bench.view.panes.clear();
+    assert_eq!(bench.tick().panes, []);
 }
 
 #[test]

@@ -151,8 +151,8 @@ impl Overlay {
         wgpu::Color { r, g, b, a: 1.0 }
     }
 
-    /// Returns the rectangles of the panels and widgets with these names, from the upper left to the
-    /// lower right corner, in pixels.
+    /// Returns the rectangles of the panels and widgets with these names, in pixels: their upper
+    /// left and lower right corners.
     #[cfg(feature = "_test-hooks")]
     pub fn panel_rects(&self, names: &[&'static str]) -> Vec<(&'static str, [[f32; 2]; 2])> {
         let scale = self.context.pixels_per_point();
