@@ -71,10 +71,11 @@
 //!   the scene. The engine draws everything once more for each shadow-casting light.
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights,
 //!   which [`max_lights`](RendererOptions::max_lights) imitates.
-//! - Labels have another font, Noto Sans Mono, which covers ASCII, Latin-1 and Latin Extended-A;
-//!   other characters are boxes. The engine draws each byte of a label as a character of its own
-//!   font, also the bytes of letters beyond ASCII. In images of 320 × 240 pixels with a dozen
-//!   labels, 1 to 5 % of the pixels differ.
+//! - Labels have another font, DejaVu Sans with a dark border, and fonts of the system for letters
+//!   that it lacks; characters without a font are boxes. Letters that depend on their neighbours,
+//!   as in Arabic, are drawn one by one from left to right. The engine draws each byte of a label
+//!   as a character of its own font, also the bytes of letters beyond ASCII. In images of 320 × 240
+//!   pixels with a dozen labels, 1 to 5 % of the pixels differ.
 //! - Round shapes that cover few pixels have fewer vertices. So have meshes without texture
 //!   coordinates: vertices that are less than a pixel apart are merged, except in wireframes, depth
 //!   and segmentation images. In images of an arm of 215,000 small triangles at most 0.3 % of the
@@ -177,6 +178,8 @@ mod shape;
 mod support;
 mod view;
 
+#[cfg(feature = "viewer")]
+pub(crate) use self::assets::{FontFile, font_for};
 pub use self::error::RenderError;
 #[cfg(feature = "viewer")]
 pub(crate) use self::gpu::DriverUse;

@@ -29,7 +29,7 @@ pub enum Lighting {
 /// let smooth = RendererOptions::default().with_lighting(Lighting::PerPixel);
 /// assert_eq!((fast.samples, smooth.lighting), (Some(1), Lighting::PerPixel));
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RendererOptions {
     /// MSAA samples per pixel: 1, 2, 4 or 8, subject to the adapter's support. `None` selects the
@@ -46,6 +46,16 @@ pub struct RendererOptions {
     /// if it is active. `Some(8)` imitates the engine's renderer, in which OpenGL ignores the
     /// others. `None` selects all, of which the engine allows 100.
     pub max_lights: Option<usize>,
+    /// Size of labels relative to lines of 16 pixels, for example the scale of a display. Values
+    /// outside of 0.25 to 10 are limited to this range.
+    #[doc(alias = "mjtFontScale")]
+    pub font_scale: f64,
+}
+
+impl Default for RendererOptions {
+    fn default() -> Self {
+        Self { samples: None, shadow_size: None, lighting: Lighting::default(), max_lights: None, font_scale: 1.0 }
+    }
 }
 
 with_methods!(RendererOptions {
@@ -53,6 +63,7 @@ with_methods!(RendererOptions {
     with_shadow_size(shadow_size: usize) = Some(shadow_size),
     with_lighting(lighting: Lighting),
     with_max_lights(max_lights: usize) = Some(max_lights),
+    with_font_scale(font_scale: f64),
 });
 
 /// Both faces of a triangle cast shadows, as in the renderer of engines from 3.3, so that a

@@ -89,6 +89,21 @@ impl Scene {
         self.raw().lights[..ffi::size(self.raw().nlight)].iter().map(SceneLight::new)
     }
 
+    /// Returns the position and the direction of the headlight.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn headlight(&self) -> Option<[[f32; 3]; 2]> {
+        self.lights().next().filter(|light| light.headlight).map(|light| [light.pos, light.dir])
+    }
+
+    /// Moves the headlight to another viewpoint, as an update of the scene does.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn set_headlight(&mut self, pos: [f32; 3], dir: [f32; 3]) {
+        if self.headlight().is_some() {
+            let light = &mut self.raw_mut().lights[0];
+            (light.pos, light.dir) = (pos, dir);
+        }
+    }
+
     /// Updates only the lights.
     ///
     /// # Errors

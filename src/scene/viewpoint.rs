@@ -126,6 +126,27 @@ pub struct Transform {
 }
 
 impl Scene {
+    /// Replaces perspective viewpoints by orthographic ones, whose images show the same height at a
+    /// distance, m. Requires an engine from 3.2.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn make_orthographic(&mut self, distance: f64) -> Result<()> {
+        let viewpoints = self.viewpoints().map(|viewpoint| {
+            if viewpoint.orthographic {
+                return viewpoint;
+            }
+            let ratio = (distance / f64::from(viewpoint.frustum_near)) as f32;
+            Viewpoint {
+                frustum_center: ratio * viewpoint.frustum_center,
+                frustum_width: ratio * viewpoint.frustum_width,
+                frustum_bottom: ratio * viewpoint.frustum_bottom,
+                frustum_top: ratio * viewpoint.frustum_top,
+                orthographic: true,
+                ..viewpoint
+            }
+        });
+        self.set_viewpoints(viewpoints)
+    }
+
     /// Returns the viewpoints of the left and the right eye. They are equal if the camera has no
     /// interpupillary distance, and zero before the first update.
     pub fn viewpoints(&self) -> [Viewpoint; 2] {

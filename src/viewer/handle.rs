@@ -249,7 +249,8 @@ impl ViewerHandle {
         instruments.declare(declare)
     }
 
-    /// Removes and returns the key presses for which the viewer has no binding. They arrive with
+    /// Removes and returns the presses of keys for which the viewer has no binding, and of
+    /// [released](crate::viewer::ViewerOptions::released_keys) keys. They arrive with
     /// [`sync`](Self::sync).
     ///
     /// ```no_run

@@ -31,7 +31,8 @@ use crate::trajectory::Trajectory;
 pub struct Viewer {
     options: ViewerOptions,
     controller: Option<Box<dyn InstrumentedController>>,
-    trajectories: Vec<Trajectory>,
+    /// Names and trajectories.
+    trajectories: Vec<(String, Trajectory)>,
 }
 
 impl std::fmt::Debug for Viewer {
@@ -95,8 +96,28 @@ impl Viewer {
 
     /// Sets recorded trajectories, which add the trajectory mode. It is the initial mode if there
     /// is no controller. The lengths may differ.
-    pub fn with_trajectories(mut self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
-        self.trajectories = trajectories.into_iter().collect();
+    pub fn with_trajectories(self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
+        let numbered = trajectories.into_iter().enumerate();
+        self.with_named_trajectories(numbered.map(|(index, trajectory)| ((index + 1).to_string(), trajectory)))
+    }
+
+    /// As [`with_trajectories`](Self::with_trajectories), with names, which the window shows. The
+    /// default names are numbers from 1.
+    ///
+    /// ```no_run
+    /// use mujoco_safe::viewer::Viewer;
+    /// # use mujoco_safe::{Data, Trajectory, sample};
+    /// # let data = Data::new(sample::humanoid())?;
+    /// # let [free, controlled] = [data.model(); 2].map(Trajectory::new);
+    ///
+    /// Viewer::new().with_named_trajectories([("free", free), ("LQR", controlled)]).run(data)?;
+    /// # Ok::<(), mujoco_safe::viewer::ViewerError>(())
+    /// ```
+    pub fn with_named_trajectories<N: Into<String>>(
+        mut self,
+        trajectories: impl IntoIterator<Item = (N, Trajectory)>,
+    ) -> Self {
+        self.trajectories = trajectories.into_iter().map(|(name, trajectory)| (name.into(), trajectory)).collect();
         self
     }
 

@@ -22,7 +22,9 @@
 //! place for them ([`ViewerOptions::panels`]): simulation, trajectories, keyframes, visualisation,
 //! appearance, physics options and watched values on the left; search, controls, joints and the
 //! selected body on the right. The panel of the simulation also adds noise to the controls, and
-//! saves the model and the engine's listings. F3 and F4 open plots there. A controller can add
+//! saves the model and the engine's listings. F3 and F4 open plots there. The timeline at the
+//! bottom shows the states since the start, or the records of a trajectory; a click or a drag goes
+//! to one. Ctrl+O opens a model file, and Ctrl+L loads the present one again. A controller can add
 //! plots, sliders for its parameters and drawings: see [`Instruments`]. A model file that is
 //! dropped onto the window is loaded, and a change of [`ViewerOptions::file`] is shown at once,
 //! while the simulation continues ([`ViewerOptions::watch`]).

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use super::input::Key;
 use crate::error::{Error, InvalidKind};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
+use crate::render::Lighting;
 
 /// Colours of the panels of a viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -44,6 +46,9 @@ pub struct ViewerOptions {
     /// Size of the panels and their text relative to the scale of the display. Values outside of
     /// 0.25 to 4 are limited to this range.
     pub scale: f64,
+    /// Frequency of the lighting computation of the scene, as in
+    /// [`RendererOptions`](crate::render::RendererOptions::lighting).
+    pub lighting: Lighting,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
     /// Shows changes of the model's file within a second: the simulation
@@ -65,6 +70,10 @@ pub struct ViewerOptions {
     pub directory: PathBuf,
     /// Options of the recordings.
     pub recording: RecorderOptions,
+    /// Keys that the program receives with [`ViewerHandle::keys`](super::ViewerHandle::keys)
+    /// although the viewer has bindings for them, for example to control a robot. The bindings with
+    /// Ctrl remain.
+    pub released_keys: Vec<Key>,
 }
 
 impl Default for ViewerOptions {
@@ -76,12 +85,14 @@ impl Default for ViewerOptions {
             panels: true,
             theme: Theme::Dark,
             scale: 1.0,
+            lighting: Lighting::default(),
             file: None,
             watch: true,
             screenshots: "screenshot.png".into(),
             recordings: None,
             directory: ".".into(),
             recording: RecorderOptions::default(),
+            released_keys: Vec::new(),
         }
     }
 }
@@ -117,10 +128,12 @@ with_methods!(ViewerOptions {
     with_panels(panels: bool),
     with_theme(theme: Theme),
     with_scale(scale: f64),
+    with_lighting(lighting: Lighting),
     with_file(file: impl Into<PathBuf>) = Some(file.into()),
     with_watch(watch: bool),
     with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
     with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),
     with_directory(directory: impl Into<PathBuf>) = directory.into(),
     with_recording(recording: RecorderOptions),
+    with_released_keys(released_keys: impl IntoIterator<Item = Key>) = released_keys.into_iter().collect(),
 });

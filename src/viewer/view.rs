@@ -5,8 +5,24 @@ use mujoco_sys::{mjNFRAME, mjNLABEL};
 use super::input::{Panel, PlotKind, ViewAction, WindowAction};
 use super::link::{Event, SceneView, Snapshot};
 use crate::error::Result;
+use crate::id::CameraId;
 use crate::model::Model;
 use crate::scene::{Camera, CameraView, FrameMode, LabelMode, MouseAction, RenderFlags, SceneOptions};
+
+/// Image of a camera of the model over the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Pane {
+    pub camera: CameraId,
+    pub kind: PaneKind,
+}
+
+/// Kind of image in a pane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum PaneKind {
+    Colour,
+    Depth,
+    Segmentation,
+}
 
 /// View of a window: camera, scene options, rendering effects and open panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,9 +30,17 @@ use crate::scene::{Camera, CameraView, FrameMode, LabelMode, MouseAction, Render
 pub(crate) struct View {
     pub camera: Camera,
     pub options: SceneOptions,
+    /// The free and the tracking camera are orthographic.
+    pub orthographic: bool,
     pub render: RenderFlags,
     pub help: bool,
+    /// Panel that opens a model file.
+    pub files: bool,
     pub info: bool,
+    /// Open camera panes.
+    pub panes: Vec<Pane>,
+    /// Timeline at the bottom of the window.
+    pub timeline: bool,
     pub left_panel: bool,
     pub right_panel: bool,
     /// Plots of the solver, the computing times and the energy.
@@ -34,13 +58,17 @@ impl View {
         Self {
             camera: Camera::free(model),
             options: SceneOptions::default(),
+            orthographic: false,
             render: RenderFlags::SHADOW
                 | RenderFlags::REFLECTION
                 | RenderFlags::SKYBOX
                 | RenderFlags::HAZE
                 | RenderFlags::CULL_FACE,
             help: false,
+            files: false,
             info: true,
+            panes: Vec::new(),
+            timeline: true,
             left_panel: false,
             right_panel: false,
             profile: false,
@@ -51,7 +79,9 @@ impl View {
 
     /// Returns the part of the view that the physics needs.
     pub fn scene_view(&self) -> SceneView {
-        SceneView { camera: Some(self.camera), options: self.options.clone() }
+        let panes = self.panes.iter().map(|pane| pane.camera).collect();
+        let (camera, options) = (Some(self.camera), self.options.clone());
+        SceneView { camera, options, orthographic: self.orthographic, panes }
     }
 
     /// Applies the effect of an event on the view.
@@ -81,7 +111,9 @@ impl View {
                 toggle(&mut self.help);
                 return self.help.then_some(WindowAction::PrintHelp);
             }
+            ViewAction::Files => toggle(&mut self.files),
             ViewAction::Info => toggle(&mut self.info),
+            ViewAction::Timeline => toggle(&mut self.timeline),
             ViewAction::Panel(Panel::Left) => toggle(&mut self.left_panel),
             ViewAction::Panel(Panel::Right) => toggle(&mut self.right_panel),
             ViewAction::Plot(PlotKind::Profile) => toggle(&mut self.profile),
@@ -115,7 +147,16 @@ impl View {
     /// numbers.
     pub fn move_camera(&mut self, action: MouseAction, motion: [f64; 2], snapshot: &Snapshot) -> Result<()> {
         self.drop_stale_camera(&snapshot.model);
-        self.camera.move_by(&snapshot.model, action, motion, &snapshot.scene)
+        let viewpoint = snapshot.scene.viewpoint();
+        let factor = match action {
+            MouseAction::MoveV | MouseAction::MoveH if self.orthographic && viewpoint.orthographic => {
+                // The engine moves the camera by the height of a perspective frustum.
+                let height = f64::from(viewpoint.frustum_top - viewpoint.frustum_bottom);
+                height / (snapshot.scene.frustum_height()? * self.camera.distance)
+            }
+            _ => 1.0,
+        };
+        self.camera.move_by(&snapshot.model, action, motion.map(|part| factor * part), &snapshot.scene)
     }
 
     /// Updates the viewpoint and the effects of a snapshot to the current view, so that the image
@@ -133,6 +174,9 @@ impl View {
                 self.camera.lookat = snapshot.camera.lookat;
             }
             snapshot.scene.look(&snapshot.model, &self.camera)?;
+            if self.orthographic && matches!(self.camera.view, CameraView::Free | CameraView::Tracking(_)) {
+                snapshot.scene.make_orthographic(self.camera.distance)?;
+            }
         }
         Ok(())
     }

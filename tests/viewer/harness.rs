@@ -111,6 +111,14 @@ pub fn state() -> WindowState {
     test_hooks::latest().expect("the window was drawn")
 }
 
+/// Returns the point of the timeline at a part of its track.
+pub fn on_timeline(part: f32) -> [i32; 2] {
+    let state = state();
+    let track = state.panel_rects.iter().find(|(name, _)| *name == "track").expect("the timeline is shown").1;
+    let at = |axis: usize, part: f32| (track[0][axis] + part * (track[1][axis] - track[0][axis])) as i32;
+    [at(0, part), at(1, 0.5)]
+}
+
 /// Waits until the window has processed all previous events and the simulation has executed the
 /// resulting requests. Relies on the order of events: F12, which has no binding, is processed last.
 pub fn settle(input: &Input) {

@@ -4,7 +4,7 @@ use mujoco_safe::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFl
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, PdController, sample};
 
-use crate::harness::{press, settle, show, show_with, state};
+use crate::harness::{SIZE, on_timeline, press, settle, show, show_with, state};
 use crate::input::wait_until;
 
 fn humanoid() -> Data {
@@ -26,6 +26,18 @@ pub fn simulation() {
         press(input, "shift+Right", "fifty steps forward", |state| at(51.0)(state.time));
         press(input, "Left", "one step back", |state| at(50.0)(state.time));
         press(input, "shift+Left", "fifty steps back", |state| at(0.0)(state.time));
+
+        // The timeline shows 51 states, and leaves the keyboard to the window.
+        input.click(on_timeline(0.8), 1, 1);
+        wait_until("a click on the timeline shows a previous state", || {
+            (30..50).any(|steps| at(f64::from(steps))(state().time))
+        });
+        let shown = state().time;
+        press(input, "Left", "one step back", |state| (shown - state.time - timestep).abs() < 1e-9);
+        input.click(on_timeline(0.0), 1, 1);
+        wait_until("a click at the start shows the first state", || at(0.0)(state().time));
+        press(input, "shift+F2", "the timeline is closed", |state| state.picture[1] == SIZE);
+        press(input, "shift+F2", "the timeline is open", |state| state.picture[1] != SIZE);
 
         press(input, "space", "the simulation runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
         press(input, "space", "the simulation is paused", |state| state.status == "Paused");

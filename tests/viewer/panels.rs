@@ -19,6 +19,9 @@ const LARGER: [i32; 2] = [102, 435];
 /// Size of a window that shows a panel in its full width.
 pub const SIZE: [u32; 2] = [640, 400];
 
+/// Height of the timeline, pixels.
+const TIMELINE: u32 = 34;
+
 pub fn panels() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
     let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
@@ -41,7 +44,7 @@ pub fn panels() {
 
         // A panel receives the mouse events over it.
         let camera = state().camera;
-        let on_panel = [width - 140, height - 12];
+        let on_panel = [width - 140, height - 60];
         input.drag(on_panel, [30, 0], 1, &[]);
         input.click(on_panel, 4, 1);
         settle(input);
@@ -115,6 +118,8 @@ fn open_all(input: &Input) {
 pub fn layout() {
     for [width, height] in [[640, 480], [1066, 666]] {
         show_closed([width, height], humanoid(), |input| {
+            // Above the timeline.
+            let height = height - TIMELINE;
             assert_eq!(state().picture, [[0, 0], [width, height]]);
             open_all(input);
             settle(input);
@@ -138,8 +143,8 @@ pub fn layout() {
             wait_until("the frame has the size of the window", || state().size == [120, 90]);
             input.resize([60, 90]);
             wait_until("the picture has a pixel", || state().picture == [[59, 0], [1, 90]]);
-            input.resize([width, height]);
-            wait_until("the initial size is restored", || state().size == [width, height]);
+            input.resize([width, height + TIMELINE]);
+            wait_until("the initial size is restored", || state().size == [width, height + TIMELINE]);
 
             // The mouse refers to the picture: its centre shows the humanoid.
             let centre = [(left + pictured / 2) as i32, height as i32 / 2];

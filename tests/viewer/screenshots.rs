@@ -25,6 +25,7 @@ const RUN_TIME: f64 = 1.0;
 /// Saves all pictures in a directory.
 pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
+    draw_panes(directory);
     draw_balance(directory);
     draw_modes(directory);
     draw_left_panel(directory);
@@ -157,6 +158,32 @@ fn draw_left_panel(directory: &Path) {
         press(input, "space", "the simulation is paused", |state| state.status == "Paused");
         park(input);
         save(directory, "left_panel");
+    });
+}
+
+/// Panes of a camera, labels, the name of the camera, and the panel of files.
+fn draw_panes(directory: &Path) {
+    let text = r#"<mujoco><statistic center="0 0 .4" extent="2"/><visual><headlight ambient=".4 .4 .4"/></visual>
+        <worldbody><light pos="0 -1 2" dir="0 .5 -1"/><geom name="Boden" type="plane" size="1 1 .1" rgba=".9 .8 .2 1"/>
+          <camera name="nah" pos="0 -1 .6" xyaxes="1 0 0 0 .3 1"/>
+          <body name="Körper" pos="0 0 .4"><joint axis="0 1 0"/><geom name="Körper λ Жук" size=".2" rgba=".05 .05 .05 1"/></body>
+          <body name="g13" pos=".5 0 .3"><geom name="g13" type="box" size=".1 .1 .1"/></body>
+        </worldbody></mujoco>"#;
+    let data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
+    let options = ViewerOptions::default().with_scale(1.25);
+    show_window([1200, 800], options, Viewer::new(), data, |input| {
+        click(input, "Visualisation");
+        click(input, "Simulation");
+        click(input, "Rendering");
+        click(input, "camera panes");
+        click(input, "colour");
+        click(input, "depth");
+        (0..3).for_each(|_| input.key("F7"));
+        settle(input);
+        (0..2).for_each(|_| input.key("bracketright"));
+        save(directory, "panes");
+        input.key("ctrl+o");
+        save(directory, "files");
     });
 }
 

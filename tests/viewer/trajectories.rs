@@ -3,7 +3,7 @@
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Trajectory, ZeroController, sample};
 
-use crate::harness::{SIZE, press, show_with, state};
+use crate::harness::{SIZE, on_timeline, press, show_with, state};
 use crate::input::wait_until;
 
 /// Records two trajectories of different lengths.
@@ -38,6 +38,14 @@ pub fn keys_and_wheel() {
         press(input, "Down", "the previous trajectory", |state| {
             state.playback.is_some_and(|playback| playback[0] == 0)
         });
+        press(input, "BackSpace", "the first record", |state| state.playback == Some([0, 0]));
+
+        input.click(on_timeline(0.5), 1, 1);
+        wait_until("a click on the timeline shows a record", || (100..200).contains(&frame()));
+        let shown = frame();
+        press(input, "Left", "the window has the keyboard", |state| state.playback == Some([0, shown - 1]));
+        input.drag(on_timeline(0.5), [-40, 0], 1, &[]);
+        wait_until("a drag on the timeline shows an earlier record", || (1..shown - 10).contains(&frame()));
         press(input, "BackSpace", "the first record", |state| state.playback == Some([0, 0]));
 
         press(input, "ctrl+r", "playback is reversed", |state| state.playback_flags[0]);

@@ -63,7 +63,7 @@ pub fn outputs() {
         wait_until("a second screenshot has another name", || path("screenshot-2.png").exists());
         let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path("screenshot.png")).unwrap()));
         let image = decoder.read_info().unwrap();
-        assert_eq!([image.info().width, image.info().height], SIZE);
+        assert_eq!([image.info().width, image.info().height], state().picture[1], "the part above the timeline");
 
         // The window is blocked when the recording starts and while the simulation runs.
         let before = state();
@@ -99,10 +99,14 @@ pub fn outputs() {
         test_hooks::hold_loading(true);
         press(input, "ctrl+l", "the model is being loaded", |state| state.loading.is_some());
         press(input, "Right", "the previous model takes a step", |state| state.nbody == 2 && state.time > 0.0);
+        input.drag([240, 160], [30, 0], 1, &[]);
+        wait_until("the view is rotated", || state().camera.azimuth != before.camera.azimuth);
+        settle(input);
+        let camera = state().camera;
         assert!(state().loading.is_some());
         test_hooks::hold_loading(false);
         wait_until("the model is reloaded", || state().nbody == 3 && state().loading.is_none());
-        assert_eq!(state().time, 0.0);
+        assert_eq!((state().time, state().camera), (0.0, camera), "the camera stays");
         fs::write(&model, "<mujoco><nonsense/></mujoco>").unwrap();
         input.key("ctrl+l");
         wait_until("the parse error is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
@@ -155,5 +159,14 @@ pub fn changes_of_the_file() {
         press(input, "Right", "the previous model runs on", |state| state.time > before.time);
         press(input, "BackSpace", "the simulation is reset", |state| state.time == 0.0);
         assert_eq!(state().qpos, [0.0]);
+
+        // The panel starts with the directory of the file.
+        fs::write(folder.path().join("other.xml"), text("", &[block, block, block].concat())).unwrap();
+        press(input, "ctrl+o", "the path of a file is edited", |state| state.editing);
+        input.write("oth");
+        input.key("Tab");
+        input.key("Return");
+        wait_until("the file is opened", || state().nbody == 5 && !state().editing);
+        press(input, "Right", "the new model takes a step", |state| state.time > 0.0);
     });
 }

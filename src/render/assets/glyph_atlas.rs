@@ -1,167 +1,187 @@
-//! Glyph atlas of labels: all glyphs of the font, and their halos, in one image.
-//!
-//! The font is Noto Sans Mono, from the crate `noto-sans-mono-bitmap`, whose glyphs are bitmaps of
-//! equal size.
+//! Glyph atlas of labels: the glyphs that the labels of an image need, and their halos, in one
+//! image.
 
-use std::sync::LazyLock;
+use std::collections::HashMap;
 
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use super::font::{self, Glyph};
 
-/// Width and height of a glyph, which is also the advance and the line height, pixels.
-pub(crate) const GLYPH_SIZE: [u32; 2] =
-    [get_raster_width(FontWeight::Regular, RasterHeight::Size16) as u32, RasterHeight::Size16.val() as u32];
-/// Padding around each glyph of the atlas, pixels. It contains the halo.
-const PADDING: u32 = 2;
-/// Characters of the font: printable ASCII, and the letters and signs of Latin-1 and Latin
-/// Extended-A. The last glyph of the atlas is a box for all other characters.
-const RANGES: [[char; 2]; 2] = [[' ', '~'], ['\u{a1}', '\u{17f}']];
-const COUNT: u32 = characters(RANGES[0]) + characters(RANGES[1]) + 1;
-const COLUMNS: u32 = 16;
-/// Width of the halo around a glyph, pixels.
-const HALO: i32 = 1;
+/// Width of the atlas, pixels.
+const WIDTH: u32 = 1024;
+/// Initial and largest height of the atlas, pixels.
+const HEIGHTS: [u32; 2] = [64, 2048];
+/// Size of the em square relative to the height of a line.
+const EM: f32 = 14.0 / 16.0;
+/// Width of the halo around a glyph relative to the height of a line.
+const HALO: f32 = 1.5 / 16.0;
 
-/// Image of all glyphs.
+/// Image of glyphs of one size. It grows with the number of glyphs.
 #[derive(Debug, Clone)]
 pub(crate) struct GlyphAtlas {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
+    /// Height of a line, pixels.
+    line: f32,
+    pub(crate) size: [u32; 2],
     /// Row-major, two bytes per pixel: coverage by the glyph, and coverage by the glyph or its
     /// halo.
     pub(crate) pixels: Vec<u8>,
+    glyphs: HashMap<char, PlacedGlyph>,
+    /// Upper left corner of the next glyph, and the height of its row.
+    next: [u32; 2],
+    row: u32,
+    /// Number of changes of the pixels.
+    pub(crate) version: u64,
+}
+
+/// Glyph of the atlas.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlacedGlyph {
+    /// Upper left corner in the atlas, pixels, with the halo.
+    pub(crate) place: [u32; 2],
+    /// Width and height with the halo, pixels. Zero for a space.
+    pub(crate) size: [u32; 2],
+    /// Upper left corner from the position of the pen on the base line, pixels.
+    pub(crate) origin: [i32; 2],
+    /// Distance of the pen to the next glyph, in whole pixels.
+    pub(crate) advance: f32,
 }
 
 impl GlyphAtlas {
-    /// Returns the atlas, which is created on first use.
-    pub(crate) fn get() -> &'static Self {
-        static ATLAS: LazyLock<GlyphAtlas> = LazyLock::new(GlyphAtlas::new);
-        &ATLAS
+    /// Creates an atlas for lines of this height, pixels.
+    pub(crate) fn new(line: f32) -> Self {
+        let size = [WIDTH, HEIGHTS[0]];
+        let pixels = vec![0; 2 * (size[0] * size[1]) as usize];
+        Self { line, size, pixels, glyphs: HashMap::new(), next: [0; 2], row: 0, version: 0 }
     }
 
-    fn new() -> Self {
-        let [cell_width, cell_height] = GLYPH_SIZE.map(|length| length + 2 * PADDING);
-        let (width, height) = (COLUMNS * cell_width, COUNT.div_ceil(COLUMNS) * cell_height);
-        let mut atlas = Self { width, height, pixels: vec![0; 2 * (width * height) as usize] };
-        for number in 0..COUNT {
-            let [left, top] = position(number);
-            let character = RANGES.into_iter().flat_map(|[first, last]| first..=last).nth(number as usize);
-            let raster =
-                character.and_then(|character| get_raster(character, FontWeight::Regular, RasterHeight::Size16));
-            let coverage = |x: i32, y: i32| {
-                let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return 0 };
-                raster.map_or_else(|| replacement_box(x as u32, y as u32), |raster| raster.pixel(x, y).unwrap_or(0))
-            };
-            let padding = PADDING as i32;
-            for y in -padding..GLYPH_SIZE[1] as i32 + padding {
-                for x in -padding..GLYPH_SIZE[0] as i32 + padding {
-                    let around = (-HALO..=HALO).flat_map(|dy| (-HALO..=HALO).map(move |dx| (dx, dy)));
-                    let halo = around.map(|(dx, dy)| coverage(x + dx, y + dy)).max().unwrap_or(0);
-                    let at = (left as i32 + x) as usize + (top as i32 + y) as usize * width as usize;
-                    atlas.pixels[2 * at..][..2].copy_from_slice(&[coverage(x, y), halo]);
-                }
+    /// Removes all glyphs.
+    pub(crate) fn clear(&mut self) {
+        *self = Self { version: self.version + 1, ..Self::new(self.line) };
+    }
+
+    /// Returns the height of a line, pixels.
+    pub(crate) fn line(&self) -> f32 {
+        self.line
+    }
+
+    /// Returns the distance of the base line from the top of the line, pixels.
+    pub(crate) fn base_line(&self) -> f32 {
+        (0.8 * self.line).round()
+    }
+
+    /// Returns a glyph, which is added on first use. `None` if the atlas is full.
+    pub(crate) fn glyph(&mut self, character: char) -> Option<PlacedGlyph> {
+        if let Some(known) = self.glyphs.get(&character) {
+            return Some(*known);
+        }
+        let glyph = font::glyph(character, EM * self.line);
+        let advance = glyph.advance.round();
+        let placed = if glyph.size.contains(&0) {
+            PlacedGlyph { place: [0; 2], size: [0; 2], origin: [0; 2], advance }
+        } else {
+            let halo = self.halo_pixels();
+            let size = glyph.size.map(|length| length + 2 * halo);
+            let place = self.place(size)?;
+            self.draw(&glyph, place);
+            PlacedGlyph { place, size, origin: glyph.origin.map(|part| part - halo as i32), advance }
+        };
+        self.glyphs.insert(character, placed);
+        Some(placed)
+    }
+
+    /// Returns the width of the border of a glyph that contains its halo.
+    fn halo_pixels(&self) -> u32 {
+        (HALO * self.line + 0.5).ceil() as u32
+    }
+
+    /// Reserves a rectangle. The border of one pixel keeps the linear filter from its neighbours.
+    fn place(&mut self, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
+        let [width, height] = [width + 1, height + 1];
+        let [mut x, mut y] = self.next;
+        let mut row = self.row;
+        if x + width > self.size[0] {
+            ([x, y], row) = ([0, y + row], 0);
+        }
+        if width > self.size[0] || y + height > HEIGHTS[1] {
+            return None;
+        }
+        while y + height > self.size[1] {
+            self.size[1] *= 2;
+            self.pixels.resize(2 * (self.size[0] * self.size[1]) as usize, 0);
+        }
+        (self.next, self.row) = ([x + width, y], row.max(height));
+        Some([x, y])
+    }
+
+    fn draw(&mut self, glyph: &Glyph, place: [u32; 2]) {
+        let border = self.halo_pixels() as i32;
+        let radius = HALO * self.line;
+        let [width, height] = glyph.size.map(|length| length as i32);
+        let coverage = |x: i32, y: i32| {
+            let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+            if is_inside { glyph.coverage[(y * width + x) as usize] } else { 0 }
+        };
+        // Pixels of a disc, with their weights.
+        let around = (-border..=border).flat_map(|dy| (-border..=border).map(move |dx| [dx, dy]));
+        let weight = |[dx, dy]: [i32; 2]| (radius + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0);
+        let disc: Vec<_> = around.map(|at| (at, weight(at))).filter(|(_, weight)| *weight > 0.0).collect();
+        for y in -border..height + border {
+            for x in -border..width + border {
+                let part = |&([dx, dy], weight): &([i32; 2], f32)| weight * f32::from(coverage(x + dx, y + dy));
+                let halo = disc.iter().map(part).fold(0.0, f32::max);
+                let [left, top] = [0, 1].map(|axis| place[axis] as i32 + border + [x, y][axis]);
+                let at = 2 * (top as usize * self.size[0] as usize + left as usize);
+                self.pixels[at..at + 2].copy_from_slice(&[coverage(x, y), halo.round() as u8]);
             }
         }
-        atlas
+        self.version += 1;
     }
-
-    /// Returns the texture coordinates of a glyph, left, top, right and bottom, with `border`
-    /// pixels of its padding.
-    pub(crate) fn texcoords(&self, character: char, border: u32) -> [f32; 4] {
-        let mut before = 0;
-        let mut number = COUNT - 1;
-        for [first, last] in RANGES {
-            if (first..=last).contains(&character) {
-                number = before + character as u32 - first as u32;
-            }
-            before += characters([first, last]);
-        }
-        let [left, top] = position(number);
-        let ([right, bottom], size) =
-            ([left + GLYPH_SIZE[0], top + GLYPH_SIZE[1]], [self.width as f32, self.height as f32]);
-        [
-            (left - border) as f32 / size[0],
-            (top - border) as f32 / size[1],
-            (right + border) as f32 / size[0],
-            (bottom + border) as f32 / size[1],
-        ]
-    }
-}
-
-/// Returns the number of characters of a range.
-const fn characters([first, last]: [char; 2]) -> u32 {
-    last as u32 - first as u32 + 1
-}
-
-/// Returns the upper left pixel of a glyph in the atlas.
-fn position(number: u32) -> [u32; 2] {
-    let [width, height] = GLYPH_SIZE.map(|length| length + 2 * PADDING);
-    [number % COLUMNS * width + PADDING, number / COLUMNS * height + PADDING]
-}
-
-/// Returns the coverage of the box that replaces missing glyphs.
-fn replacement_box(x: u32, y: u32) -> u8 {
-    let (left, right, top, bottom) = (1, GLYPH_SIZE[0] - 2, 3, GLYPH_SIZE[1] - 4);
-    let within = (left..=right).contains(&x) && (top..=bottom).contains(&y);
-    if within && (x == left || x == right || y == top || y == bottom) { u8::MAX } else { 0 }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COUNT, GlyphAtlas, PADDING, RANGES};
+    use super::{GlyphAtlas, HEIGHTS, PlacedGlyph};
 
-    /// Returns the sum of the coverage in a rectangle.
-    fn ink(texcoords: [f32; 4], channel: usize) -> usize {
-        let atlas = GlyphAtlas::get();
-        let [left, right] = [0, 2].map(|side| (texcoords[side] * atlas.width as f32).round() as usize);
-        let [top, bottom] = [1, 3].map(|side| (texcoords[side] * atlas.height as f32).round() as usize);
-        assert!(right <= atlas.width as usize && bottom <= atlas.height as usize);
-        let rows = top..bottom;
-        rows.flat_map(|y| {
-            (left..right).map(move |x| usize::from(atlas.pixels[2 * (y * atlas.width as usize + x) + channel]))
-        })
-        .sum()
-    }
-
-    fn all() -> impl Iterator<Item = char> {
-        RANGES.into_iter().flat_map(|[first, last]| first..=last)
+    /// Returns the sum of a channel in the rectangle of a glyph.
+    fn ink(atlas: &GlyphAtlas, glyph: PlacedGlyph, channel: usize) -> usize {
+        let pixels = |y: u32| (0..glyph.size[0]).map(move |x| [glyph.place[0] + x, glyph.place[1] + y]);
+        let all = (0..glyph.size[1]).flat_map(pixels);
+        all.map(|[x, y]| usize::from(atlas.pixels[2 * (y * atlas.size[0] + x) as usize + channel])).sum()
     }
 
     #[test]
-    fn every_visible_glyph_is_distinct_and_has_a_larger_halo() {
-        let atlas = GlyphAtlas::get();
-        let mut rectangles: Vec<_> = all().chain(['\u{200b}']).map(|character| atlas.texcoords(character, 0)).collect();
-        for character in all() {
-            let rectangle = atlas.texcoords(character, 0);
-            assert!(ink(rectangle, 0) > 0 || matches!(character, ' ' | '\u{ad}'), "{character:?} is empty");
-            assert!(ink(rectangle, 0) == 0 || ink(rectangle, 1) > ink(rectangle, 0), "{character:?} has no halo");
-        }
-        rectangles.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        rectangles.dedup();
-        assert_eq!(rectangles.len(), COUNT as usize);
-    }
-
-    #[test]
-    fn letters_with_accents_differ_from_their_base_and_from_a_box() {
-        let atlas = GlyphAtlas::get();
-        for [accented, base] in [['é', 'e'], ['ö', 'o'], ['Å', 'A'], ['ñ', 'n'], ['š', 's'], ['ł', 'l']] {
-            assert!(ink(atlas.texcoords(accented, 0), 0) > ink(atlas.texcoords(base, 0), 0), "{accented}");
-            assert_ne!(atlas.texcoords(accented, 0), atlas.texcoords('\u{200b}', 0), "{accented}");
+    fn glyphs_have_larger_halos_within_their_rectangles() {
+        for line in [8.0, 16.0, 40.0] {
+            let mut atlas = GlyphAtlas::new(line);
+            let glyphs: Vec<_> = ('!'..='~').map(|letter| atlas.glyph(letter).unwrap()).collect();
+            for &glyph in &glyphs {
+                assert!(0 < ink(&atlas, glyph, 0) && ink(&atlas, glyph, 0) < ink(&atlas, glyph, 1));
+            }
+            for channel in [0, 1] {
+                let parts: usize = glyphs.iter().map(|&glyph| ink(&atlas, glyph, channel)).sum();
+                let all: usize = atlas.pixels.iter().skip(channel).step_by(2).map(|&byte| usize::from(byte)).sum();
+                assert_eq!(parts, all, "rectangles overlap, or do not contain their glyphs");
+            }
         }
     }
 
     #[test]
-    fn missing_glyphs_are_replaced_by_a_box() {
-        let atlas = GlyphAtlas::get();
-        for character in ['\n', '\0', '机', 'λ', '\u{7f}', char::MAX] {
-            assert_eq!(atlas.texcoords(character, 0), atlas.texcoords('\u{200b}', 0));
+    fn atlas_grows_and_keeps_its_glyphs() {
+        let mut atlas = GlyphAtlas::new(16.0);
+        let first = atlas.glyph('A').unwrap();
+        let (before, version) = (ink(&atlas, first, 1), atlas.version);
+        assert_eq!((atlas.glyph('A').unwrap(), atlas.version), (first, version));
+        for letter in '\u{400}'..='\u{4ff}' {
+            atlas.glyph(letter).unwrap();
         }
+        assert!(atlas.size[1] > HEIGHTS[0] && atlas.version > version);
+        assert_eq!((atlas.glyph('A').unwrap(), ink(&atlas, first, 1)), (first, before));
     }
 
     #[test]
-    fn halos_stay_within_the_padding() {
-        let atlas = GlyphAtlas::get();
-        for character in all() {
-            let (within, around) = (atlas.texcoords(character, 1), atlas.texcoords(character, PADDING));
-            assert_eq!(ink(within, 1), ink(around, 1), "the halo of '{character}' exceeds a pixel");
-        }
+    fn full_atlas_is_usable_after_it_is_cleared() {
+        let mut atlas = GlyphAtlas::new(160.0);
+        let full = ('!'..='\u{17f}').find(|&letter| atlas.glyph(letter).is_none()).expect("the atlas is full");
+        assert!(atlas.size[1] <= HEIGHTS[1]);
+        atlas.clear();
+        assert!(atlas.glyph(full).is_some());
     }
 }

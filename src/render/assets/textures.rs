@@ -151,9 +151,8 @@ impl Textures {
 }
 
 /// Creates the bind group of the glyph atlas.
-pub(crate) fn glyph_atlas(gpu: &Gpu) -> wgpu::BindGroup {
-    let atlas = GlyphAtlas::get();
-    let size = wgpu::Extent3d { width: atlas.width, height: atlas.height, depth_or_array_layers: 1 };
+pub(crate) fn glyph_atlas(gpu: &Gpu, atlas: &GlyphAtlas) -> wgpu::BindGroup {
+    let size = wgpu::Extent3d { width: atlas.size[0], height: atlas.size[1], depth_or_array_layers: 1 };
     let texture = create_texture(gpu, size, 1, wgpu::TextureFormat::Rg8Unorm);
     write(gpu, &texture, 0, size, &atlas.pixels, 2);
     let bindings = &gpu.pipelines().textures;

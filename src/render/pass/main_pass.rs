@@ -209,7 +209,7 @@ impl MainPass {
         for batch in transparent_batches(calls, &key).iter().filter(|batch| batch.visibility.in_frustum) {
             draw.batch(pass, batch, &transparent_key);
         }
-        if let Some(atlas) = labels.atlas.as_ref().filter(|_| labels.count > 0) {
+        if let Some((_, atlas)) = labels.atlas.as_ref().filter(|_| labels.count > 0) {
             let key = PipelineKey { fog: false, ..unlit_key(PassKind::Label, &key) };
             pass.set_pipeline(&pipelines.get(draw.gpu, key));
             pass.set_bind_group(1, atlas, &[]);

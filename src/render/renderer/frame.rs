@@ -2,7 +2,6 @@
 
 use super::assets::Assets;
 use crate::error::Error;
-use crate::render::assets::glyph_atlas;
 use crate::render::draw_list::{AuxOutput, DrawList, DrawListInputs};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::pass::{
@@ -78,15 +77,14 @@ impl Frame {
         let colors = if flags.contains(RenderFlags::IDCOLOR) { AuxOutput::IdColors } else { AuxOutput::SegmentColors };
         let aux = aux.or(flags.contains(RenderFlags::SEGMENT).then_some(colors));
         self.update(assets, scene, size, aux, flip_y)?;
-        let (Assets { gpu, settings, .. }, Self { list, sky, labels, view: Some(view), .. }) = (&*assets, self) else {
+        let (Assets { gpu, settings, options, .. }, Self { list, sky, labels, view: Some(view), .. }) =
+            (&*assets, self)
+        else {
             return Ok(());
         };
         if aux.is_none() {
             sky.prepare(gpu, list, &view.frustum, settings, flags.contains(RenderFlags::HAZE))?;
-            labels.prepare(gpu, scene, &view.frustum, size)?;
-            if labels.count > 0 && labels.atlas.is_none() {
-                labels.atlas = Some(glyph_atlas(gpu));
-            }
+            labels.prepare(gpu, scene, &view.frustum, size, options.font_scale)?;
         }
         Ok(())
     }

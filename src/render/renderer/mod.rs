@@ -194,6 +194,12 @@ impl Renderer {
         Ok(())
     }
 
+    /// Changes the size of the labels of [`RendererOptions`].
+    #[cfg(feature = "viewer")]
+    pub(crate) fn set_font_scale(&mut self, scale: f64) {
+        self.assets.options.font_scale = scale;
+    }
+
     /// Uploads an edited mesh, which is selected by name, index, id or view.
     ///
     /// # Errors

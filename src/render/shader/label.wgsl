@@ -5,7 +5,7 @@
 
 struct Varyings {
     @builtin(position) position: vec4f,
-    @location(0) texcoord: vec2f,
+    @location(0) texel: vec2f,
     @location(1) @interpolate(flat) rgba: vec4f,
     @location(2) @interpolate(flat) channel: vec2f,
 }
@@ -14,7 +14,7 @@ struct Varyings {
 fn vs_main(
     @builtin(vertex_index) index: u32,
     @location(0) rect: vec4f,
-    @location(1) texcoords: vec4f,
+    @location(1) texels: vec4f,
     @location(2) rgba: vec4f,
     @location(3) channel: vec2f,
 ) -> Varyings {
@@ -22,7 +22,7 @@ fn vs_main(
     let pixel = mix(rect.xy, rect.zw, corner);
     var out: Varyings;
     out.position = vec4f(2.0 * pixel.x / view.pixels.x - 1.0, 1.0 - 2.0 * pixel.y / view.pixels.y, 0.0, 1.0);
-    out.texcoord = mix(texcoords.xy, texcoords.zw, corner);
+    out.texel = mix(texels.xy, texels.zw, corner);
     out.rgba = rgba;
     out.channel = channel;
     return out;
@@ -30,6 +30,6 @@ fn vs_main(
 
 @fragment
 fn fs_main(in: Varyings) -> @location(0) vec4f {
-    let coverage = dot(textureSample(atlas, atlas_sampler, in.texcoord).rg, in.channel);
+    let coverage = dot(textureSample(atlas, atlas_sampler, in.texel / vec2f(textureDimensions(atlas))).rg, in.channel);
     return vec4f(in.rgba.rgb, in.rgba.a * coverage);
 }

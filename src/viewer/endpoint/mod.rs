@@ -99,22 +99,33 @@ impl SimulationEndpoint {
         self.model = model.clone();
     }
 
-    /// Adopts the model of a simulation after an edit of its file. Keeps the camera. A reset
-    /// restores the state of `initial`.
+    /// Adopts the model of a simulation after its file was loaded again. Keeps the camera, and the
+    /// selected body if there is still one with its name. A reset restores the state of `initial`.
     pub fn adopt_edited(&mut self, data: &Data, initial: &Data) {
         let (old, camera) = (self.model.clone(), self.camera);
+        let (select, localpos, clicked) = (self.perturbation.select, self.perturbation.localpos, self.clicked);
         self.adopt(data);
+        let new = data.model();
+        let same_body = |id: BodyId| Some(new.body(old.name(id)?).ok()?.id());
         let view = match camera.view {
-            CameraView::Fixed(id) => old
-                .name(id)
-                .and_then(|name| data.model().camera(name).ok())
-                .map(|camera| CameraView::Fixed(camera.id())),
-            CameraView::Tracking(id) => {
-                old.name(id).and_then(|name| data.model().body(name).ok()).map(|body| CameraView::Tracking(body.id()))
+            CameraView::Fixed(id) => {
+                old.name(id).and_then(|name| new.camera(name).ok()).map(|camera| CameraView::Fixed(camera.id()))
             }
+            CameraView::Tracking(id) => same_body(id).map(CameraView::Tracking),
             CameraView::Free | CameraView::User => Some(camera.view),
         };
         self.camera = Camera { view: view.unwrap_or(CameraView::Free), ..camera };
+        if let Some(body) = select.and_then(same_body) {
+            self.perturbation = Perturbation::default();
+            (self.perturbation.select, self.perturbation.localpos) = (Some(body), localpos);
+            self.clicked = clicked.map(|clicked| Selection {
+                body,
+                geom: clicked.geom.and_then(|geom| Some(new.geom(old.name(geom)?).ok()?.id())),
+                skin: None,
+                flex: None,
+                point: clicked.point,
+            });
+        }
         self.start = initial.state(StateSpec::INTEGRATION);
     }
 

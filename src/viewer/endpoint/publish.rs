@@ -2,10 +2,13 @@
 
 use super::SimulationEndpoint;
 use crate::data::{Data, Warning};
+use crate::element::Object;
 use crate::error::{Error, Result};
-use crate::scene::{CameraView, Categories, Scene, SceneOptions};
+use crate::id::{BodyId, GeomId};
+use crate::model::Model;
+use crate::scene::{Camera, CameraView, Categories, Scene, SceneOptions};
 use crate::viewer::instruments::Instruments;
-use crate::viewer::link::{Event, SelectedBody, Snapshot};
+use crate::viewer::link::{Event, PaneView, SceneView, SelectedBody, Snapshot};
 
 impl SimulationEndpoint {
     /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the
@@ -26,7 +29,11 @@ impl SimulationEndpoint {
         self.update_view();
         let mut snapshot = self.take_spare()?;
         let usable = data.check_usable().is_ok() && self.refresh_if_needed(data).is_ok();
-        let updated = if usable { self.update_scene(&mut snapshot, data, add) } else { Ok(()) };
+        let updated = if usable {
+            self.update_scene(&mut snapshot, data, add).and(self.update_panes(&mut snapshot, data))
+        } else {
+            Ok(())
+        };
 
         self.report_warnings(data);
 
@@ -65,7 +72,11 @@ impl SimulationEndpoint {
     ) -> Result<()> {
         let (scene, options) = (&mut snapshot.scene, &self.view.options);
         let updated = scene.update(data, options, Some(&self.perturbation), &mut self.camera, Categories::all());
+        let updated = updated.and_then(|()| make_orthographic(scene, &self.view, &self.camera));
         let instruments = &self.instruments;
+        if let Some(body) = self.perturbation.select.filter(|body| body.index() > 0) {
+            highlight(scene, &self.model, body);
+        }
         match updated.and_then(|()| add(scene, options)).and_then(|()| add_instruments(scene, instruments)) {
             Err(error @ Error::SceneFull { .. }) => {
                 // Reported once until the scene fits again.
@@ -79,6 +90,18 @@ impl SimulationEndpoint {
                 other
             }
         }
+    }
+
+    /// Computes the viewpoints of the panes.
+    fn update_panes(&self, snapshot: &mut Snapshot, data: &Data) -> Result<()> {
+        snapshot.panes.clear();
+        let cameras = self.view.panes.iter().filter(|&&camera| !self.is_stale(camera));
+        let before = snapshot.scene.viewpoints();
+        for &camera in cameras {
+            snapshot.scene.update_camera(data, &mut Camera::fixed(&self.model, camera))?;
+            snapshot.panes.push(PaneView { camera, viewpoints: snapshot.scene.viewpoints() });
+        }
+        if snapshot.panes.is_empty() { Ok(()) } else { snapshot.scene.set_viewpoints(before) }
     }
 
     /// Reports the first engine warning of each kind. `SceneFull` is reported separately.
@@ -110,6 +133,34 @@ impl SimulationEndpoint {
             Some(spare) if spare.model.is_same_structure(&self.model) => Ok(spare),
             _ => Ok(Box::new(Snapshot::new(&self.model)?)),
         }
+    }
+}
+
+/// Makes the viewpoints of a free or tracking camera orthographic if the user wants it.
+pub(super) fn make_orthographic(scene: &mut Scene, view: &SceneView, camera: &Camera) -> Result<()> {
+    let is_movable = matches!(camera.view, CameraView::Free | CameraView::Tracking(_));
+    if view.orthographic && is_movable { scene.make_orthographic(camera.distance) } else { Ok(()) }
+}
+
+/// Colour that is added to the geoms of the selected body, its weight, and their smallest emission.
+/// The engine brightens them only in proportion to their colour, which is invisible in dark ones.
+const HIGHLIGHT: [f32; 3] = [1.0, 0.75, 0.2];
+const HIGHLIGHT_WEIGHT: f32 = 0.4;
+const HIGHLIGHT_EMISSION: f32 = 0.4;
+
+/// Makes the geoms of a body visible as selected.
+fn highlight(scene: &mut Scene, model: &Model, body: BodyId) {
+    let is_of_body = |geom: GeomId| model.geom(geom).body() == body;
+    for mut geom in scene.geoms_mut() {
+        let view = geom.view();
+        let is_selected = matches!(view.object(), Some(Object::Geom(id)) if is_of_body(id));
+        if !is_selected || view.category() == Categories::DECOR {
+            continue;
+        }
+        let (rgba, emission) = (view.rgba(), view.emission());
+        let mixed = |part: usize| rgba[part] + HIGHLIGHT_WEIGHT * (HIGHLIGHT[part] - rgba[part]);
+        geom.set_rgba([mixed(0), mixed(1), mixed(2), rgba[3]]);
+        geom.set_emission(emission.max(HIGHLIGHT_EMISSION));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::SimulationEndpoint;
 use super::keyframe::camera_xml;
+use super::publish::make_orthographic;
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::id::BodyId;
@@ -134,11 +135,15 @@ impl SimulationEndpoint {
     /// Returns the body, geom or skin at a point of the window.
     fn pick(&mut self, point: ViewportPoint, data: &mut Data) -> Result<Option<Selection>> {
         let options = self.view.options.clone();
-        self.with_scene(data, |scene, data| scene.select(data, &options, point.aspectratio, point.position))
+        let (view, camera) = (self.view.clone(), self.camera);
+        self.with_scene(data, |scene, data| {
+            make_orthographic(scene, &view, &camera)?;
+            scene.select(data, &options, point.aspectratio, point.position)
+        })
     }
 
     /// Calls a closure with a scene of the current state and view.
-    fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&Scene, &mut Data) -> Result<R>) -> Result<R> {
+    fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&mut Scene, &mut Data) -> Result<R>) -> Result<R> {
         self.refresh_if_needed(data)?;
         let mut snapshot = self.take_spare()?;
         // `update` moves a tracking camera, which only a published frame may do.
@@ -147,7 +152,7 @@ impl SimulationEndpoint {
         let updated = snapshot.scene.update(data, options, Some(&self.perturbation), &mut camera, Categories::all());
         let result = match updated {
             // A full scene lacks geoms, but its cameras are valid.
-            Ok(()) | Err(Error::SceneFull { .. }) => with(&snapshot.scene, data),
+            Ok(()) | Err(Error::SceneFull { .. }) => with(&mut snapshot.scene, data),
             Err(error) => Err(error),
         };
         self.spare = Some(snapshot);

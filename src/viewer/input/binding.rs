@@ -6,6 +6,8 @@
 //! trajectories. The engine's own table assigns the comma twice; here it toggles activations, and
 //! segmentation with Shift.
 
+use std::path::PathBuf;
+
 use super::{Key, KeyPress, Modifiers};
 use crate::scene::{RenderFlags, VisualFlags};
 use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SavedFile, SimulationRequest};
@@ -17,6 +19,8 @@ pub(crate) enum Action {
     View(ViewAction),
     /// Affects the window or its files.
     Window(WindowAction),
+    /// Loads a model file.
+    Open(PathBuf),
     /// Sends a request to the physics.
     Send(Request),
 }
@@ -26,8 +30,12 @@ pub(crate) enum Action {
 pub(crate) enum ViewAction {
     /// Toggles the help, and prints it to the terminal when it opens.
     Help,
+    /// Toggles the panel that opens a model file.
+    Files,
     /// Toggles the info panel.
     Info,
+    /// Toggles the timeline.
+    Timeline,
     /// Toggles a side panel.
     Panel(Panel),
     /// Toggles a plot.
@@ -154,6 +162,11 @@ impl Binding {
         self
     }
 
+    /// Returns `true` if the binding has one of the keys that a program has released.
+    pub fn is_released(&self, released: &[Key]) -> bool {
+        released.contains(&self.key) && !self.modifiers.contains(COMMAND)
+    }
+
     /// Returns the key press that triggers the binding.
     pub fn press(&self) -> KeyPress {
         KeyPress { key: self.key, modifiers: self.modifiers, repeat: false }
@@ -254,6 +267,7 @@ pub(crate) static BINDINGS: &[Binding] = &[
     window(Key::Character('q'), WindowAction::Quit, "Quit").with(COMMAND),
     panel(Key::Function(1), ViewAction::Help, "Help, here and on the terminal"),
     panel(Key::Function(2), ViewAction::Info, "Info panel"),
+    panel(Key::Function(2), ViewAction::Timeline, "Timeline").with(SHIFT),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
     panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Instruments), "Plots and parameters of the controller")
@@ -271,6 +285,7 @@ pub(crate) static BINDINGS: &[Binding] = &[
     window(Key::Function(5), WindowAction::FullScreen, FULL_SCREEN).once(),
     window(Key::Character('v'), WindowAction::Record, "Start or stop a video recording").with(COMMAND).once(),
     window(Key::Character('p'), WindowAction::Screenshot, "Save a screenshot").with(COMMAND).once(),
+    panel(Key::Character('o'), ViewAction::Files, "Open a model file").with(COMMAND).once(),
     window(Key::Character('l'), WindowAction::Reload, "Reload the model's file").with(COMMAND).once(),
     camera(Key::Character('a'), ViewAction::Align, "Free camera, centred on the model").with(COMMAND),
     camera(Key::Escape, ViewAction::FreeCamera, "Free camera"),
@@ -332,12 +347,14 @@ pub(crate) static BINDINGS: &[Binding] = &[
         .with(COMMAND),
 ];
 
-/// Returns the action of a key press in a mode.
-pub(crate) fn find_action(press: KeyPress, mode: Mode) -> Option<&'static Action> {
+/// Returns the action of a key press in a mode. The program receives the presses of released keys,
+/// except with Ctrl.
+pub(crate) fn find_action(press: KeyPress, mode: Mode, released: &[Key]) -> Option<&'static Action> {
     BINDINGS
         .iter()
         .find(|binding| {
-            binding.key == press.key
+            !binding.is_released(released)
+                && binding.key == press.key
                 && binding.modifiers == press.modifiers
                 && (binding.repeats || !press.repeat)
                 && binding.mode.is_none_or(|only| only == mode)

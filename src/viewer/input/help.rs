@@ -1,6 +1,7 @@
 //! Help on keys and mouse, for the screen and for the terminal.
 
-use super::{BINDINGS, Modifiers, Section};
+use super::binding::Binding;
+use super::{BINDINGS, Key, Modifiers, Section};
 use crate::viewer::link::Mode;
 
 /// Section of the help.
@@ -27,15 +28,17 @@ const MOUSE: &[(Modifiers, &str, &str, Option<Mode>)] = &[
     (Modifiers::SHIFT, "wheel", "Burst: slower or faster fading", Some(Mode::Trajectory)),
 ];
 
-/// Returns the help for a mode.
-pub(crate) fn help_sections(mode: Mode) -> Vec<HelpSection> {
+/// Returns the help for a mode, without the bindings of released keys.
+pub(crate) fn help_sections(mode: Mode, released: &[Key]) -> Vec<HelpSection> {
     let here = |only: Option<Mode>| only.is_none_or(|only| only == mode);
     let mouse = MOUSE.iter().filter(|(.., only)| here(*only));
     let mouse = mouse.map(|&(modifiers, gesture, help, _)| (format!("{modifiers}{gesture}"), help)).collect();
     let mut sections = vec![HelpSection { title: "Mouse", lines: mouse }];
     for section in Section::ALL {
         let mut lines: Vec<(String, &'static str)> = Vec::new();
-        for binding in BINDINGS.iter().filter(|binding| binding.section == section && here(binding.mode)) {
+        let is_shown =
+            |binding: &&Binding| binding.section == section && here(binding.mode) && !binding.is_released(released);
+        for binding in BINDINGS.iter().filter(is_shown) {
             match lines.last_mut() {
                 Some((keys, help)) if *help == binding.help => {
                     keys.push_str(", ");
@@ -52,8 +55,8 @@ pub(crate) fn help_sections(mode: Mode) -> Vec<HelpSection> {
 }
 
 /// Formats the help as text. Lines have at most this number of columns, except for longer words.
-pub(crate) fn help_text(mode: Mode, columns: usize) -> String {
-    let sections = help_sections(mode);
+pub(crate) fn help_text(mode: Mode, released: &[Key], columns: usize) -> String {
+    let sections = help_sections(mode, released);
     let widest = sections.iter().flat_map(|section| &section.lines).map(|(keys, _)| keys.chars().count()).max();
     let left = widest.unwrap_or(0).min(columns / 2);
     let right = columns.saturating_sub(left + 3).max(10);

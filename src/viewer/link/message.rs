@@ -49,10 +49,20 @@ pub(crate) enum SimulationRequest {
     SetNoise(ControlNoise),
     /// Pauses, and restores a state of the history: 0 is the oldest.
     Scrub(usize),
-    /// Replaces the model, and starts in its initial state.
-    Reload(SharedModel),
-    /// Replaces the model, and keeps the state of what is in both models.
-    Adopt(SharedModel),
+    /// Replaces the model.
+    Load(SharedModel, Kept),
+}
+
+/// What remains when the model is replaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// Nothing: another file was loaded.
+    Nothing,
+    /// The camera and the selected body: the same file was loaded again. The simulation starts in
+    /// its initial state.
+    View,
+    /// The view, and the state of what is in both models: the file was changed.
+    State,
 }
 
 /// Request to the playback of trajectories. Ignored outside the trajectory mode.

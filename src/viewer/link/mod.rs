@@ -7,6 +7,7 @@ mod message;
 mod playback;
 mod prediction;
 mod snapshot;
+mod timeline;
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,13 +16,16 @@ use std::time::{Duration, Instant};
 use std::{fmt, mem};
 
 pub(crate) use self::message::{
-    Asset, EndpointRequest, Event, PlaybackRequest, Request, SavedFile, SharedModel, SimulationRequest, ViewportPoint,
+    Asset, EndpointRequest, Event, Kept, PlaybackRequest, Request, SavedFile, SharedModel, SimulationRequest,
+    ViewportPoint,
 };
 pub(crate) use self::playback::{Burst, PlaybackState, Sampling};
 pub(crate) use self::prediction::PredictedState;
 pub(crate) use self::snapshot::{
-    Appearance, ControlNoise, InfoLine, InfoLines, Mode, SelectedBody, SimulationSpeed, Snapshot, Status,
+    Appearance, ControlNoise, InfoLine, InfoLines, Mode, PaneView, SelectedBody, SimulationSpeed, Snapshot, Status,
 };
+pub(crate) use self::timeline::Timeline;
+use crate::id::CameraId;
 use crate::scene::{Camera, CameraView, SceneOptions};
 
 /// Capacity of the request queue. Requests beyond it are dropped with a warning: the program has
@@ -36,6 +40,10 @@ pub(crate) struct SceneView {
     /// `None` for the free camera that shows the whole model.
     pub camera: Option<Camera>,
     pub options: SceneOptions,
+    /// The free and the tracking camera are orthographic.
+    pub orthographic: bool,
+    /// Cameras of which a snapshot has the viewpoints.
+    pub panes: Vec<CameraId>,
 }
 
 impl SceneView {
@@ -48,7 +56,9 @@ impl SceneView {
                 _ => camera,
             })
         };
-        self.options == other.options && comparable(self.camera) == comparable(other.camera)
+        self.options == other.options
+            && (self.orthographic, &self.panes) == (other.orthographic, &other.panes)
+            && comparable(self.camera) == comparable(other.camera)
     }
 }
 

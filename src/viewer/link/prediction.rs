@@ -48,7 +48,7 @@ impl PredictedState {
                 let next = (present as i32 + step).rem_euclid(modes.len() as i32) as usize;
                 SimulationRequest::SetMode(modes[next]).into()
             }
-            Request::Simulation(SimulationRequest::Reload(_) | SimulationRequest::Adopt(_)) => {
+            Request::Simulation(SimulationRequest::Load(..)) => {
                 *self = Self::default();
                 return;
             }

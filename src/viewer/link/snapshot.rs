@@ -4,11 +4,12 @@ use std::fmt::{self, Arguments, Write};
 use std::sync::Arc;
 
 use super::playback::PlaybackState;
+use super::timeline::Timeline;
 use crate::data::{Data, SolverIteration, Timer, TimerCount};
 use crate::error::Result;
-use crate::id::{BodyId, GeomId};
+use crate::id::{BodyId, CameraId, GeomId};
 use crate::model::{Model, Statistics, Visual};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Scene, Viewpoint};
 use crate::viewer::endpoint::CapturedKey;
 use crate::viewer::instruments::{Parameter, PlottedValue};
 
@@ -67,6 +68,12 @@ pub(crate) struct Snapshot {
     /// Index of the current state in the history; `history_len` for the newest state, which the
     /// history does not contain.
     pub history_position: usize,
+    /// States that the user can select: the records in the trajectory mode, else the history.
+    pub timeline: Timeline,
+    /// Names of the trajectories in the trajectory mode.
+    pub trajectories: Arc<[String]>,
+    /// Viewpoints of the cameras of panes.
+    pub panes: Vec<PaneView>,
     pub selected: Option<SelectedBody>,
     /// Keyframes that the user has captured.
     pub captured: Arc<Vec<CapturedKey>>,
@@ -197,6 +204,14 @@ pub(crate) struct SelectedBody {
     pub force: [f64; 6],
 }
 
+/// Viewpoint of a pane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PaneView {
+    pub camera: CameraId,
+    /// Left and right eye.
+    pub viewpoints: [Viewpoint; 2],
+}
+
 /// Line of the info panel.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub(crate) struct InfoLine {
@@ -265,6 +280,9 @@ impl Snapshot {
             playback: None,
             history_len: 0,
             history_position: 0,
+            timeline: Timeline::default(),
+            trajectories: Arc::default(),
+            panes: Vec::new(),
             selected: None,
             captured: Arc::default(),
         })

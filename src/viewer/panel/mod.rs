@@ -3,24 +3,33 @@
 
 mod appearance;
 mod curves;
+mod files;
 mod find;
 mod instruments;
 mod layout;
+mod panes;
 mod physics;
 mod plots;
 mod simulation;
 mod state;
 mod status;
 mod style;
+mod timeline;
 mod visual;
+
+use std::path::Path;
 
 use egui::Ui;
 
 pub(super) use self::layout::{has_place_for_sides, side_widths};
 pub(super) use self::style::{apply_style, limited_scale};
-use super::input::Action;
+pub(super) use self::timeline::timeline_height;
+use super::input::{Action, Key};
 use super::link::{PredictedState, Request, Snapshot, Status};
 use super::view::View;
+use super::window::PaneImage;
+use crate::model::Model;
+use crate::scene::Camera;
 
 /// Properties of the window that the panels show.
 #[derive(Debug)]
@@ -45,6 +54,10 @@ pub(super) struct PanelContext<'a> {
     /// Values on which edits are based.
     pub predicted: &'a PredictedState,
     pub status: &'a WindowStatus<'a>,
+    /// Images of the camera panes.
+    pub panes: &'a [PaneImage],
+    /// Keys that the program receives.
+    pub released_keys: &'a [Key],
     /// Actions of the user.
     pub actions: &'a mut Vec<Action>,
 }
@@ -69,12 +82,18 @@ pub(super) struct Panels {
     watch: plots::WatchPanel,
     keyframes: state::KeyframesPanel,
     find: find::FindPanel,
+    files: files::FilesPanel,
 }
 
 impl Panels {
     /// Shows a notice for a few seconds.
     pub fn notice(&mut self, text: String) {
         self.messages.notice(text);
+    }
+
+    /// Shows the name of the camera for two seconds.
+    pub fn announce_camera(&mut self, camera: &Camera, model: &Model) {
+        self.messages.announce(format!("camera: {}", visual::camera_name(camera, model)));
     }
 
     /// Shows and logs a problem.
@@ -92,6 +111,11 @@ impl Panels {
     /// Discards the state that belongs to the previous model.
     pub fn reset_model(&mut self) {
         self.plots = plots::PlotPanel::default();
+    }
+
+    /// Adds a file to the recent files.
+    pub fn loaded(&mut self, path: &Path) {
+        self.files.loaded(path);
     }
 
     /// Shows a placeholder before the first snapshot.
@@ -128,6 +152,9 @@ impl Panels {
             layout::lower_left(&context, left, |ui| status::show_info(ui, cx));
         }
         self.messages.show(&context, cx, [left, right]);
+        panes::show(&context, cx, right);
+        timeline::show(&context, cx);
+        self.files.show(&context, cx);
         if cx.view.help {
             status::show_help(&context, cx);
         }

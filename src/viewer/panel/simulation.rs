@@ -3,7 +3,7 @@
 use egui::{Button, DragValue, RichText, Ui};
 
 use super::{PanelContext, layout, style};
-use crate::viewer::input::{Action, WindowAction};
+use crate::viewer::input::{Action, ViewAction, WindowAction};
 use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SavedFile, SimulationRequest, Status};
 
 /// Width of the labels, points.
@@ -22,7 +22,6 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         buttons(ui, cx);
         modes(ui, cx);
         speed(ui, cx);
-        history(ui, cx);
         noise(ui, cx);
     }
     files(ui, cx);
@@ -52,10 +51,15 @@ fn pause_button(ui: &mut Ui, cx: &mut PanelContext<'_>) -> bool {
 }
 
 fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    ui.horizontal(|ui| {
+    layout::labelled(ui, "model", LABEL_WIDTH, |ui| {
+        if ui.button("Open…").on_hover_text("opens a model file").clicked() {
+            cx.actions.push(Action::View(ViewAction::Files));
+        }
         if ui.button("Reload").on_hover_text("reloads the model's file").clicked() {
             cx.actions.push(Action::Window(WindowAction::Reload));
         }
+    });
+    ui.horizontal(|ui| {
         if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
             cx.send(EndpointRequest::CopyState);
         }
@@ -117,18 +121,6 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let slow = speed.measured < 0.9 * speed.target();
         ui.label(if slow { text.color(style::warning(ui)) } else { text })
             .on_hover_text(format!("{:.1} s were dropped since the start", speed.dropped));
-    });
-}
-
-fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let (count, position) = (cx.snapshot.history_len, cx.predicted.history_position(cx.snapshot));
-    layout::labelled(ui, "history", LABEL_WIDTH, |ui| {
-        let mut index = position.min(count);
-        let slider = layout::slider(&mut index, 0..=count).show_value(false);
-        if ui.add_enabled(count > 0, slider).on_hover_text("previous states").changed() {
-            cx.send(SimulationRequest::Scrub(index));
-        }
-        ui.label(RichText::new(format!("{}", index as i64 - count as i64)).monospace().weak());
     });
 }
 

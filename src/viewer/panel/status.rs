@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Ui};
 
 use super::layout::GAP;
+use super::visual::camera_name;
 use super::{PanelContext, layout, style};
 use crate::viewer::input::{HelpSection, Modifiers, help_sections};
 use crate::viewer::link::Status;
@@ -44,6 +45,7 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
         let norm = |part: &[f64]| part.iter().map(|number| number * number).sum::<f64>().sqrt();
         lines.push(("Pull", format!("{:.1} N, {:.1} N m", norm(&selected.force[..3]), norm(&selected.force[3..]))));
     }
+    lines.push(("Camera", camera_name(&cx.view.camera, &snapshot.model)));
     lines.extend([("Frame", format!("{:?}", options.frame)), ("Label", format!("{:?}", options.label))]);
     Grid::new("info").num_columns(2).spacing([14.0, 1.0]).min_row_height(ROW_HEIGHT).show(ui, |ui| {
         for (name, value) in lines {
@@ -66,14 +68,25 @@ fn show_line(ui: &mut Ui, name: &str, value: &str) {
 
 /// Display time of a notice.
 const NOTICE_TIME: Duration = Duration::from_secs(4);
+/// Display time of an announcement.
+const ANNOUNCEMENT_TIME: Duration = Duration::from_secs(2);
 /// Display time of a problem.
 const PROBLEM_TIME: Duration = Duration::from_secs(12);
 /// Maximum number of messages shown at the same time.
 const MAX_MESSAGES: usize = 4;
 
+/// Kind of a message.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Notice,
+    Problem,
+    /// State after a key press, such as the camera. Replaces the previous one.
+    Announcement,
+}
+
 struct Message {
     text: String,
-    is_problem: bool,
+    kind: Kind,
     /// Display time.
     time: Duration,
     /// End of the display time, which starts when the message is first shown: a frame may take
@@ -89,11 +102,16 @@ pub(super) struct Messages {
 
 impl Messages {
     pub fn notice(&mut self, text: String) {
-        self.add(text, false, NOTICE_TIME);
+        self.add(text, Kind::Notice, NOTICE_TIME);
     }
 
     pub fn warn(&mut self, text: String) {
-        self.add(text, true, PROBLEM_TIME);
+        self.add(text, Kind::Problem, PROBLEM_TIME);
+    }
+
+    pub fn announce(&mut self, text: String) {
+        self.messages.retain(|message| message.kind != Kind::Announcement);
+        self.add(text, Kind::Announcement, ANNOUNCEMENT_TIME);
     }
 
     #[cfg(feature = "_test-hooks")]
@@ -101,7 +119,7 @@ impl Messages {
         self.messages.iter().map(|message| message.text.clone()).collect()
     }
 
-    fn add(&mut self, text: String, is_problem: bool, time: Duration) {
+    fn add(&mut self, text: String, kind: Kind, time: Duration) {
         if text.is_empty() {
             return;
         }
@@ -109,7 +127,7 @@ impl Messages {
         if self.messages.len() == MAX_MESSAGES {
             self.messages.remove(0);
         }
-        self.messages.push(Message { text, is_problem, time, until: None });
+        self.messages.push(Message { text, kind, time, until: None });
     }
 
     /// Starts the display time of new messages and removes those whose time is over. Returns the
@@ -152,7 +170,7 @@ impl Messages {
                     }
                     for message in &self.messages {
                         let text = RichText::new(&message.text);
-                        ui.label(if message.is_problem { text.color(style::warning(ui)) } else { text });
+                        ui.label(if message.kind == Kind::Problem { text.color(style::warning(ui)) } else { text });
                     }
                 });
             });
@@ -165,7 +183,7 @@ const MAX_COLUMNS: usize = 3;
 const WIDTHS: [f32; 2] = [138.0, 236.0];
 
 pub(super) fn show_help(context: &Context, cx: &PanelContext<'_>) {
-    let sections = help_sections(cx.snapshot.mode);
+    let sections = help_sections(cx.snapshot.mode, cx.released_keys);
     let room = context.content_rect().size() - egui::vec2(40.0, 64.0);
     let columns = ((room.x / (WIDTHS[0] + WIDTHS[1] + 24.0)) as usize).clamp(1, MAX_COLUMNS);
     layout::center(context, "help", |ui| {

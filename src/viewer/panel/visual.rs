@@ -2,10 +2,13 @@
 
 use egui::{ComboBox, DragValue, RichText, Ui};
 
-use super::{PanelContext, display_name, layout};
-use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags};
+use super::{PanelContext, display_name, layout, panes};
+use crate::enums::GeomType;
+use crate::model::Model;
+use crate::scene::{Camera, CameraView, FrameMode, LabelMode, RenderFlags, SceneOptions, VisualFlags};
 use crate::viewer::input::{Action, BINDINGS, ViewAction, WindowAction};
 use crate::viewer::link::EndpointRequest;
+use crate::viewer::view::View;
 
 /// Width of the labels, points.
 const LABEL_WIDTH: f32 = 64.0;
@@ -29,6 +32,46 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             options.flags.set(flag, on);
         }
     });
+    if cfg!(engine_since = "3.0.0") {
+        show_newer(ui, &mut cx.view.options, &cx.snapshot.model);
+    }
+}
+
+/// Flags without a key, which engines from 3.0 have, with their names and their effects.
+const NEWER: [(VisualFlags, &str, &str); 8] = [
+    (VisualFlags::FLEXVERT, "flex vertices", "Vertices of flexes"),
+    (VisualFlags::FLEXEDGE, "flex edges", "Edges of flexes"),
+    (VisualFlags::FLEXFACE, "flex faces", "Faces of flexes, without the smooth surface"),
+    (VisualFlags::FLEXSKIN, "flex skin", "Smooth surfaces of flexes, instead of their other parts"),
+    (VisualFlags::ISLAND, "islands", "Colours of the constraint islands"),
+    (VisualFlags::BODYBVH, "body BVH", "Bounding volumes of bodies"),
+    (VisualFlags::MESHBVH, "mesh BVH", "Bounding volumes of meshes"),
+    (VisualFlags::SDFITER, "SDF iterations", "Iterations of the collision of signed distance fields"),
+];
+
+/// Shows the flags without a key that have an effect on a model, and the layers that they show.
+fn show_newer(ui: &mut Ui, options: &mut SceneOptions, model: &Model) {
+    let flexes = VisualFlags::FLEXVERT | VisualFlags::FLEXEDGE | VisualFlags::FLEXFACE | VisualFlags::FLEXSKIN;
+    let has_effect = |flag: VisualFlags| match flag {
+        VisualFlags::MESHBVH => model.nmesh() > 0,
+        VisualFlags::SDFITER => model.geoms().any(|geom| geom.geom_type() == GeomType::Sdf),
+        _ => !flexes.contains(flag) || model.nflex() > 0,
+    };
+    let flags = NEWER.iter().filter(|(flag, ..)| has_effect(*flag));
+    layout::two_columns(ui, flags, |ui, &(flag, name, help)| {
+        let mut on = options.flags.contains(flag);
+        if ui.checkbox(&mut on, name).on_hover_text(help).changed() {
+            options.flags.set(flag, on);
+        }
+    });
+    if options.flags.contains(VisualFlags::FLEXFACE) && model.nflex() > 0 {
+        layout::labelled(ui, "flex layer", LABEL_WIDTH, |ui| {
+            ui.add(DragValue::new(&mut options.flex_layer).speed(0.05))
+        });
+    }
+    if options.flags.intersects(VisualFlags::BODYBVH | VisualFlags::MESHBVH) {
+        layout::labelled(ui, "BVH depth", LABEL_WIDTH, |ui| ui.add(DragValue::new(&mut options.bvh_depth).speed(0.05)));
+    }
 }
 
 /// Shows a combo box with the names of values.
@@ -95,6 +138,9 @@ pub(super) fn show_groups(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 
 pub(super) fn show_rendering(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     camera(ui, cx);
+    if cx.snapshot.model.ncam() > 0 {
+        panes::show_choice(ui, cx);
+    }
     layout::two_columns(ui, RenderFlags::all().iter_names(), |ui, (name, flag)| {
         let mut on = cx.view.render.contains(flag);
         if ui.checkbox(&mut on, words(name)).changed() {
@@ -108,16 +154,27 @@ pub(super) fn show_rendering(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     ui.label(RichText::new(format!("GPU: {}", cx.status.gpu)).small().weak());
 }
 
+/// Returns the name of a camera for the user.
+pub(super) fn camera_name(camera: &Camera, model: &Model) -> String {
+    match camera.view {
+        CameraView::Free => "free".to_owned(),
+        CameraView::User => "set by the program".to_owned(),
+        CameraView::Tracking(body) if body.lineage() == model.lineage() => {
+            format!("tracking {}", display_name(model.body(body).name(), body.index()))
+        }
+        CameraView::Fixed(fixed) if fixed.lineage() == model.lineage() => {
+            display_name(model.camera(fixed).name(), fixed.index())
+        }
+        // Of a model that was replaced.
+        CameraView::Tracking(_) | CameraView::Fixed(_) => String::new(),
+    }
+}
+
 fn camera(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let model = cx.snapshot.model.clone();
     let selected = cx.snapshot.selected.map(|selected| selected.body);
+    let text = camera_name(&cx.view.camera, &model);
     let camera = &mut cx.view.camera;
-    let text = match camera.view {
-        CameraView::Free => "free".to_owned(),
-        CameraView::User => "set by the program".to_owned(),
-        CameraView::Tracking(body) => format!("tracking {}", display_name(model.body(body).name(), body.index())),
-        CameraView::Fixed(fixed) => display_name(model.camera(fixed).name(), fixed.index()),
-    };
     layout::labelled(ui, "camera", LABEL_WIDTH, |ui| {
         ComboBox::from_id_salt("camera").width(140.0).selected_text(text).show_ui(ui, |ui| {
             ui.selectable_value(&mut camera.view, CameraView::Free, "free");
@@ -139,8 +196,11 @@ fn camera(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             cx.send(EndpointRequest::CopyCamera);
         }
     });
-    let camera = &mut cx.view.camera;
+    let View { camera, orthographic, .. } = &mut *cx.view;
     if matches!(camera.view, CameraView::Free | CameraView::Tracking(_)) {
+        if cfg!(engine_since = "3.2.0") {
+            ui.checkbox(orthographic, "orthographic").on_hover_text("without perspective");
+        }
         layout::labelled(ui, "from", LABEL_WIDTH, |ui| {
             ui.add(DragValue::new(&mut camera.azimuth).suffix("°").fixed_decimals(0));
             ui.add(DragValue::new(&mut camera.elevation).suffix("°").range(-90.0..=90.0).fixed_decimals(0));

@@ -2,6 +2,7 @@
 
 use crate::data::{Data, StateSpec};
 use crate::model::Model;
+use crate::viewer::link::Timeline;
 
 /// Limits of the capacity: the number of states, their memory, and the number that is allowed
 /// regardless of the memory.
@@ -50,6 +51,14 @@ impl History {
     /// of the history.
     pub fn position(&self) -> usize {
         self.position.unwrap_or(self.len)
+    }
+
+    /// Sets the states of a timeline, with the current state of the simulation as the last if the
+    /// history does not contain it.
+    pub fn describe(&self, data: &Data, timeline: &mut Timeline) {
+        let count = self.len + usize::from(self.position.is_none());
+        // The time is the first element of a state.
+        timeline.set(count, |index| if index < self.len { self.values[self.offset(index)] } else { data.time() });
     }
 
     /// Appends the current state before a step. Discards the states after it.
@@ -121,6 +130,7 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::History;
+    use crate::viewer::link::Timeline;
     use crate::{Data, sample};
 
     fn stepped(history: &mut History, data: &mut Data, steps: usize) {
@@ -163,6 +173,25 @@ mod tests {
         data.ctrl_mut()[0] = 1.0;
         stepped(&mut history, &mut data, 1);
         assert_eq!((history.len(), history.position()), (4, 4));
+    }
+
+    #[test]
+    fn timeline_has_the_times_of_the_states_and_of_the_current_state() {
+        let mut data = Data::new(sample::cartpole()).unwrap();
+        let mut history = History::with_capacity(data.model(), 8);
+        let mut timeline = Timeline::default();
+        stepped(&mut history, &mut data, 20);
+        let (newest, step) = (data.time(), data.model().timestep());
+        history.describe(&data, &mut timeline);
+        let ends = |timeline: &Timeline| [timeline.time(0.0).unwrap(), timeline.time(1.0).unwrap()];
+        let is_near = |[one, other]: [f64; 2], [a, b]: [f64; 2]| (one - a).abs() < 1e-9 && (other - b).abs() < 1e-9;
+        assert_eq!((timeline.len(), timeline.index(1.0)), (9, history.position()));
+        assert!(is_near(ends(&timeline), [newest - 8.0 * step, newest]));
+        history.back(3, &mut data);
+        history.describe(&data, &mut timeline);
+        assert_eq!(timeline.len(), 8);
+        assert!(is_near(ends(&timeline), [newest - 7.0 * step, newest]));
+        assert!((timeline.time(timeline.position(history.position())).unwrap() - data.time()).abs() < 1e-9);
     }
 
     #[test]

@@ -22,7 +22,7 @@ use self::playback::Player;
 use self::step::StepTiming;
 use super::endpoint::SimulationEndpoint;
 use super::instruments::InstrumentedController;
-use super::link::{InfoLine, Mode, PhysicsEnd, SimulationSpeed, Status};
+use super::link::{InfoLine, Kept, Mode, PhysicsEnd, SimulationSpeed, Status, Timeline};
 use crate::data::Data;
 use crate::error::Result;
 use crate::model::Model;
@@ -57,6 +57,8 @@ pub(crate) struct Simulation {
     problem: String,
     /// Buffer of the info lines.
     lines: Vec<InfoLine>,
+    /// Buffer of the timeline.
+    timeline: Timeline,
     /// The quantities that depend on the state were computed from another state.
     stale: bool,
     /// Something has changed since the last snapshot.
@@ -75,7 +77,7 @@ impl Simulation {
     pub fn new(
         data: Data,
         controller: Option<Box<dyn InstrumentedController>>,
-        trajectories: Vec<Trajectory>,
+        trajectories: Vec<(String, Trajectory)>,
         link: PhysicsEnd,
     ) -> Result<Self> {
         let player = if trajectories.is_empty() { None } else { Some(Player::new(trajectories, data.model())?) };
@@ -98,6 +100,7 @@ impl Simulation {
             timing: StepTiming::default(),
             problem: String::new(),
             lines: Vec::new(),
+            timeline: Timeline::default(),
             stale: true,
             unpublished: true,
             published: Duration::ZERO,
@@ -176,20 +179,24 @@ impl Simulation {
         }
     }
 
-    /// Replaces the model, and starts in its reference configuration.
-    fn reload(&mut self, model: Arc<Model>) -> Result<()> {
-        self.data = Data::new(model)?;
-        self.endpoint.adopt(&self.data);
-        self.model_replaced();
-        Ok(())
-    }
-
-    /// Replaces the model, and keeps the state of what is in both models, and the camera.
-    fn adopt(&mut self, model: &Arc<Model>) -> Result<()> {
+    /// Replaces the model.
+    fn load(&mut self, model: &Arc<Model>, kept: Kept) -> Result<()> {
         let initial = Data::new(model)?;
         self.endpoint.end_perturbation(&mut self.data);
-        self.data.adopt(model)?;
-        self.endpoint.adopt_edited(&self.data, &initial);
+        match kept {
+            Kept::Nothing => {
+                self.data = initial;
+                self.endpoint.adopt(&self.data);
+            }
+            Kept::View => {
+                self.endpoint.adopt_edited(&initial, &initial);
+                self.data = initial;
+            }
+            Kept::State => {
+                self.data.adopt(model)?;
+                self.endpoint.adopt_edited(&self.data, &initial);
+            }
+        }
         self.model_replaced();
         Ok(())
     }

@@ -7,12 +7,13 @@ use crate::error::{Error, Result};
 use crate::model::{Model, Relation};
 use crate::scene::{Categories, FrameMode, Scene, SceneOptions, VisualFlags};
 use crate::trajectory::Trajectory;
-use crate::viewer::link::{Burst, InfoLine, InfoLines, PlaybackState, Sampling};
+use crate::viewer::link::{Burst, InfoLine, InfoLines, PlaybackState, Sampling, Timeline};
 
 /// Player of at least one trajectory, each with at least one record.
 #[derive(Debug)]
 pub(super) struct Player {
     trajectories: Vec<Trajectory>,
+    names: Arc<[String]>,
     trajectory: usize,
     frame: usize,
     pub reversed: bool,
@@ -25,13 +26,14 @@ pub(super) struct Player {
 }
 
 impl Player {
-    /// Creates a player for trajectories of this model.
+    /// Creates a player for trajectories of this model, with their names.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] for a trajectory of another model, [`Error::Invalid`] for a trajectory
     /// without records or an empty list.
-    pub fn new(trajectories: Vec<Trajectory>, model: &Model) -> Result<Self> {
+    pub fn new(trajectories: Vec<(String, Trajectory)>, model: &Model) -> Result<Self> {
+        let (names, trajectories): (Vec<_>, Vec<_>) = trajectories.into_iter().unzip();
         for trajectory in &trajectories {
             trajectory.check_sizes(model)?;
         }
@@ -40,6 +42,7 @@ impl Player {
         }
         Ok(Self {
             trajectories,
+            names: names.into(),
             trajectory: 0,
             frame: 0,
             reversed: false,
@@ -52,6 +55,17 @@ impl Player {
     /// Returns `true` if all trajectories have the sizes of this model.
     pub fn fits(&self, model: &Model) -> bool {
         self.trajectories.iter().all(|trajectory| trajectory.check_sizes(model).is_ok())
+    }
+
+    /// Returns the names of the trajectories.
+    pub fn names(&self) -> &Arc<[String]> {
+        &self.names
+    }
+
+    /// Sets the records of a timeline.
+    pub fn describe_times(&self, timeline: &mut Timeline) {
+        let times = self.present().times();
+        timeline.set(times.len(), |index| times[index]);
     }
 
     pub fn state(&self) -> PlaybackState {
@@ -160,7 +174,12 @@ impl Player {
         let mut lines = InfoLines::new(lines);
         let on = |on: bool| if on { "On" } else { "Off" };
         lines.push("Record", format_args!("{}/{}", self.frame + 1, self.present().len()));
-        lines.push("Trajectory", format_args!("{}/{}", self.trajectory + 1, self.trajectories.len()));
+        let name = self.names[self.trajectory].as_str();
+        let number = self.trajectory + 1;
+        // By default the name is the number.
+        let is_number = name.parse() == Ok(number);
+        let [space, name] = if is_number { [""; 2] } else { [" ", name] };
+        lines.push("Trajectory", format_args!("{number}/{}{space}{name}", self.trajectories.len()));
         lines.push("Burst", format_args!("{}", on(self.burst.on)));
         lines.push("Burst Density", format_args!("{}/{}", self.burst.factor.round(), Burst::RANGE.end()));
         lines.push("Burst Fading", format_args!("{}/{}", self.burst.gamma.round(), Burst::RANGE.end()));

@@ -56,13 +56,9 @@ impl Simulation {
                 self.noise.reset();
             }
             SimulationRequest::Scrub(index) => self.scrub(index),
-            SimulationRequest::Reload(model) => {
-                let reloaded = self.reload(model.0);
-                self.check(reloaded);
-            }
-            SimulationRequest::Adopt(model) => {
-                let adopted = self.adopt(&model.0);
-                self.check(adopted);
+            SimulationRequest::Load(model, kept) => {
+                let loaded = self.load(&model.0, kept);
+                self.check(loaded);
             }
         }
     }

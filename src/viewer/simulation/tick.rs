@@ -108,7 +108,7 @@ impl Simulation {
     fn publish(&mut self, now: Duration) {
         self.declare_instruments();
         let (status, speed, mode, noise) = (self.status(), self.speed(), self.mode, self.noise.settings);
-        let Self { data, endpoint, player, modes, history, timing, problem, lines, paused, .. } = self;
+        let Self { data, endpoint, player, modes, history, timing, problem, lines, timeline, paused, .. } = self;
         let moves = !*paused && mode != Mode::Trajectory;
         if moves {
             // The scene shows an arrow for this force. The next step applies the perturbation again
@@ -123,6 +123,11 @@ impl Simulation {
             (None, _) => lines.clear(),
         }
         let playback = player.as_ref().map(|player| player.state());
+        match &player {
+            Some(player) => player.describe_times(timeline),
+            None => history.describe(data, timeline),
+        }
+        let names = player.as_ref().map_or_else(Default::default, |player| player.names().clone());
         let add = |scene: &mut Scene, options: &SceneOptions| match player.as_deref_mut() {
             Some(player) if player.burst.on => player.add_burst(scene, &model, options),
             _ => Ok(()),
@@ -133,6 +138,8 @@ impl Simulation {
             snapshot.modes.clone_from(modes);
             snapshot.playback = playback;
             (snapshot.history_len, snapshot.history_position) = (history.len(), history.position());
+            std::mem::swap(&mut snapshot.timeline, timeline);
+            snapshot.trajectories = names;
             if let Some(selected) = snapshot.selected.as_mut().filter(|_| !moves) {
                 selected.force = [0.0; 6];
             }

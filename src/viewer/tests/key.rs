@@ -35,7 +35,7 @@ fn modifiers_are_exact() {
         let mode = binding.mode.unwrap_or(Mode::Passive);
         for more in all.into_iter().filter(|more| !binding.modifiers.contains(*more)) {
             let press = KeyPress { modifiers: binding.modifiers | more, ..binding.press() };
-            let found = find_action(press, mode);
+            let found = find_action(press, mode, &[]);
             let same = |found: &Action| format!("{found:?}") == format!("{:?}", binding.action);
             assert!(!found.is_some_and(same), "{press} has the effect of {}", binding.press());
         }
@@ -48,7 +48,7 @@ fn only_repeating_bindings_react_to_held_keys() {
         BINDINGS.iter().filter(|binding| !binding.repeats).map(|binding| binding.press().to_string()).collect();
     for binding in BINDINGS {
         let mode = binding.mode.unwrap_or(Mode::Passive);
-        let held = find_action(KeyPress { repeat: true, ..binding.press() }, mode);
+        let held = find_action(KeyPress { repeat: true, ..binding.press() }, mode, &[]);
         assert_eq!(held.is_some(), binding.repeats, "{}", binding.press());
     }
     for press in ["F8", "Shift+F8", "F9", "Shift+F9", "F10", "F11", "Tab", "Shift+Tab"] {
@@ -60,7 +60,7 @@ fn only_repeating_bindings_react_to_held_keys() {
 fn keys_of_the_trajectory_mode_are_limited_to_it() {
     for binding in BINDINGS.iter().filter(|binding| binding.mode == Some(Mode::Trajectory)) {
         for mode in [Mode::Controller, Mode::Passive] {
-            let found = find_action(binding.press(), mode);
+            let found = find_action(binding.press(), mode, &[]);
             let same = |found: &Action| format!("{found:?}") == format!("{:?}", binding.action);
             assert!(!found.is_some_and(same), "{}", binding.press());
         }
@@ -72,7 +72,7 @@ fn keys_of_the_trajectory_mode_are_limited_to_it() {
 fn flags_have_the_keys_of_the_engine() {
     let of = |key: char, modifiers| {
         let press = KeyPress { key: character(key.to_ascii_lowercase()), modifiers, repeat: false };
-        match find_action(press, Mode::Passive) {
+        match find_action(press, Mode::Passive, &[]) {
             Some(Action::View(action)) => Some(*action),
             _ => None,
         }
@@ -430,7 +430,7 @@ fn keys_of_the_trajectory_mode() {
 #[test]
 fn help_lists_every_binding_of_the_mode() {
     for mode in [Mode::Passive, Mode::Controller, Mode::Trajectory] {
-        let sections = help_sections(mode);
+        let sections = help_sections(mode, &[]);
         for binding in BINDINGS {
             let listed = sections.iter().filter(|section| section.title == binding.section.title()).any(|section| {
                 section.lines.iter().any(|(keys, help)| {
@@ -449,12 +449,26 @@ fn help_lists_every_binding_of_the_mode() {
 #[test]
 fn help_fits_the_terminal() {
     for columns in [40, 60, 80, 200] {
-        let text = help_text(Mode::Trajectory, columns);
+        let text = help_text(Mode::Trajectory, &[], columns);
         for line in text.lines() {
             assert!(line.chars().count() <= columns, "{columns}: {line}");
         }
     }
-    let wide = help_text(Mode::Passive, 120);
+    let wide = help_text(Mode::Passive, &[], 120);
     assert!(wide.contains("While paused: 50 steps back"), "{wide}");
     assert!(wide.lines().any(|line| line.contains("left double-click") && line.contains("Select a body")));
+}
+
+#[test]
+fn released_keys_have_no_binding_except_with_ctrl() {
+    let released = [Key::Left, Key::Character('a')];
+    for binding in BINDINGS {
+        let mode = binding.mode.unwrap_or(Mode::Passive);
+        let is_found = find_action(binding.press(), mode, &released).is_some();
+        let is_kept = !released.contains(&binding.key) || binding.modifiers.contains(Modifiers::COMMAND);
+        assert_eq!(is_found, is_kept, "{}", binding.press());
+    }
+    let help = help_text(Mode::Passive, &released, 80);
+    assert!(help_text(Mode::Passive, &[], 80).contains("one step back") && !help.contains("one step back"));
+    assert!(help.contains("Previous mode") && help.contains("one step forward"));
 }

@@ -131,7 +131,7 @@ fn info_panel_shows_the_playback() {
     };
     let expected = [
         "Record: 4/40",
-        "Trajectory: 1/3",
+        "Trajectory: 1/3 one",
         "Burst: Off",
         "Burst Density: 20/40",
         "Burst Fading: 20/40",
@@ -185,8 +185,11 @@ fn unsuitable_trajectories_are_rejected() {
         let (_window, physics) = link(|| ());
         crate::viewer::simulation::Simulation::new(cartpole(), None, trajectories, physics).err()
     };
-    assert!(matches!(reject(vec![Trajectory::new(&sample::cartpole())]), Some(Error::Invalid { .. })));
+    assert!(matches!(
+        reject(vec![("empty".to_owned(), Trajectory::new(&sample::cartpole()))]),
+        Some(Error::Invalid { .. })
+    ));
     let mut other = Trajectory::new(&sample::humanoid());
     other.push(&Data::new(sample::humanoid()).unwrap()).unwrap();
-    assert!(matches!(reject(vec![other]), Some(Error::Shape { .. })));
+    assert!(matches!(reject(vec![("other".to_owned(), other)]), Some(Error::Shape { .. })));
 }

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use super::{Bench, trajectories};
 use crate::enums::Integrator;
 use crate::model::EnableFlags;
-use crate::scene::{FrameMode, PerturbationFlags};
+use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags, Scene};
 use crate::viewer::link::{
-    EndpointRequest, Event, Mode, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest, link,
+    EndpointRequest, Event, Kept, Mode, PaneView, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest,
+    link,
 };
+use crate::viewer::view::{Pane, PaneKind};
 use crate::{Data, Model, sample};
 
 const TIED: &str = r#"<mujoco>
@@ -197,7 +199,7 @@ fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
     bench.send(SimulationRequest::Step(5));
     bench.view.camera = crate::scene::Camera::tracking(&old, "ball").unwrap();
     bench.tick();
-    bench.send(SimulationRequest::Reload(SharedModel(Arc::new(sample::humanoid()))));
+    bench.send(SimulationRequest::Load(SharedModel(Arc::new(sample::humanoid())), Kept::Nothing));
     assert_eq!(bench.snapshot().model.nq(), 28);
     assert_eq!((bench.snapshot().generation, bench.snapshot().selected), (1, None));
     assert_eq!((bench.snapshot().history_len, bench.snapshot().time), (0, 0.0));
@@ -223,11 +225,54 @@ fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
 }
 
 #[test]
+fn camera_and_selection_remain_after_the_file_is_loaded_again() {
+    let text = |bodies: &str| format!("<mujoco><worldbody><camera name='side'/>{bodies}</worldbody></mujoco>");
+    let ball = "<body name='ball' pos='0 0 1'><freejoint/><geom name='skin' size='.1'/></body>";
+    let [first, edited] = [text(ball), text(&["<body name='block'><geom size='.2'/></body>", ball].concat())];
+    let model = |text: &str| Arc::new(Model::from_xml_str(text).unwrap());
+    for kept in [Kept::View, Kept::State] {
+        let mut bench = Bench::with(Data::new(model(&first)).unwrap(), None, Vec::new());
+        let old = bench.snapshot().model.clone();
+        bench.view.camera = Camera { azimuth: 12.0, ..Camera::tracking(&old, "ball").unwrap() };
+        bench.send(EndpointRequest::SelectBody(Some(old.body("ball").unwrap().id())));
+        bench.send(SimulationRequest::Step(5));
+        let time = bench.snapshot().time;
+        bench.send(SimulationRequest::Load(SharedModel(model(&edited)), kept));
+        let snapshot = bench.snapshot();
+        let (ball, camera) = (snapshot.model.body("ball").unwrap().id(), snapshot.camera);
+        assert_eq!((camera.view, camera.azimuth), (CameraView::Tracking(ball), 12.0));
+        assert_eq!(snapshot.selected.unwrap().body, ball);
+        assert_eq!(snapshot.time, if kept == Kept::State { time } else { 0.0 });
+
+        bench.view.camera = camera;
+        bench.send(SimulationRequest::Load(SharedModel(model(&text(""))), kept));
+        assert_eq!((bench.snapshot().camera.view, bench.snapshot().selected), (CameraView::Free, None));
+    }
+}
+
+#[test]
+fn snapshots_have_the_viewpoints_of_panes_and_of_the_main_camera() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let side = data.model().camera("side").unwrap().id();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    scene.update_camera(&data, &mut Camera::fixed(data.model(), side)).unwrap();
+    let mut bench = Bench::new(data);
+    let main = bench.snapshot().scene.viewpoints();
+    bench.view.panes = vec![Pane { camera: side, kind: PaneKind::Depth }];
+    let snapshot = bench.tick();
+    assert_eq!(snapshot.panes, [PaneView { camera: side, viewpoints: scene.viewpoints() }]);
+    assert_eq!(snapshot.scene.viewpoints(), main);
+    bench.view.panes.clear();
+    assert_eq!(bench.tick().panes, []);
+}
+
+#[test]
 fn trajectories_of_another_model_are_dropped() {
     let mut bench = Bench::with(Data::new(sample::cartpole()).unwrap(), None, trajectories());
-    bench.send(SimulationRequest::Reload(SharedModel(Arc::new(sample::cartpole()))));
+    bench.send(SimulationRequest::Load(SharedModel(Arc::new(sample::cartpole())), Kept::Nothing));
     assert_eq!(bench.mode(), Mode::Trajectory);
-    bench.send(SimulationRequest::Reload(SharedModel(Arc::new(sample::humanoid()))));
+    bench.send(SimulationRequest::Load(SharedModel(Arc::new(sample::humanoid())), Kept::Nothing));
     assert_eq!((bench.mode(), bench.snapshot().modes.len()), (Mode::Passive, 1));
     bench.send(PlaybackRequest::CycleTrajectory(1));
     bench.send(SimulationRequest::SetMode(Mode::Controller));

@@ -48,7 +48,16 @@ impl Screen {
         let mut output = context.run_ui(RawInput { screen_rect, events, ..RawInput::default() }, |ui| {
             actions.clear();
             let snapshot = window.current().unwrap();
-            panels.show(ui, &mut PanelContext { snapshot, view, predicted, status: &status, actions: &mut actions });
+            let mut cx = PanelContext {
+                snapshot,
+                view,
+                predicted,
+                status: &status,
+                panes: &[],
+                released_keys: &[],
+                actions: &mut actions,
+            };
+            panels.show(ui, &mut cx);
         });
         // Nothing is drawn.
         output.textures_delta.clear();

@@ -24,19 +24,20 @@ fn draw(@builtin(position) position: vec4f) -> @location(0) vec4f {
 pub(super) struct CanvasLayout {
     /// Width and height of the window, pixels.
     pub size: [u32; 2],
-    /// Area of the scene, which has the height of the window, or an empty rectangle.
+    /// Area of the scene, which starts at the upper edge of the window, or an empty rectangle.
     pub scene: PixelRect,
-    /// Colour beside the scene.
+    /// Colour beside and below the scene.
     pub background: wgpu::Color,
 }
 
 impl CanvasLayout {
-    /// Returns the areas on the left of the scene, of the scene and on its right. They cover the
-    /// window.
-    pub fn columns(&self) -> [PixelRect; 3] {
-        let [left, right] = [self.scene.origin[0], self.scene.end()[0]];
-        let [width, height] = self.size;
-        [[0, left], [left, right], [right, width]].map(|[start, end]| PixelRect::between([start, 0], [end, height]))
+    /// Returns the areas on the left of the scene, of the scene, on its right, and below all of
+    /// them. They cover the window.
+    pub fn areas(&self) -> [PixelRect; 4] {
+        let ([left, _], [right, bottom], [width, height]) = (self.scene.origin, self.scene.end(), self.size);
+        let column = |start, end| PixelRect::between([start, 0], [end, bottom]);
+        let below = PixelRect::between([0, bottom], [width, height]);
+        [column(0, left), column(left, right), column(right, width), below]
     }
 }
 
@@ -94,8 +95,8 @@ impl Canvas {
         self.image.as_ref().map(|image| &image.view)
     }
 
-    /// Draws what is behind the panels in parts of the window, each of which is in one column of
-    /// the layout: the image of the scene, or the background.
+    /// Draws what is behind the panels in parts of the window, each of which is in one area of the
+    /// layout: the image of the scene, or the background.
     pub fn draw_background(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -209,9 +210,10 @@ mod tests {
         let gpu = Gpu::new().unwrap();
         let mut canvas = Canvas::new(&gpu, FORMAT).unwrap();
         let background = wgpu::Color { r: 1.0, g: 0.0, b: 0.0, a: 1.0 };
-        let layout = CanvasLayout { size: SIZE, scene: PixelRect::between([2, 0], [6, 4]), background };
-        assert_eq!(layout.columns()[0], PixelRect::between([0, 0], [2, 4]));
-        assert_eq!(layout.columns()[2], PixelRect::between([6, 0], [8, 4]));
+        let layout = CanvasLayout { size: SIZE, scene: PixelRect::between([2, 0], [6, 3]), background };
+        let corners = |area: PixelRect| [area.origin, area.end()];
+        let areas = [[[0, 0], [2, 3]], [[2, 0], [6, 3]], [[6, 0], [8, 3]], [[0, 3], [8, 4]]];
+        assert_eq!(layout.areas().map(corners), areas);
         assert!(canvas.prepare(&gpu, layout).unwrap());
         assert!(!canvas.prepare(&gpu, layout).unwrap());
 
@@ -219,12 +221,12 @@ mod tests {
         let scene = create_texture(
             &gpu,
             "scene",
-            [4, 4],
+            [4, 3],
             FORMAT,
             1,
             wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
         );
-        let pixels: Vec<u8> = (0..16).flat_map(|number| [0, number, 0, 255]).collect();
+        let pixels: Vec<u8> = (0..12).flat_map(|number| [0, number, 0, 255]).collect();
         let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16), rows_per_image: None };
         gpu.queue().write_texture(scene.as_image_copy(), &pixels, rows, scene.size());
         let draw = |canvas: &Canvas, parts: &[PixelRect]| {
@@ -235,16 +237,16 @@ mod tests {
         let expected = |is_drawn: &dyn Fn(u8, u8) -> bool| -> Vec<Vec<[u8; 2]>> {
             let pixel = |x, y| match x {
                 _ if !is_drawn(x, y) => [0, 0],
-                2..6 => [0, 4 * y + x - 2],
+                2..6 if y < 3 => [0, 4 * y + x - 2],
                 _ => [255, 0],
             };
             (0..4).map(|y| (0..8).map(|x| pixel(x, y)).collect()).collect()
         };
-        draw(&canvas, &[PixelRect::between([1, 1], [2, 3]), PixelRect::between([3, 2], [5, 4])]);
+        draw(&canvas, &[PixelRect::between([1, 1], [2, 3]), PixelRect::between([3, 1], [5, 3])]);
         let copy = wgpu::TextureUsages::COPY_DST;
-        let partial = |x, y| x == 1 && (1..3).contains(&y) || (3..5).contains(&x) && y >= 2;
+        let partial = |x, y| x == 1 && (1..3).contains(&y) || (3..5).contains(&x) && (1..3).contains(&y);
         assert_eq!(copied(&gpu, &mut canvas, copy), expected(&partial));
-        draw(&canvas, &layout.columns());
+        draw(&canvas, &layout.areas());
         assert_eq!(copied(&gpu, &mut canvas, copy), expected(&|_, _| true));
         // The texture of a window of OpenGL cannot be the target of a copy, so the image is drawn.
         assert_eq!(copied(&gpu, &mut canvas, wgpu::TextureUsages::RENDER_ATTACHMENT), expected(&|_, _| true));

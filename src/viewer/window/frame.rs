@@ -9,7 +9,9 @@ use super::session::{PanelContent, Session};
 use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
 use crate::viewer::link::{Event, Snapshot};
-use crate::viewer::panel::{PanelContext, Panels, WindowStatus, has_place_for_sides, limited_scale, side_widths};
+use crate::viewer::panel::{
+    PanelContext, Panels, WindowStatus, has_place_for_sides, limited_scale, side_widths, timeline_height,
+};
 #[cfg(feature = "_test-hooks")]
 use crate::viewer::test_hooks;
 use crate::viewer::view::View;
@@ -129,6 +131,7 @@ impl Session {
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
             view.camera = snapshot.camera;
+            view.panes.clear();
             self.panels.reset_model();
             self.panels_stale = true;
         }
@@ -144,12 +147,13 @@ impl Session {
         self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));
         let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else {
             if let Some(texture) = texture {
-                self.overlay.run(&self.window, Panels::show_waiting);
+                self.overlay.run(&self.window, 0.0, Panels::show_waiting);
                 self.repaint(&texture.texture, PixelRect::default(), false)?;
             }
             return Ok(());
         };
         view.update_snapshot(snapshot)?;
+        self.renderer.set_font_scale(self.overlay.pixels_per_point().into());
 
         self.panels.record(snapshot);
         let report = self.output.save_frame(&mut self.renderer, &gpu, snapshot, area.size);
@@ -171,7 +175,7 @@ impl Session {
                 editing: self.overlay.is_editing(),
                 messages: self.panels.messages(),
                 picture: [area.origin, area.size],
-                panel_rects: self.overlay.panel_rects(&["left", "right", "info"]),
+                panel_rects: self.overlay.panel_rects(&["left", "right", "info", "timeline", "track"]),
             });
         }
         Ok(())
@@ -188,12 +192,12 @@ impl Session {
         let gpu = self.surface.gpu().clone();
         let size = [window.width(), window.height()];
         let layout = CanvasLayout { size, scene: scene_area, background: self.overlay.background() };
-        let columns = layout.columns();
-        let mut parts = self.overlay.take_changes(columns, size);
+        let areas = layout.areas();
+        let mut parts = self.overlay.take_changes(areas, size);
         if self.canvas.prepare(&gpu, layout)? {
-            parts = columns;
+            parts = areas;
         } else if scene_changed {
-            parts[1] = columns[1];
+            parts[1] = areas[1];
         }
         let parts: Vec<PixelRect> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         #[cfg(feature = "_test-hooks")]
@@ -232,17 +236,29 @@ impl Session {
         #[cfg(feature = "_test-hooks")]
         test_hooks::count_pass();
         self.panels_stale = false;
-        let status = self.status(&gpu);
+        let (status, timeline) = (self.status(&gpu), self.timeline_height());
+        if let (Some(snapshot), Some(view)) = (self.link.current_mut(), &self.view)
+            && let Err(error) = self.panes.update(&gpu, self.overlay.context(), snapshot, &view.panes)
+        {
+            log::warn!("a camera pane could not be drawn: {error}");
+        }
         let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return };
         let mut actions = Vec::new();
         let before = view.clone();
         self.shown = Some(PanelContent { snapshot: (snapshot.generation, snapshot.number), view: before.clone() });
-        let pass = self.overlay.run(&self.window, |ui| {
+        let pass = self.overlay.run(&self.window, timeline, |ui| {
             actions.clear();
             #[cfg(feature = "_test-hooks")]
             test_hooks::clear_widgets();
-            let mut cx =
-                PanelContext { snapshot, view, predicted: &self.predicted, status: &status, actions: &mut actions };
+            let mut cx = PanelContext {
+                snapshot,
+                view,
+                predicted: &self.predicted,
+                status: &status,
+                panes: self.panes.images(),
+                released_keys: &self.options.released_keys,
+                actions: &mut actions,
+            };
             self.panels.show(ui, &mut cx);
         });
         self.link.set_view(&view.scene_view());
@@ -258,7 +274,14 @@ impl Session {
         }
     }
 
-    /// Returns the area of the window between the side panels.
+    /// Returns the height of the timeline, points.
+    fn timeline_height(&self) -> f32 {
+        let height = self.surface.size()[1] as f32 / self.overlay.pixels_per_point();
+        let (Some(view), Some(snapshot)) = (&self.view, self.link.current()) else { return 0.0 };
+        timeline_height(view, snapshot, height)
+    }
+
+    /// Returns the area of the window between the side panels and above the timeline.
     pub(super) fn picture_area(&self) -> PixelRect {
         let [width, height] = self.surface.size();
         let scale = self.overlay.pixels_per_point();
@@ -268,7 +291,9 @@ impl Session {
         let [left, right] = sides.map(|points| (points * scale).round() as u32);
         // The area is inside the window, even if the window is narrower than its panels.
         let left = left.min(width.saturating_sub(1));
-        PixelRect { origin: [left, 0], size: [width.saturating_sub(left + right).max(1), height] }
+        let timeline = (self.timeline_height() * scale).round() as u32;
+        let size = [width.saturating_sub(left + right).max(1), height.saturating_sub(timeline).max(1)];
+        PixelRect { origin: [left, 0], size }
     }
 
     fn status<'a>(&self, gpu: &'a Gpu) -> WindowStatus<'a> {
@@ -287,6 +312,7 @@ impl Session {
     pub(super) fn recover(&mut self, problem: &RenderError) {
         log::warn!("a frame could not be drawn: {problem}");
         self.renderer.drop_renderer();
+        self.panes.drop_renderer();
         self.canvas.clear();
         if matches!(problem, RenderError::Lost { .. }) {
             let surface = WindowSurface::new(self.window.clone(), self.surface.has_vsync());

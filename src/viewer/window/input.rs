@@ -14,8 +14,10 @@ use super::file_watch::FileWatch;
 use super::model_loader::ModelLoader;
 use super::overlay::viewer_modifiers;
 use super::session::Session;
-use crate::viewer::input::{Action, Gesture, Key, KeyPress, MouseButton, WindowAction, find_action, help_text};
-use crate::viewer::link::{EndpointRequest, Mode, Request, SharedModel, SimulationRequest};
+use crate::viewer::input::{
+    Action, Gesture, Key, KeyPress, MouseButton, ViewAction, WindowAction, find_action, help_text,
+};
+use crate::viewer::link::{EndpointRequest, Kept, Mode, Request, SharedModel, SimulationRequest};
 
 /// Columns of the terminal if `COLUMNS` is not set.
 const DEFAULT_COLUMNS: usize = 80;
@@ -61,7 +63,7 @@ impl Session {
                 true
             }
             WindowEvent::DroppedFile(path) => {
-                self.load(path, false);
+                self.open_file(path);
                 true
             }
             WindowEvent::CursorLeft { .. }
@@ -89,7 +91,7 @@ impl Session {
         #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::count_marker(key);
         let press = KeyPress { key, modifiers: viewer_modifiers(self.modifiers), repeat: event.repeat };
-        match find_action(press, self.mode()) {
+        match find_action(press, self.mode(), &self.options.released_keys) {
             Some(action) => self.act(action),
             None => self.send(EndpointRequest::ForwardKey(press).into()),
         }
@@ -113,10 +115,15 @@ impl Session {
             Action::Window(action) => self.act_on_window(*action),
             Action::View(action) => {
                 let (Some(view), Some(snapshot)) = (view, snapshot) else { return };
-                if let Some(action) = view.apply(*action, &snapshot.model) {
+                let window_action = view.apply(*action, &snapshot.model);
+                if matches!(action, ViewAction::Camera(_) | ViewAction::FreeCamera) {
+                    self.panels.announce_camera(&view.camera, &snapshot.model);
+                }
+                if let Some(action) = window_action {
                     self.act_on_window(action);
                 }
             }
+            Action::Open(path) => self.open_file(path),
             Action::Send(request) => {
                 if view.is_some() && snapshot.is_some() {
                     self.send(request.clone());
@@ -148,7 +155,7 @@ impl Session {
             WindowAction::Screenshot => self.request_screenshot(),
             WindowAction::Save(file) => self.send(EndpointRequest::Save(file, self.options.directory.clone()).into()),
             WindowAction::Reload => match self.options.file.clone() {
-                Some(file) => self.load(&file, false),
+                Some(file) => self.load(&file, Kept::View),
                 None => self.panels.notice("this model has no file; drop a file onto the window".to_owned()),
             },
             WindowAction::PrintHelp => self.print_help(),
@@ -167,13 +174,19 @@ impl Session {
 
     fn print_help(&self) {
         let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).unwrap_or(DEFAULT_COLUMNS);
-        println!("{}", help_text(self.mode(), columns));
+        println!("{}", help_text(self.mode(), &self.options.released_keys, columns));
+    }
+
+    /// Starts to load a model file that the user has chosen. The camera stays if it is the present
+    /// file.
+    pub(super) fn open_file(&mut self, path: &Path) {
+        let is_present = self.options.file.as_deref().is_some_and(|file| same_file(file, path));
+        self.load(path, if is_present { Kept::View } else { Kept::Nothing });
     }
 
     /// Starts to load a model file. The result of a previous load that has not ended is discarded.
-    /// The new model starts in its initial state, or keeps the state of the present one.
-    fn load(&mut self, path: &Path, keeps_state: bool) {
-        match ModelLoader::start(path, keeps_state, self.waker.clone()) {
+    fn load(&mut self, path: &Path, kept: Kept) {
+        match ModelLoader::start(path, kept, self.waker.clone()) {
             Ok(loader) => self.loader = Some(loader),
             Err(error) => self.panels.warn(format!("cannot load {}: {error}", path.display())),
         }
@@ -188,7 +201,7 @@ impl Session {
         match &self.watch {
             Some(watch) if watch.path() == file => {
                 if watch.take_change() {
-                    self.load(&file.clone(), true);
+                    self.load(&file.clone(), Kept::State);
                 }
             }
             _ => match FileWatch::start(file, self.waker.clone()) {
@@ -209,12 +222,11 @@ impl Session {
             Some(Ok(model)) => {
                 self.panels_stale = true;
                 self.options.file = Some(loader.path().to_owned());
+                self.panels.loaded(loader.path());
                 let model = SharedModel(Arc::new(model));
-                let keeps_state = loader.keeps_state();
-                let request =
-                    if keeps_state { SimulationRequest::Adopt(model) } else { SimulationRequest::Reload(model) };
-                self.send(request.into());
-                let what = if keeps_state { "adopted the changes of" } else { "loaded" };
+                let kept = loader.kept();
+                self.send(SimulationRequest::Load(model, kept).into());
+                let what = if kept == Kept::State { "adopted the changes of" } else { "loaded" };
                 self.panels.notice(format!("{what} {}", loader.path().display()));
             }
             Some(Err(error)) => {
@@ -283,6 +295,11 @@ impl Session {
             Gesture::Send(request) => self.send(request),
         }
     }
+}
+
+/// Returns `true` if two paths lead to the same existing file.
+fn same_file(one: &Path, other: &Path) -> bool {
+    matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
 /// Converts a key by its symbol without modifiers. `None` for keys that the viewer does not

@@ -11,6 +11,7 @@ mod model_loader;
 mod open_windows;
 mod output;
 mod overlay;
+mod panes;
 mod pixel_rect;
 mod scene_renderer;
 mod scheduler;
@@ -24,6 +25,7 @@ use std::sync::mpsc;
 use winit::event_loop::{EventLoop, EventLoopProxy};
 
 use self::event_loop::EventLoopAccess;
+pub(super) use self::panes::PaneImage;
 use self::wake::{Wake, Waker, WindowToken};
 use super::error::ViewerError;
 use super::link::{PhysicsEnd, WindowEnd, link};

@@ -8,18 +8,18 @@ use std::{io, thread};
 use super::wake::Waker;
 use crate::error::Result;
 use crate::model::Model;
+use crate::viewer::link::Kept;
 
 /// Model file that is being loaded.
 pub(super) struct ModelLoader {
     path: PathBuf,
-    /// The simulation keeps the state of what is in both models.
-    keeps_state: bool,
+    kept: Kept,
     result: mpsc::Receiver<Result<Model>>,
 }
 
 impl ModelLoader {
     /// Starts to load a file in the format of its extension. Wakes the window at the end.
-    pub fn start(path: &Path, keeps_state: bool, waker: Waker) -> io::Result<Self> {
+    pub fn start(path: &Path, kept: Kept, waker: Waker) -> io::Result<Self> {
         let (sender, result) = mpsc::channel();
         let file = path.to_owned();
         thread::Builder::new().name("model loader".to_owned()).spawn(move || {
@@ -31,15 +31,16 @@ impl ModelLoader {
             let _ = sender.send(model);
             waker.wake();
         })?;
-        Ok(Self { path: path.to_owned(), keeps_state, result })
+        Ok(Self { path: path.to_owned(), kept, result })
     }
 
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    pub fn keeps_state(&self) -> bool {
-        self.keeps_state
+    /// Returns what remains when the model is replaced.
+    pub fn kept(&self) -> Kept {
+        self.kept
     }
 
     /// Returns the result once it is available.

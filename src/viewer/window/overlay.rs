@@ -1,11 +1,15 @@
 //! Layer of the panels: the egui context, its input, and the render pass that draws the panels over
 //! the scene.
 
+use std::borrow::Cow;
+use std::sync::Arc;
 use std::time::Duration;
 
 use arboard::Clipboard;
-use egui::epaint::ClippedShape;
-use egui::{ClippedPrimitive, Context, Order, Rect, Ui, ViewportId};
+use egui::epaint::{ClippedShape, MarginF32};
+use egui::{
+    ClippedPrimitive, Context, FallbackRequest, FontData, FontInsert, Order, Rect, SafeAreaInsets, Ui, ViewportId,
+};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use egui_winit::State;
 use winit::event::WindowEvent;
@@ -15,7 +19,7 @@ use winit::window::Window;
 use super::canvas::begin_pass;
 use super::pixel_rect::PixelRect;
 use super::shape_changes::{changed_rects, clip, covered_pixels};
-use crate::render::Gpu;
+use crate::render::{self, FontFile, Gpu};
 use crate::viewer::input::Modifiers;
 use crate::viewer::options::ViewerOptions;
 use crate::viewer::panel::apply_style;
@@ -63,6 +67,7 @@ pub(super) struct Overlay {
 impl Overlay {
     pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, options: &ViewerOptions) -> Self {
         let context = Context::default();
+        context.add_font_provider(Arc::new(font_for));
         apply_style(&context, options.theme, options.scale);
         // egui measures the time between two passes. With a limit, a click during a slow frame
         // would be lost.
@@ -85,6 +90,11 @@ impl Overlay {
             pending: PendingPointerEvents::None,
             clipboard: None,
         }
+    }
+
+    /// Returns the context of the panels.
+    pub fn context(&self) -> &Context {
+        &self.context
     }
 
     /// Returns `true` while the user edits a text, so that keys are text input.
@@ -141,8 +151,8 @@ impl Overlay {
         wgpu::Color { r, g, b, a: 1.0 }
     }
 
-    /// Returns the rectangles of the panels with these names, from the upper left to the lower
-    /// right corner, in pixels.
+    /// Returns the rectangles of the panels and widgets with these names, in pixels: their upper
+    /// left and lower right corners.
     #[cfg(feature = "_test-hooks")]
     pub fn panel_rects(&self, names: &[&'static str]) -> Vec<(&'static str, [[f32; 2]; 2])> {
         let scale = self.context.pixels_per_point();
@@ -150,7 +160,8 @@ impl Overlay {
             let id = egui::Id::unique(*name);
             let is_visible =
                 self.context.memory(|memory| memory.areas().is_visible(&egui::LayerId::new(Order::Middle, id)));
-            let rect = self.context.memory(|memory| memory.area_rect(id)).filter(|_| is_visible)?;
+            let area = self.context.memory(|memory| memory.area_rect(id)).filter(|_| is_visible);
+            let rect = area.or_else(|| self.context.read_response(id).map(|widget| widget.rect))?;
             Some((*name, [rect.min, rect.max].map(|corner| [corner.x * scale, corner.y * scale])))
         };
         names.iter().filter_map(rect).collect()
@@ -205,14 +216,16 @@ impl Overlay {
         let _ = self.input.on_window_event(window, event);
     }
 
-    /// Runs a pass of the panels.
-    pub fn run(&mut self, window: &Window, panels: impl FnMut(&mut Ui)) -> PanelPass {
+    /// Runs a pass of the panels. They leave a space of this height, points, at the bottom of the
+    /// window for the timeline.
+    pub fn run(&mut self, window: &Window, timeline: f32, panels: impl FnMut(&mut Ui)) -> PanelPass {
         // egui leaves the keyboard focus on a slider that was moved.
         if !self.is_editing() {
             self.stop_editing();
         }
         self.pending = PendingPointerEvents::None;
-        let input = self.input.take_egui_input(window);
+        let mut input = self.input.take_egui_input(window);
+        input.safe_area_insets = Some(SafeAreaInsets(MarginF32 { bottom: timeline, ..MarginF32::ZERO }));
         let is_motion = |event: &egui::Event| matches!(event, egui::Event::PointerMoved(_));
         let only_motion = !input.events.is_empty() && input.events.iter().all(is_motion);
         let output = self.context.run_ui(input, panels);
@@ -311,6 +324,16 @@ impl Drop for Overlay {
         // updates are dropped without this call.
         self.textures.clear();
     }
+}
+
+/// Returns a font with a character that egui's fonts lack.
+fn font_for(request: &FallbackRequest<'_>) -> Option<FontInsert> {
+    let FontFile { bytes, index, name } = request.cluster.chars().next().and_then(render::font_for)?;
+    let data = match bytes {
+        Cow::Borrowed(bytes) => FontData::from_static(bytes),
+        Cow::Owned(bytes) => FontData::from_owned(bytes),
+    };
+    Some(FontInsert { name, data: FontData { index, ..data }, families: Vec::new() })
 }
 
 /// Returns the modifiers that are held.

@@ -5,10 +5,10 @@ use crate::scene::{Camera, RenderFlags};
 use crate::viewer::link::{Asset, Snapshot};
 
 /// Renderer of the current model.
-#[derive(Default)]
 pub(super) struct SceneRenderer {
     /// Generation of the model, and its renderer.
     renderer: Option<(u64, Renderer)>,
+    options: RendererOptions,
     /// Image of the last scene, and its content.
     drawn: Option<(SceneContent, wgpu::Texture)>,
     picture: RgbImage,
@@ -25,6 +25,20 @@ struct SceneContent {
 }
 
 impl SceneRenderer {
+    pub fn new(options: RendererOptions) -> Self {
+        Self { renderer: None, options, drawn: None, picture: RgbImage::default() }
+    }
+
+    /// Sets the size of the labels, as in [`RendererOptions`].
+    pub fn set_font_scale(&mut self, scale: f64) {
+        if scale != self.options.font_scale {
+            (self.options.font_scale, self.drawn) = (scale, None);
+            if let Some((_, renderer)) = &mut self.renderer {
+                renderer.set_font_scale(scale);
+            }
+        }
+    }
+
     /// Drops the GPU resources.
     pub fn drop_renderer(&mut self) {
         (self.renderer, self.drawn) = (None, None);
@@ -35,7 +49,7 @@ impl SceneRenderer {
         let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
         let renderer = match kept {
             Some((_, renderer)) => renderer,
-            None => Renderer::on(gpu, &snapshot.model, width, height, RendererOptions::default())?,
+            None => Renderer::on(gpu, &snapshot.model, width, height, self.options)?,
         };
         Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
     }
@@ -111,5 +125,60 @@ impl SceneRenderer {
         let drawn = renderer.rgb_into(&snapshot.scene, &mut picture);
         self.picture = picture;
         drawn.map(|()| &self.picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+    use crate::render::ReadBackBuffer;
+    use crate::viewer::tests::Bench;
+    use crate::{Data, Model};
+
+    const SIZE: [u32; 2] = [160, 120];
+
+    /// Returns the bytes of the image that a window shows, without the opacity.
+    fn shown(gpu: &Gpu, renderer: &mut SceneRenderer, snapshot: &Snapshot) -> Vec<u8> {
+        let format = wgpu::TextureFormat::Rgba8Unorm;
+        assert!(renderer.draw(gpu, snapshot, &snapshot.camera, format, SIZE).unwrap());
+        let buffer = ReadBackBuffer::new(gpu, SIZE, 4).unwrap();
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        buffer.encode(&mut encoder, renderer.image().unwrap());
+        let submission = gpu.submit(encoder);
+        let mut rows = Vec::new();
+        buffer
+            .rows(gpu, submission, |row| {
+                rows.push(row.as_chunks::<4>().0.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect());
+            })
+            .unwrap();
+        // The rows of a window are stored from the top, those of a screenshot from the bottom.
+        rows.reverse();
+        let rows: Vec<Vec<u8>> = rows;
+        rows.concat()
+    }
+
+    #[test]
+    fn window_shows_the_image_of_a_screenshot_with_any_number_of_lights() {
+        let gpu = Gpu::new().unwrap();
+        for lights in [1, 6, 9] {
+            let mut text = String::from("<mujoco><worldbody><geom type='plane' size='3 3 .1'/>");
+            for light in 0..lights {
+                let x = light - 4;
+                write!(text, "<light pos='{x} 1 3' dir='{} -.3 -1' diffuse='.2 .1 .1'/>", -0.2 * f64::from(x)).unwrap();
+            }
+            text.push_str(
+                "<body pos='0 0 .6'><freejoint/><geom type='box' size='.2 .3 .4'/></body></worldbody></mujoco>",
+            );
+            let mut bench = Bench::new(Data::new(Model::from_xml_str(&text).unwrap()).unwrap());
+            let snapshot = bench.snapshot();
+            let mut renderer = SceneRenderer::new(RendererOptions::default());
+            let window = shown(&gpu, &mut renderer, snapshot);
+            let picture = renderer.picture(&gpu, snapshot, SIZE).unwrap().as_bytes();
+            let differ = window.iter().zip(picture).filter(|(one, other)| one.abs_diff(**other) > 8).count();
+            // The samples of edges are elsewhere in an image that is drawn upside down.
+            assert!(differ * 50 < window.len(), "{lights} lights: {differ} of {} bytes differ", window.len());
+        }
     }
 }

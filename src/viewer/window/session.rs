@@ -16,11 +16,13 @@ use super::model_loader::ModelLoader;
 use super::open_windows::OpenWindow;
 use super::output::Output;
 use super::overlay::Overlay;
+use super::panes::Panes;
 use super::scene_renderer::SceneRenderer;
 use super::scheduler::FrameScheduler;
 use super::surface::WindowSurface;
 use super::wake::{Waker, WindowToken, connection_is_lost, message_of};
 use crate::error::catch_panic;
+use crate::render::RendererOptions;
 use crate::viewer::error::ViewerError;
 use crate::viewer::input::{EventTime, Mouse};
 use crate::viewer::link::{PredictedState, Snapshot, WindowEnd};
@@ -37,6 +39,7 @@ pub(super) struct Session {
     // window.
     pub output: Output,
     pub renderer: SceneRenderer,
+    pub panes: Panes,
     pub overlay: Overlay,
     pub canvas: Canvas,
     pub surface: WindowSurface,
@@ -133,9 +136,12 @@ impl Session {
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
+        let mut panels = Panels::default();
+        options.file.iter().for_each(|file| panels.loaded(file));
         Ok(Self {
             output: Output::new(&options),
-            renderer: SceneRenderer::default(),
+            renderer: SceneRenderer::new(RendererOptions::default().with_lighting(options.lighting)),
+            panes: Panes::new(options.lighting),
             overlay,
             canvas,
             surface,
@@ -146,7 +152,7 @@ impl Session {
             options,
             view: None,
             generation: 0,
-            panels: Panels::default(),
+            panels,
             panels_stale: true,
             shown: None,
             loader: None,
