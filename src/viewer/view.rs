@@ -8,6 +8,9 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scene::{Camera, CameraView, FrameMode, LabelMode, MouseAction, RenderFlags, SceneOptions};
 
+/// Width of a side panel that the user has not resized, points.
+pub(crate) const SIDE_WIDTH: f32 = 286.0;
+
 /// View of a window: camera, scene options, rendering effects and open panels.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "one flag for each panel")]
@@ -16,9 +19,12 @@ pub(crate) struct View {
     pub options: SceneOptions,
     pub render: RenderFlags,
     pub help: bool,
-    pub info: bool,
+    /// The info panel shows details instead of a line.
+    pub details: bool,
     pub left_panel: bool,
     pub right_panel: bool,
+    /// Widths of the left and right side panels in a window with place for them, points.
+    pub side_widths: [f32; 2],
     /// Plots of the solver, the computing times and the energy.
     pub profile: bool,
     /// Plot of the sensors.
@@ -29,7 +35,7 @@ pub(crate) struct View {
 
 impl View {
     /// Creates the initial view: the free camera on the whole model, the engine's default options,
-    /// and the info panel.
+    /// and closed panels.
     pub fn new(model: &Model) -> Self {
         Self {
             camera: Camera::free(model),
@@ -40,9 +46,10 @@ impl View {
                 | RenderFlags::HAZE
                 | RenderFlags::CULL_FACE,
             help: false,
-            info: true,
+            details: false,
             left_panel: false,
             right_panel: false,
+            side_widths: [SIDE_WIDTH; 2],
             profile: false,
             sensors: false,
             instruments: true,
@@ -81,7 +88,7 @@ impl View {
                 toggle(&mut self.help);
                 return self.help.then_some(WindowAction::PrintHelp);
             }
-            ViewAction::Info => toggle(&mut self.info),
+            ViewAction::Details => toggle(&mut self.details),
             ViewAction::Panel(Panel::Left) => toggle(&mut self.left_panel),
             ViewAction::Panel(Panel::Right) => toggle(&mut self.right_panel),
             ViewAction::Plot(PlotKind::Profile) => toggle(&mut self.profile),

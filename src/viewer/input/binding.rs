@@ -26,8 +26,8 @@ pub(crate) enum Action {
 pub(crate) enum ViewAction {
     /// Toggles the help, and prints it to the terminal when it opens.
     Help,
-    /// Toggles the info panel.
-    Info,
+    /// Toggles the details of the info panel.
+    Details,
     /// Toggles a side panel.
     Panel(Panel),
     /// Toggles a plot.
@@ -253,7 +253,7 @@ pub(crate) static BINDINGS: &[Binding] = &[
     .once(),
     window(Key::Character('q'), WindowAction::Quit, "Quit").with(COMMAND),
     panel(Key::Function(1), ViewAction::Help, "Help, here and on the terminal"),
-    panel(Key::Function(2), ViewAction::Info, "Info panel"),
+    panel(Key::Function(2), ViewAction::Details, "Details of the info panel"),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
     panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Instruments), "Plots and parameters of the controller")
