@@ -115,9 +115,12 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     if content.len() as u64 > MOST_BYTES { Err(too_large()) } else { Ok(content) }
 }
 
-/// Returns the path itself or, if it exists, the first free path of `name-2.png`, `name-3.png`, ….
+/// Returns the absolute path or, if it exists, the first free path of `name-2.png`, `name-3.png`,
+/// ….
 #[cfg(feature = "viewer")]
 pub(crate) fn free_path(path: &Path) -> PathBuf {
+    // Only an empty path, or one in a working directory that does not exist, is not absolute.
+    let path = &std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
     let mut free = path.to_owned();

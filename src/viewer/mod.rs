@@ -21,7 +21,8 @@
 //! Tab and Shift+Tab open and close the side panels, which are open from the start in a window with
 //! place for them ([`ViewerOptions::panels`]): simulation, trajectories, keyframes, visualisation,
 //! appearance, physics options and watched values on the left; search, controls, joints and the
-//! selected body on the right. The panel of the simulation also adds noise to the controls, and
+//! selected body on the right. The next window has the layout that the user has given to this one
+//! ([`ViewerOptions::layout`]). The panel of the simulation also adds noise to the controls, and
 //! saves the model and the engine's listings. F3 and F4 open plots there. The timeline at the
 //! bottom shows the states since the start, or the records of a trajectory; a click or a drag goes
 //! to one. Ctrl+O opens a model file, and Ctrl+L loads the present one again. A controller can add
@@ -66,6 +67,7 @@ mod launch;
 mod link;
 mod options;
 mod panel;
+mod remembered;
 mod simulation;
 #[cfg(feature = "_test-hooks")]
 #[doc(hidden)]

@@ -1,8 +1,9 @@
 //! Options of a viewer.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::input::Key;
+use super::remembered::default_file;
 use crate::error::{Error, InvalidKind};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
@@ -33,19 +34,26 @@ pub enum Theme {
 pub struct ViewerOptions {
     /// Title of the window, without NUL.
     pub title: String,
-    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for two thirds of the
-    /// monitor.
+    /// Width and height of the window, in pixels, from 1 to 65,535. `None` for the size in the
+    /// [layout](Self::layout), else 85 % of the monitor's width and height.
     pub size: Option<[usize; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
     /// The side panels are open at the start, as in `simulate`, if the window has place for both
-    /// beside the scene: about 840 pixels at a scale of 1.
-    pub panels: bool,
-    /// Colours of the panels.
-    pub theme: Theme,
+    /// beside the scene: 800 pixels at a scale of 1. `None` for the [layout](Self::layout), else
+    /// `true`.
+    pub panels: Option<bool>,
+    /// Colours of the panels. `None` for the [layout](Self::layout), else dark.
+    pub theme: Option<Theme>,
     /// Size of the panels and their text relative to the scale of the display. Values outside of
-    /// 0.25 to 4 are limited to this range.
-    pub scale: f64,
+    /// 0.25 to 4 are limited to this range. `None` for the [layout](Self::layout), else 1.
+    pub scale: Option<f64>,
+    /// Text file in which the window remembers its layout for the next window: open panels and
+    /// sections, widths, theme, scale and size. The default is `mujoco-safe/viewer.txt` in the
+    /// user's configuration directory (`~/.config` on Linux). `None` to remember nothing. If the
+    /// options set the size, the panels, the theme or the scale, the file is neither read nor
+    /// written.
+    pub layout: Option<PathBuf>,
     /// Frequency of the lighting computation of the scene, as in
     /// [`RendererOptions`](crate::render::RendererOptions::lighting).
     pub lighting: Lighting,
@@ -82,9 +90,10 @@ impl Default for ViewerOptions {
             title: "MuJoCo".to_owned(),
             size: None,
             vsync: true,
-            panels: true,
-            theme: Theme::Dark,
-            scale: 1.0,
+            panels: None,
+            theme: None,
+            scale: None,
+            layout: default_file(),
             lighting: Lighting::default(),
             file: None,
             watch: true,
@@ -100,6 +109,12 @@ impl Default for ViewerOptions {
 impl ViewerOptions {
     /// Largest width and height of a window in the protocol of X.
     const MAX_SIZE: usize = u16::MAX as usize;
+
+    /// Returns the file of the layout, unless the program sets the layout itself.
+    pub(super) fn layout_file(&self) -> Option<&Path> {
+        let is_set = self.size.is_some() || self.panels.is_some() || self.theme.is_some() || self.scale.is_some();
+        self.layout.as_deref().filter(|_| !is_set)
+    }
 
     /// Rejects values that the windowing system cannot represent.
     pub(super) fn check(&self) -> Result<(), Error> {
@@ -125,9 +140,10 @@ with_methods!(ViewerOptions {
     with_title(title: impl Into<String>) = title.into(),
     with_size(size: [usize; 2]) = Some(size),
     with_vsync(vsync: bool),
-    with_panels(panels: bool),
-    with_theme(theme: Theme),
-    with_scale(scale: f64),
+    with_panels(panels: bool) = Some(panels),
+    with_theme(theme: Theme) = Some(theme),
+    with_scale(scale: f64) = Some(scale),
+    with_layout(layout: impl Into<Option<PathBuf>>) = layout.into(),
     with_lighting(lighting: Lighting),
     with_file(file: impl Into<PathBuf>) = Some(file.into()),
     with_watch(watch: bool),

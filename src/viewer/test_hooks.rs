@@ -54,7 +54,7 @@ pub struct WindowState {
     pub options: SceneOptions,
     /// Rendering effects of the view.
     pub render: RenderFlags,
-    /// Open panels: help, info, left, right, profile, sensors, instruments.
+    /// Open panels: help, details of the info panel, left, right, profile, sensors, instruments.
     pub panels: [bool; 7],
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -289,7 +289,15 @@ pub(super) fn record(frame: Frame<'_>) {
         camera: view.camera,
         options: view.options.clone(),
         render: view.render,
-        panels: [view.help, view.info, view.left_panel, view.right_panel, view.profile, view.sensors, view.instruments],
+        panels: [
+            view.help,
+            view.details,
+            view.left_panel,
+            view.right_panel,
+            view.profile,
+            view.sensors,
+            view.instruments,
+        ],
         size: status.size,
         picture,
         panel_rects,

@@ -9,6 +9,9 @@ use crate::id::CameraId;
 use crate::model::Model;
 use crate::scene::{Camera, CameraView, FrameMode, LabelMode, MouseAction, RenderFlags, SceneOptions};
 
+/// Width of a side panel that the user has not resized, points.
+pub(crate) const SIDE_WIDTH: f32 = 286.0;
+
 /// Image of a camera of the model over the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Pane {
@@ -36,13 +39,16 @@ pub(crate) struct View {
     pub help: bool,
     /// Panel that opens a model file.
     pub files: bool,
-    pub info: bool,
+    /// The info panel shows details instead of a line.
+    pub details: bool,
     /// Open camera panes.
     pub panes: Vec<Pane>,
     /// Timeline at the bottom of the window.
     pub timeline: bool,
     pub left_panel: bool,
     pub right_panel: bool,
+    /// Widths of the left and right side panels in a window with place for them, points.
+    pub side_widths: [f32; 2],
     /// Plots of the solver, the computing times and the energy.
     pub profile: bool,
     /// Plot of the sensors.
@@ -53,7 +59,7 @@ pub(crate) struct View {
 
 impl View {
     /// Creates the initial view: the free camera on the whole model, the engine's default options,
-    /// and the info panel.
+    /// and closed panels.
     pub fn new(model: &Model) -> Self {
         Self {
             camera: Camera::free(model),
@@ -66,11 +72,12 @@ impl View {
                 | RenderFlags::CULL_FACE,
             help: false,
             files: false,
-            info: true,
+            details: false,
             panes: Vec::new(),
             timeline: true,
             left_panel: false,
             right_panel: false,
+            side_widths: [SIDE_WIDTH; 2],
             profile: false,
             sensors: false,
             instruments: true,
@@ -112,7 +119,7 @@ impl View {
                 return self.help.then_some(WindowAction::PrintHelp);
             }
             ViewAction::Files => toggle(&mut self.files),
-            ViewAction::Info => toggle(&mut self.info),
+            ViewAction::Details => toggle(&mut self.details),
             ViewAction::Timeline => toggle(&mut self.timeline),
             ViewAction::Panel(Panel::Left) => toggle(&mut self.left_panel),
             ViewAction::Panel(Panel::Right) => toggle(&mut self.right_panel),

@@ -25,15 +25,21 @@ fn is_shown(text: &str) -> bool {
     position(|shown| shown == text).is_some()
 }
 
-/// Clicks on a text. Waits until it stays in one place, because sections open gradually.
+/// Clicks on a text.
 pub fn click(input: &Input, text: &str) {
+    input.click(place(input, text), 1, 1);
+}
+
+/// Returns the centre of a text. Waits until it stays in one place, because sections open
+/// gradually.
+pub fn place(input: &Input, text: &str) -> [i32; 2] {
     let mut before = None;
     wait_until(&format!("the text {text} is shown"), || {
         settle(input);
         let now = position(|shown| shown == text);
         now.is_some() && std::mem::replace(&mut before, now) == now
     });
-    input.click(before.expect("the text is shown"), 1, 1);
+    before.expect("the text is shown")
 }
 
 /// Returns the texts after this one, in the order of the panel.
@@ -75,19 +81,18 @@ pub fn names() {
         click(input, "Equality constraints");
         wait_until("the constraint has the names of its bodies", || is_shown("arm, cup (Weld)"));
 
-        let elided = |end: char| position(|text| text.starts_with("the_") && text.contains('…') && text.ends_with(end));
-        let (first, second) = (elided('1'), elided('2'));
-        assert!(first.is_some() && second.is_some() && first != second, "the names are elided in the middle");
+        wait_until("the names have no common words", || is_shown("1") && is_shown("2"));
         let mut step = 0;
         wait_until("a tooltip shows the complete name", || {
             // A click hides tooltips until the pointer moves more than a tenth of a second later.
             step = 1 - step;
-            let [x, y] = elided('2').expect("the name is shown");
+            let [x, y] = position(|text| text == "2").expect("the name is shown");
             input.move_to([x + step, y]);
             std::thread::sleep(Duration::from_secs(1));
             is_shown("the_right_shoulder_joint_2")
         });
 
+        press(input, "F2", "the details are open", |state| state.panels[1]);
         // The state changes once per second, less often than the window counts as idle.
         let rate = || texts_after("Refresh Rate").first().map(|(text, _)| text.clone()).unwrap_or_default();
         wait_until("the window is idle", || rate() == "idle");
@@ -112,9 +117,8 @@ pub fn search() {
         wait_until("the search is edited", || state().editing);
         input.write("LEFT_KN");
         // The results for a part of the text are more, and in other places.
-        let found =
-            || texts_after("LEFT_KN").first().filter(|(text, _)| text == "left_knee").map(|(_, centre)| *centre);
-        wait_until("only the joint is found", || found().is_some());
+        let found = || texts_after("LEFT_KN").iter().find(|(text, _)| text == "left_knee").map(|(_, centre)| *centre);
+        wait_until("the joint is found", || found().is_some());
         input.click(found().unwrap().map(|part| part as i32), 1, 1);
         let knee = sample::humanoid().joint("left_knee").unwrap().body().index();
         wait_until("the body of the joint is selected", || state().selected.is_some_and(|(body, _)| body == knee));
@@ -150,7 +154,7 @@ pub fn captured_files() {
     show_window(SIZE, options, Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
         open_panels(input);
         let is_noticed = |start: String| state().messages.iter().any(|message| message.starts_with(&start));
-        click(input, "Image");
+        click(input, "Screenshot");
         wait_until("a notice shows the path", || is_noticed(format!("saved {}", path("image.png").display())));
         size = state().picture[1];
         click(input, "Record");

@@ -66,7 +66,10 @@ fn show(name: &str, arguments: &[&str], title: &str, columns: Range<usize>) {
         let ended = process.0.try_wait().unwrap();
         assert!(ended.is_none(), "{name} {arguments:?} ended with {ended:?}");
         let screen = Screen::read(&framebuffer);
-        columns.clone().any(|column| screen.pixel([column, 150]) != screen.pixel([columns.start, 150]))
+        // The model, or the line about its state at the lower edge of a window of 300 pixels.
+        [150, 275]
+            .into_iter()
+            .any(|row| columns.clone().any(|column| screen.pixel([column, row]) != screen.pixel([columns.start, row])))
     });
     input.key("ctrl+q");
     let mut status = None;

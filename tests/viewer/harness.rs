@@ -87,6 +87,11 @@ pub fn show_window(
     data: Data,
     act: impl FnOnce(&Input) + Send,
 ) -> Data {
+    show_options(options.with_size(size.map(|pixels| pixels as usize)), viewer, data, act)
+}
+
+/// As [`show_window`], in a window of the size of the options.
+pub fn show_options(options: ViewerOptions, viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data {
     test_hooks::start();
     let title = unique_title();
     thread::scope(|scope| {
@@ -99,10 +104,7 @@ pub fn show_window(
                 input.key("ctrl+q");
             });
         });
-        viewer
-            .with_options(options.with_title(&*title).with_size(size.map(|pixels| pixels as usize)))
-            .run(data)
-            .expect("the window opens")
+        viewer.with_options(options.with_title(&*title)).run(data).expect("the window opens")
     })
 }
 

@@ -64,6 +64,7 @@ const CASES: &[Case] = &[
     ("trajectory_keys_and_wheel", trajectories::keys_and_wheel),
     ("panels_are_open_at_the_start_of_a_wide_window", panels::start),
     ("panels_receive_their_input", panels::panels),
+    ("layout_is_remembered", panels::remembered),
     ("panels_do_not_cover_the_picture", panels::layout),
     ("panels_do_not_edit_the_state", panels::no_edits),
     ("panels_change_their_theme_and_scale", panels::style),
@@ -159,6 +160,8 @@ fn child(arguments: &[&str]) -> Command {
     command.arg("--default-signal=INT,TERM,HUP").arg(std::env::current_exe().expect("the path of the test"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     command.env("RUST_BACKTRACE", "0");
+    // No test uses or changes the user's configuration: this folder cannot be created.
+    command.env("XDG_CONFIG_HOME", "/dev/null/none");
     // Without this variable Mesa prints a warning.
     command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
     command

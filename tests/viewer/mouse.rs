@@ -31,8 +31,6 @@ pub fn gestures() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();
     data.forward().unwrap();
     show(data, |input| {
-        // The info panel would cover a part of the scene.
-        press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
         camera(input);
         selection(input);
         paused(input);

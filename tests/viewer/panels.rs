@@ -8,13 +8,10 @@ use mujoco_safe::viewer::test_hooks::{self, WindowState};
 use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
+use crate::contents::{click, place};
 use crate::display::Screen;
-use crate::harness::{double_click, press, settle, show_sized, show_window, state};
+use crate::harness::{double_click, press, settle, show_options, show_sized, show_window, state};
 use crate::input::{Input, wait_until};
-
-/// Positions of the buttons of the light theme and of a larger scale.
-const LIGHT: [i32; 2] = [130, 413];
-const LARGER: [i32; 2] = [102, 435];
 
 /// Size of a window that shows a panel in its full width.
 pub const SIZE: [u32; 2] = [640, 400];
@@ -94,9 +91,9 @@ pub fn start() {
     for (width, scale, panels, expected) in [
         (1066, 1.0, true, true),
         (1066, 1.0, false, false),
-        (820, 1.0, true, false),
+        (780, 1.0, true, false),
         (1066, 1.5, true, false),
-        (820, 0.8, true, true),
+        (780, 0.8, true, true),
     ] {
         let options = ViewerOptions::default().with_panels(panels).with_scale(scale);
         show_window([width, 400], options, Viewer::new(), humanoid(), |input| {
@@ -106,6 +103,41 @@ pub fn start() {
             wait_until("Tab switches the left panel", || sides() == [!expected, expected]);
         });
     }
+}
+
+/// A window has the layout that the user has given to the previous window.
+pub fn remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("new/viewer.txt");
+    let show = |options: ViewerOptions, act: &(dyn Fn(&Input) + Sync)| {
+        let options = options.with_layout(path.clone());
+        show_options(options, Viewer::new(), Data::new(sample::cartpole()).unwrap(), act);
+    };
+    let options = ViewerOptions::default;
+    // The screen has 1920 × 1200 pixels.
+    show(options(), &|_| assert_eq!((state().size, state().panels[2]), ([1632, 1020], true)));
+    assert!(!path.exists(), "nothing was changed");
+    show(options(), &|input| {
+        input.resize([640, 400]);
+        wait_until("the window is resized", || state().size == [640, 400]);
+        press(input, "shift+Tab", "the right panel is closed", |state| !state.panels[3]);
+        press(input, "F2", "the details are open", |state| state.panels[1]);
+    });
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("right = closed") && !text.contains("left = "), "{text}");
+    std::fs::write(&path, text + "theme = light\n").unwrap();
+    show(options(), &|_| {
+        assert_eq!((state().size, &state().panels[1..4]), ([640, 400], &[true, true, false][..]));
+        let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
+        wait_until("the panel is light", || Screen::read(&framebuffer).pixel([2, 397]).iter().all(|&part| part > 200));
+    });
+    // The program sets the layout itself.
+    show(options().with_size([500, 300]), &|input| {
+        assert_eq!((state().size, &state().panels[1..4]), ([500, 300], &[false; 3][..]));
+        press(input, "F2", "the details are open", |state| state.panels[1]);
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+    });
+    assert!(!std::fs::read_to_string(&path).unwrap().contains("left = "));
 }
 
 /// Opens the side panels and the plots.
@@ -160,22 +192,20 @@ pub fn style() {
     let [width, height] = [1066, 666];
     show_closed([width, height], humanoid(), |input| {
         press(input, "Tab", "the left panel is open", |state| state.panels[2]);
-        // Closes the visualisation, and opens the section of the window.
-        for heading in [253, 391] {
-            input.click([40, heading], 1, 1);
-            settle(input);
-            settle(input);
+        for heading in ["Visualisation", "Window"] {
+            click(input, heading);
         }
+        let [light, larger] = ["light", "+"].map(|text| place(input, text));
         let corner = || Screen::read(&framebuffer).pixel([2, height as usize - 3]);
         assert!(corner().iter().all(|&part| part < 60), "the panel is dark");
         let left = state().picture[0][0];
         // A frame between press and release, and none after it but those that the panels request. A
         // long press is a click: on a loaded machine the release arrives late.
-        input.press(LIGHT, 1, &[]);
+        input.press(light, 1, &[]);
         std::thread::sleep(Duration::from_secs(1));
         input.release(1, &[]);
         wait_until("the panel is light", || corner().iter().all(|&part| part > 200));
-        input.click(LARGER, 1, 1);
+        input.click(larger, 1, 1);
         wait_until("the panel is wider", || state().picture[0][0] == (1.1 * f64::from(left)).round() as u32);
     });
 }
@@ -213,7 +243,7 @@ pub fn redraws() {
                 .map(|at| screen.pixel(at))
                 .collect::<Vec<_>>()
         };
-        // Above the info panel, which shows the frame rate.
+        // Above the info panel.
         let corner = || screen(0..100, 100);
         wait_until("the scene is on the screen", || corner().iter().any(|pixel| *pixel != [0; 3]));
         let without_panel = corner();
@@ -273,7 +303,6 @@ pub fn redraws() {
             input.key(key);
             wait_until("the scene is rendered again", || state().scenes > scenes);
         }
-        press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
 
         // The parts that were repainted form the same image as a complete repaint. If the screen
         // did not show the last frame yet, the next attempt succeeds.
@@ -282,9 +311,8 @@ pub fn redraws() {
             screen(0..SIZE[0] as usize, SIZE[1] as usize)
         };
         wait_until("the screen is the same after a complete repaint", || {
-            // The info panel shows the frame rate.
-            press(input, "F2", "the info panel is open", |state| state.panels[1]);
-            press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
+            press(input, "F2", "the details are open", |state| state.panels[1]);
+            press(input, "F2", "the details are closed", |state| !state.panels[1]);
             settle(input);
             let (partial, last) = (image(), state());
             test_hooks::repaint_all();

@@ -82,6 +82,11 @@ pub fn measure() {
                 report("paused, panels, pointer over a panel", over_panel);
                 press(&input, "space", "the simulation runs", |state| state.time > 0.0);
                 report("running, panels", wait);
+                press(&input, "F3", "the profile is open", |state| state.panels[4]);
+                press(&input, "F4", "the sensor plot is open", |state| state.panels[5]);
+                report("running, panels and plots", wait);
+                press(&input, "F3", "the profile is closed", |state| !state.panels[4]);
+                press(&input, "F4", "the sensor plot is closed", |state| !state.panels[5]);
                 press(&input, "ctrl+1", "the left panel is closed", |state| !state.panels[2]);
                 press(&input, "ctrl+2", "the right panel is closed", |state| !state.panels[3]);
                 report("running", wait);

@@ -34,6 +34,7 @@ pub fn draw(directory: &Path) {
     draw_controller(directory);
     draw_program(directory);
     draw_light(directory);
+    draw_sizes(directory);
 }
 
 /// Saves a picture of the window after its last event.
@@ -149,7 +150,7 @@ fn draw_left_panel(directory: &Path) {
             click(input, section);
         }
         settle(input);
-        click(input, "qpos[2]");
+        click(input, "qpos[2] or joint knee");
         wait_until("the watched value is edited", || state().editing);
         input.write("qpos[2]");
         input.key("Return");
@@ -268,6 +269,21 @@ fn draw_program(directory: &Path) {
         });
         result.expect("the window opens");
     });
+}
+
+/// The panels in windows of several sizes, in pixels, and at a scale of 2.
+fn draw_sizes(directory: &Path) {
+    for ([width, height], scale) in [([800, 600], 1.0), ([1280, 720], 1.0), ([1920, 1080], 1.0), ([1920, 1080], 2.0)] {
+        let options = ViewerOptions::default().with_scale(scale);
+        show_window([width, height], options, Viewer::new(), humanoid(), |input| {
+            wait_until("the panels are open", || state().panels[2] && state().panels[3]);
+            press(input, "space", "the simulation runs", |state| state.time > 0.3 * RUN_TIME);
+            press(input, "F4", "the sensor plot is open", |state| state.panels[5]);
+            press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+            park(input);
+            save(directory, &format!("{width}x{height}_scale_{scale}"));
+        });
+    }
 }
 
 /// The light theme, with larger text.

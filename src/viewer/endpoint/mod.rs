@@ -95,6 +95,7 @@ impl SimulationEndpoint {
             // The spare snapshot has a scene of the old model.
             self.spare = None;
             self.captured = Arc::default();
+            self.watches.iter_mut().for_each(|watch| watch.resolve(model));
         }
         self.model = model.clone();
     }

@@ -32,8 +32,8 @@ pub(crate) enum ViewAction {
     Help,
     /// Toggles the panel that opens a model file.
     Files,
-    /// Toggles the info panel.
-    Info,
+    /// Toggles the details of the info panel.
+    Details,
     /// Toggles the timeline.
     Timeline,
     /// Toggles a side panel.
@@ -266,7 +266,7 @@ pub(crate) static BINDINGS: &[Binding] = &[
     .once(),
     window(Key::Character('q'), WindowAction::Quit, "Quit").with(COMMAND),
     panel(Key::Function(1), ViewAction::Help, "Help, here and on the terminal"),
-    panel(Key::Function(2), ViewAction::Info, "Info panel"),
+    panel(Key::Function(2), ViewAction::Details, "Details of the info panel"),
     panel(Key::Function(2), ViewAction::Timeline, "Timeline").with(SHIFT),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
     panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),

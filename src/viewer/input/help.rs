@@ -32,26 +32,33 @@ const MOUSE: &[(Modifiers, &str, &str, Option<Mode>)] = &[
 pub(crate) fn help_sections(mode: Mode, released: &[Key]) -> Vec<HelpSection> {
     let here = |only: Option<Mode>| only.is_none_or(|only| only == mode);
     let mouse = MOUSE.iter().filter(|(.., only)| here(*only));
-    let mouse = mouse.map(|&(modifiers, gesture, help, _)| (format!("{modifiers}{gesture}"), help)).collect();
-    let mut sections = vec![HelpSection { title: "Mouse", lines: mouse }];
+    let mouse = mouse.map(|&(modifiers, gesture, help, _)| (format!("{modifiers}{gesture}"), help));
+    let mut sections = vec![HelpSection { title: "Mouse", lines: merged(mouse) }];
     for section in Section::ALL {
-        let mut lines: Vec<(String, &'static str)> = Vec::new();
         let is_shown =
             |binding: &&Binding| binding.section == section && here(binding.mode) && !binding.is_released(released);
-        for binding in BINDINGS.iter().filter(is_shown) {
-            match lines.last_mut() {
-                Some((keys, help)) if *help == binding.help => {
-                    keys.push_str(", ");
-                    keys.push_str(&binding.press().to_string());
-                }
-                _ => lines.push((binding.press().to_string(), binding.help)),
-            }
-        }
+        let bindings = BINDINGS.iter().filter(is_shown);
+        let lines = merged(bindings.map(|binding| (binding.press().to_string(), binding.help)));
         if !lines.is_empty() {
             sections.push(HelpSection { title: section.title(), lines });
         }
     }
     sections
+}
+
+/// Merges adjacent lines with the same effect.
+fn merged(lines: impl Iterator<Item = (String, &'static str)>) -> Vec<(String, &'static str)> {
+    let mut merged: Vec<(String, &'static str)> = Vec::new();
+    for (keys, help) in lines {
+        match merged.last_mut() {
+            Some((other, same)) if *same == help => {
+                other.push_str(", ");
+                other.push_str(&keys);
+            }
+            _ => merged.push((keys, help)),
+        }
+    }
+    merged
 }
 
 /// Formats the help as text. Lines have at most this number of columns, except for longer words.

@@ -37,6 +37,10 @@ pub(crate) struct Snapshot {
     pub qvel: Vec<f64>,
     pub ctrl: Vec<f64>,
     pub sensordata: Vec<f64>,
+    /// Positions of the bodies, geoms and sites, m, world frame.
+    pub xpos: Vec<[f64; 3]>,
+    pub geom_xpos: Vec<[f64; 3]>,
+    pub site_xpos: Vec<[f64; 3]>,
     /// Potential and kinetic energy, J, if they are computed.
     pub energy: [f64; 2],
     pub nefc: usize,
@@ -263,6 +267,9 @@ impl Snapshot {
             qvel: Vec::with_capacity(model.nv()),
             ctrl: Vec::with_capacity(model.nu()),
             sensordata: Vec::with_capacity(model.nsensordata()),
+            xpos: Vec::with_capacity(model.nbody()),
+            geom_xpos: Vec::with_capacity(model.ngeom()),
+            site_xpos: Vec::with_capacity(model.nsite()),
             energy: [0.0; 2],
             nefc: 0,
             solver: Vec::new(),
@@ -301,6 +308,14 @@ impl Snapshot {
             (&mut self.qvel, data.qvel()),
             (&mut self.ctrl, data.ctrl()),
             (&mut self.sensordata, data.sensordata()),
+        ] {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        for (to, from) in [
+            (&mut self.xpos, data.xpos()),
+            (&mut self.geom_xpos, data.geom_xpos()),
+            (&mut self.site_xpos, data.site_xpos()),
         ] {
             to.clear();
             to.extend_from_slice(from);

@@ -2,27 +2,32 @@
 //! actions.
 
 mod appearance;
+mod chart;
 mod curves;
 mod files;
 mod find;
 mod instruments;
 mod layout;
+mod names;
 mod panes;
 mod physics;
 mod plots;
+mod quantity;
 mod simulation;
 mod state;
 mod status;
 mod style;
 mod timeline;
+mod tree;
 mod visual;
+mod watch;
 
 use std::path::Path;
 
 use egui::Ui;
 
-pub(super) use self::layout::{has_place_for_sides, side_widths};
-pub(super) use self::style::{apply_style, limited_scale};
+pub(super) use self::layout::{Sections, has_place_for_sides, side_widths};
+pub(super) use self::style::{apply_style, limited_scale, style_of};
 pub(super) use self::timeline::timeline_height;
 use super::input::{Action, Key};
 use super::link::{PredictedState, Request, Snapshot, Status};
@@ -79,10 +84,13 @@ impl PanelContext<'_> {
 pub(super) struct Panels {
     messages: status::Messages,
     plots: plots::PlotPanel,
-    watch: plots::WatchPanel,
+    watch: watch::WatchPanel,
+    controls: state::ControlsPanel,
+    joints: state::JointsPanel,
     keyframes: state::KeyframesPanel,
     find: find::FindPanel,
     files: files::FilesPanel,
+    tree: tree::TreePanel,
 }
 
 impl Panels {
@@ -132,26 +140,21 @@ impl Panels {
 
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let context = ui.ctx().clone();
-        let [left, right] = side_widths(cx.view, cx.snapshot.has_instruments(), context.content_rect().width());
-        if left > 0.0 {
-            layout::left(&context, left, |ui| self.show_left(ui, cx));
+        let widths = side_widths(cx.view, cx.snapshot.has_instruments(), context.content_rect().width());
+        let [left, right] = widths;
+        if left > 0.0
+            && let Some(width) = layout::left(&context, widths, |ui| self.show_left(ui, cx))
+        {
+            cx.view.side_widths[0] = width;
         }
-        if right > 0.0 {
-            layout::right(&context, right, |ui| {
-                if cx.view.instruments {
-                    self.plots.show_instruments(ui);
-                    instruments::show(ui, cx);
-                }
-                self.plots.show(ui, cx);
-                if cx.view.right_panel {
-                    self.show_right(ui, cx);
-                }
-            });
+        if right > 0.0
+            && let Some(width) = layout::right(&context, widths, |ui| self.show_right(ui, cx))
+        {
+            cx.view.side_widths[1] = width;
         }
-        if cx.view.info {
-            layout::lower_left(&context, left, |ui| status::show_info(ui, cx));
-        }
-        self.messages.show(&context, cx, [left, right]);
+        self.plots.show_windows(&context);
+        layout::lower_left(&context, left, |ui| status::show_info(ui, cx));
+        self.messages.show(&context, cx, widths);
         panes::show(&context, cx, right);
         timeline::show(&context, cx);
         self.files.show(&context, cx);
@@ -174,17 +177,26 @@ impl Panels {
         if cx.snapshot.model.neq() > 0 {
             layout::section(ui, "Equality constraints", false, |ui| physics::show_equalities(ui, cx));
         }
-        layout::section(ui, "Watch", false, |ui| self.watch.show(ui, cx, self.plots.watched()));
+        layout::section(ui, "Watch", false, |ui| self.watch.show(ui, cx, &mut self.plots));
         layout::section(ui, "Window", false, style::show);
     }
 
     fn show_right(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
+        if cx.view.instruments {
+            self.plots.show_instruments(ui);
+            instruments::show(ui, cx);
+        }
+        self.plots.show(ui, cx);
+        if !cx.view.right_panel {
+            return;
+        }
         layout::section(ui, "Find", true, |ui| self.find.show(ui, cx));
         layout::section(ui, "Selection", true, |ui| state::show_selection(ui, cx));
         if cx.snapshot.model.nu() > 0 {
-            layout::section(ui, "Controls", true, |ui| state::show_controls(ui, cx));
+            layout::section(ui, "Controls", true, |ui| self.controls.show(ui, cx));
         }
-        layout::section(ui, "Joints", true, |ui| state::show_joints(ui, cx));
+        layout::section(ui, "Joints", true, |ui| self.joints.show(ui, cx));
+        layout::section(ui, "Model", false, |ui| self.tree.show(ui, cx));
     }
 }
 

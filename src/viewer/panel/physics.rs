@@ -95,7 +95,7 @@ fn toggles<F: Copy>(
 ) {
     layout::two_columns(ui, flags, |ui, (name, flag)| {
         let mut on = is_on(flag);
-        if ui.checkbox(&mut on, visual::words(name)).changed() {
+        if layout::checkbox(ui, &mut on, &visual::words(name)).changed() {
             toggle(flag);
         }
     });
@@ -106,13 +106,7 @@ pub(super) fn show_equalities(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     for equality in model.equalities() {
         let mut active = cx.predicted.equality(cx.snapshot, equality.id()).unwrap_or_else(|| equality.active());
         let text = format!("{} ({:?})", equality_name(&model, &equality), equality.equality_type());
-        // The box of the checkbox and its margins need up to 1.5 times the height of a row.
-        let shown = layout::fit(ui, &text, ui.available_width() - 1.5 * ui.spacing().interact_size.y).into_owned();
-        let mut checkbox = ui.checkbox(&mut active, &shown);
-        if shown != text {
-            checkbox = checkbox.on_hover_text(text);
-        }
-        if checkbox.changed() {
+        if layout::checkbox(ui, &mut active, &text).changed() {
             cx.send(EndpointRequest::SetEquality(equality.id(), active));
         }
     }

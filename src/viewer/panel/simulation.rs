@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 }
 
 fn buttons(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let paused = pause_button(ui, cx);
         for (text, steps) in [("−50", -50), ("−1", -1), ("+1", 1), ("+50", 50)] {
             if ui.add_enabled(paused, Button::new(text)).clicked() {
@@ -51,7 +51,10 @@ fn pause_button(ui: &mut Ui, cx: &mut PanelContext<'_>) -> bool {
 }
 
 fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    layout::labelled(ui, "model", LABEL_WIDTH, |ui| {
+    ui.horizontal_wrapped(|ui| {
+        // All buttons fit into a row of a panel of the usual width.
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 4.0;
         if ui.button("Open…").on_hover_text("opens a model file").clicked() {
             cx.actions.push(Action::View(ViewAction::Files));
         }
@@ -63,15 +66,16 @@ fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
             cx.send(EndpointRequest::CopyState);
         }
-        if ui.button("Image").on_hover_text("saves a screenshot without the panels").clicked() {
+        if ui.button("Screenshot").on_hover_text("saves a screenshot without the panels").clicked() {
             cx.actions.push(Action::Window(WindowAction::Screenshot));
         }
         let recording = cx.status.recording.is_some();
-        if ui.selectable_label(recording, if recording { "Stop" } else { "Record" }).clicked() {
+        let record = Button::new(if recording { "Stop" } else { "Record" }).selected(recording);
+        if ui.add(record).on_hover_text("records a video without the panels").clicked() {
             cx.actions.push(Action::Window(WindowAction::Record));
         }
     });
-    layout::labelled(ui, "save", LABEL_WIDTH, |ui| {
+    layout::labelled(ui, "save", 28.0, |ui| {
         for (text, file, tooltip) in [
             ("XML", SavedFile::Xml, "the model as XML"),
             ("MJB", SavedFile::Binary, "the model in the engine's binary form"),
@@ -128,20 +132,21 @@ fn noise(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     if cx.snapshot.model.nu() == 0 {
         return;
     }
+    let mut noise = cx.predicted.noise(cx.snapshot);
+    let before = noise;
     layout::labelled(ui, "noise", LABEL_WIDTH, |ui| {
-        let mut noise = cx.predicted.noise(cx.snapshot);
-        let deviation = DragValue::new(&mut noise.deviation).speed(0.002).range(0.0..=2.0).max_decimals(3);
-        let changed = ui
-            .add(deviation)
-            .on_hover_text("standard deviation of the noise on the controls, in half ranges; 0 for none")
-            .changed();
-        let time =
-            DragValue::new(&mut noise.correlation_time).speed(0.01).range(0.0..=10.0).max_decimals(3).suffix(" s");
-        let changed = ui.add(time).on_hover_text("correlation time of the noise").changed() || changed;
-        if changed {
-            cx.send(SimulationRequest::SetNoise(noise));
-        }
+        ui.add(DragValue::new(&mut noise.deviation).speed(0.002).range(0.0..=2.0).max_decimals(3))
+            .on_hover_text("standard deviation of the noise on the controls; 0 for none");
+        ui.label(RichText::new("of half the range").weak());
     });
+    layout::labelled(ui, "", LABEL_WIDTH, |ui| {
+        let time = &mut noise.correlation_time;
+        ui.add(DragValue::new(time).speed(0.01).range(0.0..=10.0).max_decimals(3).suffix(" s"));
+        ui.label(RichText::new("correlation time").weak());
+    });
+    if noise != before {
+        cx.send(SimulationRequest::SetNoise(noise));
+    }
 }
 
 /// Width of the labels, points.

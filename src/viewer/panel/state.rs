@@ -4,13 +4,12 @@ use std::f64::consts::PI;
 
 use egui::{DragValue, Grid, RichText, Ui};
 
+use super::names::NameList;
 use super::{PanelContext, display_name, layout, style};
 use crate::enums::JointType;
 use crate::id::JointId;
+use crate::model::Model;
 use crate::viewer::link::EndpointRequest;
-
-/// Width of the labels, points.
-const LABEL_WIDTH: f32 = 88.0;
 
 pub(super) fn show_selection(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let Some(selected) = cx.snapshot.selected else {
@@ -45,70 +44,112 @@ pub(super) fn show_selection(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     });
 }
 
-pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    if ui.button("Set all to zero").clicked() {
-        cx.send(EndpointRequest::ClearControls);
-    }
-    let (model, snapshot) = (cx.snapshot.model.clone(), cx.snapshot);
-    let controls = model.actuators().flat_map(|actuator| actuator.controls().map(move |control| (actuator, control)));
-    for ((actuator, control), &ctrl) in controls.zip(&snapshot.ctrl) {
-        let is_limited = model.actuator_ctrllimited()[control] != 0;
-        let [low, high] = if is_limited { model.actuator_ctrlrange()[control] } else { [-1.0, 1.0] };
-        let number = control - actuator.controls().start;
-        let mut name = display_name(actuator.name(), actuator.index());
-        if actuator.controls().len() > 1 {
-            name = format!("{name} [{number}]");
+/// Panel of the controls.
+#[derive(Default)]
+pub(super) struct ControlsPanel {
+    names: NameList,
+}
+
+impl ControlsPanel {
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
+        if ui.button("Set all to zero").clicked() {
+            cx.send(EndpointRequest::ClearControls);
         }
-        layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
-            let mut value = cx.predicted.control(snapshot, actuator.id(), number).unwrap_or(ctrl);
-            let range = low.min(value)..=high.max(value);
-            let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
-            #[cfg(feature = "_test-hooks")]
-            crate::viewer::test_hooks::add_slider(&slider, ui);
-            if slider.changed() {
-                cx.send(EndpointRequest::SetControl(actuator.id(), number, value));
-            }
-        });
+        let (model, snapshot) = (cx.snapshot.model.clone(), cx.snapshot);
+        self.names.update(snapshot.generation, || control_names(&model));
+        self.names.show_filter(ui);
+        let width = layout::name_width(ui);
+        let controls =
+            model.actuators().flat_map(|actuator| actuator.controls().map(move |control| (actuator, control)));
+        for (index, ((actuator, control), &ctrl)) in controls.zip(&snapshot.ctrl).enumerate() {
+            let Some(name) = self.names.get(index) else { continue };
+            let is_limited = model.actuator_ctrllimited()[control] != 0;
+            let [low, high] = if is_limited { model.actuator_ctrlrange()[control] } else { [-1.0, 1.0] };
+            let number = control - actuator.controls().start;
+            layout::named(ui, name, width, |ui| {
+                let mut value = cx.predicted.control(snapshot, actuator.id(), number).unwrap_or(ctrl);
+                let range = low.min(value)..=high.max(value);
+                let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
+                #[cfg(feature = "_test-hooks")]
+                crate::viewer::test_hooks::add_slider(&slider, ui);
+                if slider.changed() {
+                    cx.send(EndpointRequest::SetControl(actuator.id(), number, value));
+                }
+            });
+        }
     }
 }
 
-pub(super) fn show_joints(ui: &mut Ui, cx: &mut PanelContext<'_>) {
-    let (model, snapshot, editable) = (cx.snapshot.model.clone(), cx.snapshot, cx.is_editable());
-    if !editable {
-        ui.label(RichText::new("pause to edit").small().weak());
-    }
-    for joint in model.joints() {
-        let name = display_name(joint.name(), joint.index());
-        // Only a snapshot whose values and model do not match has no such element.
-        let Some(qpos) = snapshot.qpos.get(joint.qpos_range()) else { return };
-        let unlimited = match joint.joint_type() {
-            JointType::Hinge => PI,
-            JointType::Slide => 1.0,
-            JointType::Free | JointType::Ball => {
-                show_elements(ui, cx, &name, joint.id(), qpos, editable);
-                continue;
-            }
-        };
-        let [low, high] = if joint.limited() { *joint.range() } else { [-unlimited, unlimited] };
-        layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
-            let mut value = cx.predicted.position(snapshot, joint.id(), 0).unwrap_or(qpos[0]);
-            let range = low.min(value)..=high.max(value);
-            if ui.add_enabled(editable, layout::slider(&mut value, range).fixed_decimals(3)).changed() {
-                cx.send(EndpointRequest::SetPosition(joint.id(), 0, value));
-            }
+/// Returns a name for each control.
+fn control_names(model: &Model) -> Vec<String> {
+    let names = model.actuators().flat_map(|actuator| {
+        let name = display_name(actuator.name(), actuator.index());
+        let count = actuator.controls().len();
+        (0..count).map(move |number| if count > 1 { format!("{name} [{number}]") } else { name.clone() })
+    });
+    names.collect()
+}
+
+/// Panel of the positions of the joints.
+#[derive(Default)]
+pub(super) struct JointsPanel {
+    names: NameList,
+}
+
+impl JointsPanel {
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
+        let (model, snapshot, editable) = (cx.snapshot.model.clone(), cx.snapshot, cx.is_editable());
+        if !editable {
+            ui.label(RichText::new("pause to edit").small().weak());
+        }
+        self.names.update(snapshot.generation, || {
+            model.joints().map(|joint| display_name(joint.name(), joint.index())).collect()
         });
+        self.names.show_filter(ui);
+        let width = layout::name_width(ui);
+        for joint in model.joints() {
+            let Some(name) = self.names.get(joint.index()) else { continue };
+            // Only a snapshot whose values and model do not match has no such element.
+            let Some(qpos) = snapshot.qpos.get(joint.qpos_range()) else { return };
+            let unlimited = match joint.joint_type() {
+                JointType::Hinge => PI,
+                JointType::Slide => 1.0,
+                JointType::Free | JointType::Ball => {
+                    show_elements(ui, cx, name, joint.id(), qpos, editable);
+                    continue;
+                }
+            };
+            let [low, high] = if joint.limited() { *joint.range() } else { [-unlimited, unlimited] };
+            layout::named(ui, name, width, |ui| {
+                let mut value = cx.predicted.position(snapshot, joint.id(), 0).unwrap_or(qpos[0]);
+                let range = low.min(value)..=high.max(value);
+                if ui.add_enabled(editable, layout::slider(&mut value, range).fixed_decimals(3)).changed() {
+                    cx.send(EndpointRequest::SetPosition(joint.id(), 0, value));
+                }
+            });
+        }
     }
 }
 
 /// Shows the elements of a position and a quaternion.
-fn show_elements(ui: &mut Ui, cx: &mut PanelContext<'_>, name: &str, joint: JointId, qpos: &[f64], editable: bool) {
-    ui.label(name);
+fn show_elements(
+    ui: &mut Ui,
+    cx: &mut PanelContext<'_>,
+    [short, full]: [&str; 2],
+    joint: JointId,
+    qpos: &[f64],
+    editable: bool,
+) {
+    let label = ui.label(short);
+    if short != full {
+        label.on_hover_text(full);
+    }
     let split = if qpos.len() == 7 { 3 } else { 0 };
     for (what, part) in [("position", 0..split), ("rotation", split..qpos.len())] {
         if part.is_empty() {
             continue;
         }
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.label(RichText::new(what).small().weak());
             for index in part {
@@ -157,7 +198,8 @@ impl KeyframesPanel {
             });
         }
         ui.horizontal(|ui| {
-            ui.add(egui::TextEdit::singleline(&mut self.name).desired_width(130.0).hint_text("name"));
+            let width = ui.available_width() - 96.0;
+            layout::text_field(ui, &mut self.name, "name", width);
             if ui.button("Capture state").clicked() {
                 let name = std::mem::take(&mut self.name);
                 cx.send(EndpointRequest::SaveKey((!name.is_empty()).then_some(name)));

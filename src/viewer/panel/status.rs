@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Ui};
+use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Sense, Ui};
 
 use super::layout::GAP;
 use super::visual::camera_name;
@@ -16,15 +16,49 @@ const ROW_HEIGHT: f32 = 15.0;
 /// Time without a frame after which the refresh rate is shown as idle.
 const IDLE_TIME: Duration = Duration::from_millis(600);
 
+/// Shows a line with the state of the simulation, or its details.
 pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
-    let (snapshot, options, status) = (cx.snapshot, &cx.view.options, cx.status);
-    if status.rate.is_some() {
+    let (snapshot, status) = (cx.snapshot, cx.status);
+    let is_moving = snapshot.status != Status::Paused;
+    if status.rate.is_some() && (cx.view.details || is_moving) {
         // One more frame after the last change updates the rate.
         ui.ctx().request_repaint_after(IDLE_TIME);
     }
+    if cx.view.details {
+        show_details(ui, cx);
+        return;
+    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 10.0;
+        ui.label(match snapshot.status {
+            Status::Paused => "Paused",
+            Status::Running => "Running",
+            Status::Reversed => "Reversed",
+            Status::Program => "Program",
+        });
+        // A monospace font keeps the width of the panel constant while digits change.
+        ui.monospace(format!("{:.2} s", snapshot.time));
+        if is_moving && snapshot.speed.measured > 0.0 {
+            ui.monospace(format!("{:.2}x", snapshot.speed.measured));
+        }
+        if let Some(rate) = status.rate.filter(|_| is_moving) {
+            ui.monospace(rate_text(rate));
+        }
+        if !is_moving {
+            ui.label(RichText::new("F1 help   F2 details").small().weak());
+        }
+    });
+}
+
+/// Returns a refresh rate.
+fn rate_text(rate: f64) -> String {
+    if rate >= 9.5 { format!("{rate:.0} Hz") } else { format!("{rate:.1} Hz") }
+}
+
+fn show_details(ui: &mut Ui, cx: &PanelContext<'_>) {
+    let (snapshot, options, status) = (cx.snapshot, &cx.view.options, cx.status);
     let rate = match (status.rate, snapshot.status) {
-        (Some(rate), _) if rate >= 9.5 => format!("{rate:.0} Hz"),
-        (Some(rate), _) => format!("{rate:.1} Hz"),
+        (Some(rate), _) => rate_text(rate),
         // The window is idle between two changes of the state.
         (None, Status::Running | Status::Reversed) => "below 2 Hz".to_owned(),
         (None, Status::Paused | Status::Program) => "idle".to_owned(),
@@ -160,7 +194,7 @@ impl Messages {
                 layout::frame(context).show(ui, |ui| {
                     ui.set_max_width(width);
                     if let Some(frames) = recording {
-                        ui.label(RichText::new(format!("● recording, {frames} frames")).color(style::failure(ui)));
+                        show_recording(ui, frames);
                     }
                     if let Some(path) = loading {
                         ui.label(RichText::new(format!("loading {path}…")).color(style::accent(ui)));
@@ -175,6 +209,16 @@ impl Messages {
                 });
             });
     }
+}
+
+/// Shows a red dot and the number of frames of a recording.
+fn show_recording(ui: &mut Ui, frames: u64) {
+    ui.horizontal(|ui| {
+        let side = ui.spacing().interact_size.y;
+        let (place, _) = ui.allocate_exact_size(egui::vec2(0.6 * side, side), Sense::hover());
+        ui.painter().circle_filled(place.center(), 0.25 * side, style::failure(ui));
+        ui.label(RichText::new(format!("recording, {frames} frames")).color(style::failure(ui)));
+    });
 }
 
 /// Maximum number of columns of tables in the help.

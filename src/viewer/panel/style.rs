@@ -11,18 +11,21 @@ const SCALES: std::ops::RangeInclusive<f64> = 0.25..=4.0;
 /// Factor of a step of the scale.
 const SCALE_STEP: f64 = 1.1;
 
+/// Number of colours of curves.
+pub(super) const CURVE_COLORS: usize = 8;
+
 /// Palettes of the curves on a dark and on a light background: distinguishable with colour
 /// blindness (Okabe and Ito, 2008), brightened or darkened.
-const CURVES: [[Color32; 8]; 2] = [
+const CURVES: [[Color32; CURVE_COLORS]; 2] = [
     [
         Color32::from_rgb(86, 180, 233),
         Color32::from_rgb(230, 159, 0),
         Color32::from_rgb(0, 190, 140),
         Color32::from_rgb(240, 228, 66),
-        Color32::from_rgb(213, 94, 0),
-        Color32::from_rgb(204, 121, 167),
-        Color32::from_rgb(60, 120, 220),
-        Color32::from_rgb(200, 200, 200),
+        Color32::from_rgb(235, 105, 30),
+        Color32::from_rgb(224, 140, 186),
+        Color32::from_rgb(120, 140, 255),
+        Color32::from_rgb(210, 210, 210),
     ],
     [
         Color32::from_rgb(40, 130, 185),
@@ -36,11 +39,9 @@ const CURVES: [[Color32; 8]; 2] = [
     ],
 ];
 
-/// Returns the colour of a curve. Curves beyond the palette repeat it with weaker colours.
+/// Returns the colour of a curve. Curves beyond the palette repeat it, with dashed lines.
 pub(super) fn curve_color(ui: &Ui, index: usize) -> Color32 {
-    let palette = CURVES[usize::from(!ui.visuals().dark_mode)];
-    let color = palette[index % palette.len()];
-    if index < palette.len() { color } else { color.gamma_multiply(0.55) }
+    CURVES[usize::from(!ui.visuals().dark_mode)][index % CURVE_COLORS]
 }
 
 /// Returns the colour of headings and active elements.
@@ -63,7 +64,7 @@ const LABEL_WIDTH: f32 = 56.0;
 
 /// Shows the theme and the scale of the panels.
 pub(super) fn show(ui: &mut Ui) {
-    let before = (theme(ui.ctx()), f64::from(ui.ctx().zoom_factor()));
+    let before = style_of(ui.ctx());
     let (mut theme, mut scale) = before;
     layout::labelled(ui, "theme", LABEL_WIDTH, |ui| {
         ui.selectable_value(&mut theme, Theme::Dark, "dark");
@@ -85,12 +86,13 @@ pub(super) fn show(ui: &mut Ui) {
     }
 }
 
-/// Returns the theme of the panels.
-fn theme(context: &Context) -> Theme {
-    match context.theme() {
+/// Returns the theme and the scale of the panels.
+pub fn style_of(context: &Context) -> (Theme, f64) {
+    let theme = match context.theme() {
         egui::Theme::Dark => Theme::Dark,
         egui::Theme::Light => Theme::Light,
-    }
+    };
+    (theme, context.zoom_factor().into())
 }
 
 /// Applies the style of the panels, at a scale relative to the scale of the display.

@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     layout::two_columns(ui, flags, |ui, (flag, binding)| {
         let mut on = options.flags.contains(flag);
         let text = words(&flag.iter_names().map(|(name, _)| name).collect::<String>());
-        if ui.checkbox(&mut on, text).on_hover_text(format!("{} ({})", binding.help, binding.key)).changed() {
+        if layout::checkbox(ui, &mut on, &text).on_hover_text(format!("{} ({})", binding.help, binding.key)).changed() {
             options.flags.set(flag, on);
         }
     });
@@ -143,7 +143,7 @@ pub(super) fn show_rendering(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     }
     layout::two_columns(ui, RenderFlags::all().iter_names(), |ui, (name, flag)| {
         let mut on = cx.view.render.contains(flag);
-        if ui.checkbox(&mut on, words(name)).changed() {
+        if layout::checkbox(ui, &mut on, &words(name)).changed() {
             cx.view.render.set(flag, on);
         }
     });

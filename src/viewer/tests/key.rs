@@ -214,7 +214,7 @@ fn panels_and_plots_are_toggled() {
     type Shown = fn(&Bench) -> bool;
     let mut bench = Bench::humanoid();
     let panels: [(Key, Modifiers, Shown); 8] = [
-        (Key::Function(2), NONE, |bench| bench.view.info),
+        (Key::Function(2), NONE, |bench| bench.view.details),
         (Key::Function(3), NONE, |bench| bench.view.profile),
         (Key::Function(4), NONE, |bench| bench.view.sensors),
         (Key::Function(3), SHIFT, |bench| bench.view.instruments),
@@ -441,6 +441,11 @@ fn help_lists_every_binding_of_the_mode() {
             let comma = binding.key == character(',');
             let here = binding.mode.is_none_or(|only| only == mode);
             assert!(comma || listed == here, "{} in {mode}", binding.press());
+        }
+        for section in &sections {
+            for (index, (_, help)) in section.lines.iter().enumerate() {
+                assert!(section.lines[..index].iter().all(|(_, other)| other != help), "{help} is listed twice");
+            }
         }
         assert!(Section::ALL.iter().all(|section| !section.title().is_empty()));
     }

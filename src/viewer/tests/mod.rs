@@ -7,8 +7,10 @@ mod instruments;
 mod key;
 mod mode;
 mod mouse;
+mod panel;
 mod request;
 mod save;
+mod screen;
 mod text_field;
 mod thread;
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::{Bench, trajectories};
 use crate::enums::Integrator;
 use crate::model::EnableFlags;
-use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags, Scene};
+use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags};
+use crate::viewer::endpoint::Watch;
 use crate::viewer::link::{
     EndpointRequest, Event, Kept, Mode, PaneView, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest,
     link,
@@ -163,7 +164,8 @@ fn mocap_body_is_dragged_while_running_and_while_paused() {
     let mut bench = tied();
     let hand = bench.snapshot().model.body("hand").unwrap().id();
     bench.send(EndpointRequest::SelectBody(Some(hand)));
-    bench.send(EndpointRequest::Watch(vec!["mocap_pos[2]".parse().unwrap()]));
+    let height = Watch::parse("mocap_pos[2]", &bench.snapshot().model).unwrap();
+    bench.send(EndpointRequest::Watch(height));
     assert_eq!(bench.snapshot().watched, [2.0]);
     for paused in [true, false] {
         bench.send(Request::Pause(paused));

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use allocation_counter::measure;
 
 use super::{Bench, trajectories};
+use crate::viewer::endpoint::Watch;
 use crate::viewer::handle::ViewerHandle;
 use crate::viewer::link::{
     EndpointRequest, PlaybackRequest, Request, SimulationRequest, Snapshot, Status, WindowEnd, link,
@@ -116,7 +117,7 @@ fn steady_state_frames_do_not_allocate() {
     data.reset_to_key("squat").unwrap();
     let mut handle = ViewerHandle::new(physics);
     let actuator = data.model().actuator(0).unwrap().id();
-    window.send(EndpointRequest::Watch(vec!["qpos[2]".parse().unwrap()]));
+    window.send(EndpointRequest::Watch(Watch::parse("qpos[2]", &sample::humanoid()).unwrap()));
     let mut frame = |data: &mut Data| {
         window.send(EndpointRequest::SetControl(actuator, 0, 0.1));
         data.step().unwrap();

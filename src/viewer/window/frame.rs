@@ -12,6 +12,7 @@ use crate::viewer::link::{Event, Snapshot};
 use crate::viewer::panel::{
     PanelContext, Panels, WindowStatus, has_place_for_sides, limited_scale, side_widths, timeline_height,
 };
+use crate::viewer::remembered::Layout;
 #[cfg(feature = "_test-hooks")]
 use crate::viewer::test_hooks;
 use crate::viewer::view::View;
@@ -123,10 +124,15 @@ impl Session {
         let Some((snapshot, _)) = self.link.latest() else { return };
         self.panels_stale |= snapshot.has_instruments() != had_instruments;
         let view = self.view.get_or_insert_with(|| {
-            let scale = self.window.scale_factor() * limited_scale(self.options.scale);
+            let scale = self.window.scale_factor() * limited_scale(self.layout.scale.unwrap_or(1.0));
             let width = f64::from(self.window.inner_size().width) / scale;
-            let panels = self.options.panels && has_place_for_sides(width as f32);
-            View { left_panel: panels, right_panel: panels, ..View::new(&snapshot.model) }
+            let closed = self.layout.open[..2].iter().filter(|open| **open == Some(false)).count();
+            let panels = self.options.panels.unwrap_or(true) && has_place_for_sides(width as f32, 2 - closed);
+            let mut view = View { left_panel: panels, right_panel: panels, ..View::new(&snapshot.model) };
+            self.layout.apply(&mut view);
+            let size = self.options.size;
+            self.start = Some(Layout { size, ..self.overlay.layout().with_view(&view) });
+            view
         });
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
@@ -318,7 +324,8 @@ impl Session {
             let surface = WindowSurface::new(self.window.clone(), self.surface.has_vsync());
             match surface.and_then(|surface| Ok((Canvas::new(surface.gpu(), surface.format())?, surface))) {
                 Ok((canvas, surface)) => {
-                    self.overlay = Overlay::new(&self.window, surface.gpu().device(), surface.format(), &self.options);
+                    let layout = self.overlay.layout();
+                    self.overlay = Overlay::new(&self.window, surface.gpu().device(), surface.format(), &layout);
                     (self.canvas, self.surface) = (canvas, surface);
                 }
                 Err(error) => {

@@ -21,8 +21,8 @@ use super::pixel_rect::PixelRect;
 use super::shape_changes::{changed_rects, clip, covered_pixels};
 use crate::render::{self, FontFile, Gpu};
 use crate::viewer::input::Modifiers;
-use crate::viewer::options::ViewerOptions;
-use crate::viewer::panel::apply_style;
+use crate::viewer::panel::{Sections, apply_style, style_of};
+use crate::viewer::remembered::Layout;
 
 /// Result of a pass of the panels.
 pub(super) struct PanelPass {
@@ -65,10 +65,11 @@ pub(super) struct Overlay {
 }
 
 impl Overlay {
-    pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, options: &ViewerOptions) -> Self {
+    pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, layout: &Layout) -> Self {
         let context = Context::default();
         context.add_font_provider(Arc::new(font_for));
-        apply_style(&context, options.theme, options.scale);
+        apply_style(&context, layout.theme.unwrap_or_default(), layout.scale.unwrap_or(1.0));
+        Sections::set(&context, layout.sections.clone());
         // egui measures the time between two passes. With a limit, a click during a slow frame
         // would be lost.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
@@ -137,6 +138,13 @@ impl Overlay {
             let widgets = viewport.prev_pass.widgets.get_layer(layer);
             widgets.filter(|widget| widget.interact_rect.contains(position)).last().map(|widget| widget.id)
         })
+    }
+
+    /// Returns the theme, the scale and the sections of the panels.
+    pub fn layout(&self) -> Layout {
+        let (theme, scale) = style_of(&self.context);
+        let sections = Sections::of(&self.context);
+        Layout { theme: Some(theme), scale: Some(scale), sections, ..Layout::default() }
     }
 
     /// Returns the number of pixels per point.

@@ -1,5 +1,6 @@
 //! Session of a window: its state, opening, closing and dispatch of events.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
@@ -7,6 +8,7 @@ use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::keyboard::ModifiersState;
+use winit::monitor::MonitorHandle;
 use winit::window::{Window, WindowId};
 
 use super::Opening;
@@ -28,10 +30,11 @@ use crate::viewer::input::{EventTime, Mouse};
 use crate::viewer::link::{PredictedState, Snapshot, WindowEnd};
 use crate::viewer::options::ViewerOptions;
 use crate::viewer::panel::Panels;
+use crate::viewer::remembered::Layout;
 use crate::viewer::view::View;
 
 /// Size of a window if no monitor reports its size.
-const DEFAULT_SIZE: [u32; 2] = [1280, 720];
+const DEFAULT_SIZE: [usize; 2] = [1280, 720];
 
 /// Window with its surface, its panels and its end of the link.
 pub(super) struct Session {
@@ -51,6 +54,12 @@ pub(super) struct Session {
     pub link: WindowEnd,
     pub waker: Waker,
     pub options: ViewerOptions,
+    /// File that remembers the layout, if the window does.
+    remembered: Option<PathBuf>,
+    /// Layout of the previous window, or of the options.
+    pub layout: Layout,
+    /// Layout at the start.
+    pub start: Option<Layout>,
     /// `None` before the first snapshot.
     pub view: Option<View>,
     /// Generation of the model to which the view belongs.
@@ -120,9 +129,21 @@ impl Session {
         let Opening { waker, link, mut options, result } = opening;
         let registration = OpenWindow::register(waker.proxy())?;
         let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
-        let two_thirds = |size: PhysicalSize<u32>| [2 * size.width / 3, 2 * size.height / 3];
-        let default = monitor.as_ref().map(|monitor| two_thirds(monitor.size())).filter(|size| !size.contains(&0));
-        let size = *options.size.get_or_insert(default.unwrap_or(DEFAULT_SIZE).map(|length| length as usize));
+        let available = monitor.as_ref().map(MonitorHandle::size).filter(|size| size.width > 0 && size.height > 0);
+        let available = available.map(|size| [size.width, size.height].map(|length| length as usize));
+        let remembered = options.layout_file().map(Path::to_owned);
+        let layout = match &remembered {
+            Some(path) => Layout::read(path),
+            None => Layout { theme: options.theme, scale: options.scale, ..Layout::default() },
+        };
+        let default = layout.size.unwrap_or(available.map_or(DEFAULT_SIZE, |size| size.map(|length| 17 * length / 20)));
+        let size = match (options.size, available) {
+            (Some(size), _) => size,
+            // The monitor may be smaller than that of the previous window.
+            (None, Some(available)) => [default[0].min(available[0]), default[1].min(available[1])],
+            (None, None) => default,
+        };
+        options.size = Some(size);
         let size = size.map(|length| length as u32);
         let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz()).map(|rate| f64::from(rate) / 1000.0);
 
@@ -131,7 +152,7 @@ impl Session {
         let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(message_of(&error)))?;
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
-        let overlay = Overlay::new(&window, surface.gpu().device(), surface.format(), &options);
+        let overlay = Overlay::new(&window, surface.gpu().device(), surface.format(), &layout);
         let canvas = Canvas::new(surface.gpu(), surface.format())?;
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
@@ -150,6 +171,9 @@ impl Session {
             link,
             waker,
             options,
+            remembered,
+            layout,
+            start: None,
             view: None,
             generation: 0,
             panels,
@@ -196,12 +220,26 @@ impl Session {
         if let Err(problem) = self.finish_recording() {
             log::error!("{problem}");
         }
+        self.remember_layout();
         self.link.close();
         self.closed = true;
         if !connection_is_lost() {
             // The destruction of the window reaches the server only with the next request, which
             // may never be sent.
             self.window.set_visible(false);
+        }
+    }
+
+    /// Writes what the user has changed to the file of the layout.
+    fn remember_layout(&mut self) {
+        let (Some(path), Some(start), Some(view)) = (self.remembered.take(), &self.start, &self.view) else { return };
+        let is_full = self.window.fullscreen().is_some();
+        let size = (!is_full).then(|| self.surface.size().map(|length| length as usize));
+        let layout = self.layout.changed(start, Layout { size, ..self.overlay.layout().with_view(view) });
+        if layout != self.layout
+            && let Err(error) = layout.write(&path)
+        {
+            log::warn!("the layout is not remembered: {error}");
         }
     }
 
