@@ -207,8 +207,8 @@ impl OutlinePen for Outline {
         self.add(Curve::Quadratic([self.pen, point(cx, cy), point(x, y)]), point(x, y));
     }
 
-    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
-        self.add(Curve::Cubic([self.pen, point(ax, ay), point(bx, by), point(x, y)]), point(x, y));
+    fn curve_to(&mut self, fx: f32, fy: f32, sx: f32, sy: f32, x: f32, y: f32) {
+        self.add(Curve::Cubic([self.pen, point(fx, fy), point(sx, sy), point(x, y)]), point(x, y));
     }
 
     fn close(&mut self) {

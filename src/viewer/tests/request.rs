@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Bench, trajectories};
 use crate::enums::Integrator;
 use crate::model::EnableFlags;
-use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags};
+use crate::scene::{Camera, CameraView, FrameMode, PerturbationFlags, Scene};
 use crate::viewer::endpoint::Watch;
 use crate::viewer::link::{
     EndpointRequest, Event, Kept, Mode, PaneView, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest,
