@@ -7,6 +7,8 @@ use crate::viewer::view::{Pane, PaneKind};
 
 /// Width of the labels, points.
 const LABEL_WIDTH: f32 = 96.0;
+/// Width of the margins of a pane, points.
+const FRAME: f32 = 14.0;
 
 /// Shows which cameras have panes.
 pub(super) fn show_choice(ui: &mut Ui, cx: &mut PanelContext<'_>) {
@@ -45,9 +47,9 @@ pub(super) fn show(context: &Context, cx: &mut PanelContext<'_>, right: f32) {
         let [width, height] = image.size;
         Window::new(title)
             .id(Id::unique(("pane", image.pane)))
-            .default_pos(corner - egui::vec2(width + 14.0, 0.0))
+            .default_pos(corner - egui::vec2(width + FRAME, 0.0))
             .open(&mut open)
-            .resizable(false)
+            .fixed_size([width + FRAME, height])
             .collapsible(false)
             .show(context, |ui| ui.add(Image::new((image.texture.id(), egui::vec2(width, height)))));
         corner.y += height + 42.0;

@@ -86,7 +86,7 @@ impl Panes {
         let renderer = if let Some((_, renderer)) = kept {
             renderer
         } else {
-            let options = RendererOptions::default().with_lighting(self.lighting);
+            let options = RendererOptions::default().with_lighting(self.lighting).with_font_scale(scale.into());
             Renderer::on(gpu, &snapshot.model, size[0], size[1], options)?
         };
         let (_, renderer) = self.renderer.insert((snapshot.generation, renderer));
