@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use super::input::Key;
-use super::remembered::default_file;
 use crate::error::{Error, InvalidKind};
 use crate::macros::with_methods;
 use crate::record::RecorderOptions;
@@ -93,7 +92,7 @@ impl Default for ViewerOptions {
             panels: None,
             theme: None,
             scale: None,
-            layout: default_file(),
+            layout: layout_file(),
             lighting: Lighting::default(),
             file: None,
             watch: true,
@@ -134,6 +133,20 @@ impl ViewerOptions {
         }
         Ok(())
     }
+}
+
+/// Returns the file of the layout in the user's configuration directory, if the system has one.
+fn layout_file() -> Option<PathBuf> {
+    let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let home = || variable("HOME");
+    let directory = if cfg!(windows) {
+        variable("APPDATA")
+    } else if cfg!(target_os = "macos") {
+        home().map(|home| home.join("Library/Application Support"))
+    } else {
+        variable("XDG_CONFIG_HOME").or_else(|| home().map(|home| home.join(".config")))
+    };
+    Some(directory?.join("mujoco-safe/viewer.txt"))
 }
 
 with_methods!(ViewerOptions {

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
 use super::options::Theme;
@@ -159,20 +159,6 @@ impl fmt::Display for Layout {
         }
         f.write_str(&text)
     }
-}
-
-/// Returns the file in the user's configuration directory, if the system has one.
-pub(crate) fn default_file() -> Option<PathBuf> {
-    let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-    let home = || variable("HOME");
-    let directory = if cfg!(windows) {
-        variable("APPDATA")
-    } else if cfg!(target_os = "macos") {
-        home().map(|home| home.join("Library/Application Support"))
-    } else {
-        variable("XDG_CONFIG_HOME").or_else(|| home().map(|home| home.join(".config")))
-    };
-    Some(directory?.join("mujoco-safe/viewer.txt"))
 }
 
 #[cfg(test)]

@@ -52,10 +52,10 @@ pub(super) fn show(ui: &mut Ui, plot: &mut Plot, height: f32, is_window: bool) -
         })])
         .custom_y_axes(vec![AxisHints::new_y().min_thickness(VALUES_WIDTH).label_spacing(LABEL_SPACING).formatter(
             move |mark, range| {
-                // The labels at the ends would touch other labels.
+                // A label at the lower end would touch the label of the first time.
                 let margin = 0.06 * (range.end() - range.start());
-                let is_inside = (range.start() + margin..=range.end() - margin).contains(&mark.value);
-                if is_inside { value_text(mark.value, mark.step_size, is_log) } else { String::new() }
+                let is_apart = mark.value >= range.start() + margin;
+                if is_apart { value_text(mark.value, mark.step_size, is_log) } else { String::new() }
             },
         )])
         .label_formatter(move |position| Some(pointer_text(position, unit, is_log, is_over_iterations)))

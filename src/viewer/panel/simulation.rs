@@ -76,6 +76,8 @@ fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         }
     });
     layout::labelled(ui, "save", 28.0, |ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 4.0;
         for (text, file, tooltip) in [
             ("XML", SavedFile::Xml, "the model as XML"),
             ("MJB", SavedFile::Binary, "the model in the engine's binary form"),
