@@ -108,7 +108,7 @@ impl Viewer {
     /// use mujoco_safe::viewer::Viewer;
     /// # use mujoco_safe::{Data, Trajectory, sample};
     /// # let data = Data::new(sample::humanoid())?;
-    /// # let [free, controlled] = [data.model(); 2].map(Trajectory::new);
+    /// # let [free, controlled] = [data.model(); 2].map(|model| Trajectory::new(model));
     ///
     /// Viewer::new().with_named_trajectories([("free", free), ("LQR", controlled)]).run(data)?;
     /// # Ok::<(), mujoco_safe::viewer::ViewerError>(())

@@ -7,6 +7,7 @@
 //! cargo test --features viewer --test viewer -- --ignored     slow cases
 //! cargo test --features viewer --test viewer -- mouse         cases whose names contain this text
 //! cargo test --features viewer --test viewer -- screenshots DIRECTORY     screenshots of the panels, for visual inspection
+//! cargo test --features viewer --test viewer -- screenshots DIRECTORY sizes     those of windows of several sizes, or of another group
 //! cargo test --features viewer --test viewer -- processor                 processor time while paused, with a moving pointer, and running
 //! ```
 
@@ -112,8 +113,8 @@ fn main() -> ExitCode {
             launch::exit_while_drawing();
             ExitCode::FAILURE
         }
-        ["draw", directory] => {
-            screenshots::draw(Path::new(directory));
+        ["draw", directory, ref groups @ ..] => {
+            screenshots::draw(Path::new(directory), groups);
             ExitCode::SUCCESS
         }
         ["lose", function, server, directory] => {
@@ -124,7 +125,7 @@ fn main() -> ExitCode {
             processor::measure();
             ExitCode::SUCCESS
         }
-        ["screenshots", directory] => run_on_display(&["draw", directory]),
+        ["screenshots", directory, ref groups @ ..] => run_on_display(&[&["draw", directory], groups].concat()),
         ["processor"] => run_on_display(&["measure"]),
         _ if words.contains(&"--list") => {
             CASES.iter().chain(SLOW).chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));

@@ -22,19 +22,28 @@ const WIDE: [u32; 2] = [1280, 720];
 /// Simulated time of the pictures of a running simulation, s.
 const RUN_TIME: f64 = 1.0;
 
-/// Saves all pictures in a directory.
-pub fn draw(directory: &Path) {
+/// Groups of pictures.
+const GROUPS: &[(&str, fn(&Path))] = &[
+    ("panes", draw_panes),
+    ("balance", draw_balance),
+    ("modes", draw_modes),
+    ("left_panel", draw_left_panel),
+    ("physics", draw_physics),
+    ("appearance", draw_appearance),
+    ("controller", draw_controller),
+    ("program", draw_program),
+    ("light", draw_light),
+    (SIZES, draw_sizes),
+];
+/// Group that only inspection needs.
+const SIZES: &str = "sizes";
+
+/// Saves the pictures of some groups in a directory, or those of the documentation if no group is
+/// given.
+pub fn draw(directory: &Path, groups: &[&str]) {
     std::fs::create_dir_all(directory).unwrap();
-    draw_panes(directory);
-    draw_balance(directory);
-    draw_modes(directory);
-    draw_left_panel(directory);
-    draw_physics(directory);
-    draw_appearance(directory);
-    draw_controller(directory);
-    draw_program(directory);
-    draw_light(directory);
-    draw_sizes(directory);
+    let is_wanted = |name: &str| if groups.is_empty() { name != SIZES } else { groups.contains(&name) };
+    GROUPS.iter().filter(|(name, _)| is_wanted(name)).for_each(|(_, draw)| draw(directory));
 }
 
 /// Saves a picture of the window after its last event.
@@ -184,6 +193,9 @@ fn draw_panes(directory: &Path) {
         (0..2).for_each(|_| input.key("bracketright"));
         save(directory, "panes");
         input.key("ctrl+o");
+        wait_until("the panel of files is open", || state().editing);
+        input.key("ctrl+a");
+        input.write("/usr/share/mujoco/model/");
         save(directory, "files");
     });
 }
