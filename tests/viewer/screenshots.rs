@@ -197,6 +197,9 @@ fn draw_panes(directory: &Path) {
         input.key("ctrl+a");
         input.write("/usr/share/mujoco/model/");
         save(directory, "files");
+        // The text field receives the keys.
+        input.key("Escape");
+        wait_until("the panel of files is closed", || !state().editing);
     });
 }
 
