@@ -22,8 +22,11 @@ const WIDE: [u32; 2] = [1280, 720];
 /// Simulated time of the pictures of a running simulation, s.
 const RUN_TIME: f64 = 1.0;
 
+/// Saves the pictures of a group in a directory.
+type Draw = fn(&Path);
+
 /// Groups of pictures.
-const GROUPS: &[(&str, fn(&Path))] = &[
+const GROUPS: &[(&str, Draw)] = &[
     ("panes", draw_panes),
     ("balance", draw_balance),
     ("modes", draw_modes),
