@@ -7,7 +7,7 @@
 //! cargo test --features viewer --test viewer -- --ignored     slow cases
 //! cargo test --features viewer --test viewer -- mouse         cases whose names contain this text
 //! cargo test --features viewer --test viewer -- screenshots DIRECTORY     screenshots of the panels, for visual inspection
-//! cargo test --features viewer --test viewer -- screenshots DIRECTORY sizes     those of windows of several sizes, or of another group
+//! cargo test --features viewer --test viewer -- screenshots DIRECTORY sizes     a group of them
 //! cargo test --features viewer --test viewer -- processor                 processor time while paused, with a moving pointer, and running
 //! ```
 

@@ -53,7 +53,7 @@ pub(crate) enum SimulationRequest {
     Load(SharedModel, Kept),
 }
 
-/// What remains when the model is replaced.
+/// What a simulation keeps when its model is replaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kept {
     /// Nothing: another file was loaded.

@@ -52,11 +52,7 @@ impl FilesPanel {
         if opened {
             let directory = self.recent.first().and_then(|file| file.parent()).map(Path::to_owned);
             let directory = directory.or_else(|| std::env::current_dir().ok()).unwrap_or_default();
-            self.text = directory.display().to_string();
-            if !self.text.ends_with(is_separator) {
-                self.text.push(MAIN_SEPARATOR);
-            }
-            self.listing = Listing::of(&self.text);
+            self.list(directory.display().to_string());
         }
         if self.shown {
             layout::center(context, "files", |ui| self.show_open(ui, cx, opened));
@@ -112,15 +108,20 @@ impl FilesPanel {
         }
     }
 
+    /// Lists a directory.
+    fn list(&mut self, directory: String) {
+        self.text = directory;
+        if !self.text.ends_with(is_separator) {
+            self.text.push(MAIN_SEPARATOR);
+        }
+        self.listing = Listing::of(&self.text);
+    }
+
     /// Opens a file, or lists a directory.
     fn choose(&mut self, ui: &Ui, cx: &mut PanelContext<'_>, path: String, field: egui::Id) {
         let file = expanded(&path);
         if file.is_dir() {
-            self.text = path;
-            if !self.text.ends_with(is_separator) {
-                self.text.push(MAIN_SEPARATOR);
-            }
-            self.listing = Listing::of(&self.text);
+            self.list(path);
             ui.memory_mut(|memory| memory.request_focus(field));
             move_cursor_to_end(ui, field, &self.text);
         } else {
