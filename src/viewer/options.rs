@@ -48,20 +48,20 @@ pub struct ViewerOptions {
     /// 0.25 to 4 are limited to this range. `None` for the [layout](Self::layout), else 1.
     pub scale: Option<f64>,
     /// Text file in which the window remembers its layout for the next window: open panels and
-    /// sections, widths, theme, scale and size. The default is `mujoco-safe/viewer.txt` in the
-    /// user's configuration directory (`~/.config` on Linux). `None` to remember nothing. If the
-    /// options set the size, the panels, the theme or the scale, the file is neither read nor
-    /// written.
+    /// sections, widths, theme, scale and size, and recent model files. The default is
+    /// `mujoco-safe/viewer.txt` in the user's configuration directory (`~/.config` on Linux).
+    /// `None` to remember nothing. If the options set the size, the panels, the theme or the scale,
+    /// the file is neither read nor written.
     pub layout: Option<PathBuf>,
     /// Frequency of the lighting computation of the scene, as in
     /// [`RendererOptions`](crate::render::RendererOptions::lighting).
     pub lighting: Lighting,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
-    /// Shows changes of the model's file within a second: the simulation
-    /// [adopts](crate::Data::adopt) the new model, and the camera stays. If the file has an error,
-    /// the window shows it, and the previous model runs on. Changes of files that it includes or
-    /// names are not noticed. By default `true`.
+    /// Shows changes of the model's file, and of the files that it includes or names, within a
+    /// second: the simulation [adopts](crate::Data::adopt) the new model, and the camera stays. If
+    /// a file has an error, the window shows it, and the previous model runs on. Changes of meshes
+    /// with `package://` URIs and of more than 1000 files are not noticed. By default `true`.
     pub watch: bool,
     /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is
     /// appended to the name.

@@ -1,10 +1,10 @@
 //! Layout of a window that the next window has too: open panels and sections, widths, theme, scale
-//! and size, in a small text file of the user.
+//! and size, in a small text file of the user. It also has the recent model files.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::options::Theme;
@@ -28,6 +28,8 @@ pub(crate) struct Layout {
     pub widths: Option<[f32; 2]>,
     /// Sections that the user has opened or closed, by title.
     pub sections: BTreeMap<String, bool>,
+    /// Recent model files, the newest first.
+    pub recent: Vec<PathBuf>,
 }
 
 /// Names of the panels in the file.
@@ -89,6 +91,7 @@ impl Layout {
             open,
             widths: part(self.widths, start.widths, end.widths),
             sections: end.sections,
+            recent: end.recent,
         }
     }
 
@@ -120,6 +123,7 @@ impl Layout {
                     layout.widths =
                         pair(value).filter(|widths: &[f32; 2]| widths.iter().all(|width| width.is_finite()));
                 }
+                "recent" => layout.recent.push(value.into()),
                 _ => match (PANELS.iter().position(|panel| *panel == key), key.strip_prefix("section ")) {
                     (Some(panel), _) => layout.open[panel] = open,
                     (None, Some(section)) => layout.sections.extend(open.map(|open| (section.to_owned(), open))),
@@ -157,6 +161,11 @@ impl fmt::Display for Layout {
         for (section, open) in &self.sections {
             line(&format!("section {section}"), Some(state(*open)))?;
         }
+        // A path that is no line of text is not remembered.
+        let texts = self.recent.iter().filter_map(|path| path.to_str());
+        for path in texts.filter(|path| path.trim() == *path && !path.contains(['\n', '\r'])) {
+            line("recent", Some(path.to_owned()))?;
+        }
         f.write_str(&text)
     }
 }
@@ -181,11 +190,14 @@ mod tests {
             scale: Some(1.1 * 1.1),
             size: Some([1280, 720]),
             sections: [("Physics".to_owned(), true), ("Equality constraints".to_owned(), false)].into(),
+            recent: vec!["/models/a = b.xml".into(), "/models/arm.xml".into()],
             ..Layout::default()
         }
         .with_view(&view);
         layout.write(&path).unwrap();
         assert_eq!(Layout::read(&path), layout);
+        let other = Layout { recent: vec!["/a\nscale = 3".into(), "/b ".into()], ..Layout::default() };
+        assert_eq!(Layout::parse(&other.to_string()), Layout::default());
         let mut other = View::new(&sample::cartpole());
         layout.apply(&mut other);
         assert_eq!(other, view);

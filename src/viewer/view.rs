@@ -188,6 +188,16 @@ impl View {
         Ok(())
     }
 
+    /// Keeps the panes of a model that is replaced whose cameras the new model has by name.
+    pub fn adopt_panes(&mut self, previous: &Model, model: &Model) {
+        self.panes.retain_mut(|pane| {
+            let belongs = pane.camera.lineage() == previous.lineage();
+            let name = if belongs { previous.camera(pane.camera).name() } else { None };
+            let camera = name.and_then(|name| model.camera(name).ok());
+            camera.map(|camera| pane.camera = camera.id()).is_some()
+        });
+    }
+
     /// Resets a camera that belongs to another model.
     fn drop_stale_camera(&mut self, model: &Model) {
         let fits = match self.camera.view {
@@ -209,5 +219,29 @@ impl View {
         let next = (present + step).rem_euclid(model.ncam() as i32 + 1);
         let camera = usize::try_from(next - 1).ok().and_then(|index| model.camera(index).ok());
         self.camera.view = camera.map_or(CameraView::Free, |camera| CameraView::Fixed(camera.id()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_follow_the_names_of_cameras() {
+        let model = |cameras: &str| {
+            let world = cameras.split(' ').map(|name| format!("<camera name='{name}'/>")).collect::<String>();
+            Model::from_xml_str(&format!("<mujoco><worldbody><camera/>{world}</worldbody></mujoco>")).unwrap()
+        };
+        let [old, new, other] = [model("left right"), model("right front"), model("right left")];
+        let mut view = View::new(&old);
+        let pane = |model: &Model, camera: usize, kind| Pane { camera: model.camera(camera).unwrap().id(), kind };
+        view.panes = vec![
+            pane(&old, 0, PaneKind::Colour),
+            pane(&old, 1, PaneKind::Colour),
+            pane(&old, 2, PaneKind::Depth),
+            pane(&other, 1, PaneKind::Depth),
+        ];
+        view.adopt_panes(&old, &new);
+        assert_eq!(view.panes, [pane(&new, 1, PaneKind::Depth)]);
     }
 }

@@ -117,20 +117,26 @@ pub fn remembered() {
     // The screen has 1920 × 1200 pixels.
     show(options(), &|_| assert_eq!((state().size, state().panels[2]), ([1632, 1020], true)));
     assert!(!path.exists(), "nothing was changed");
-    show(options(), &|input| {
+    let model = folder.path().join("cart.xml");
+    show(options().with_file(model.clone()), &|input| {
         input.resize([640, 400]);
         wait_until("the window is resized", || state().size == [640, 400]);
         press(input, "shift+Tab", "the right panel is closed", |state| !state.panels[3]);
         press(input, "F2", "the details are open", |state| state.panels[1]);
+        // Ctrl+Q closes the window also from a text field.
+        press(input, "ctrl+o", "the path of a file is edited", |state| state.editing);
     });
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains("right = closed") && !text.contains("left = "), "{text}");
+    let recent = format!("recent = {}\n", model.display());
+    assert!(text.contains(&recent), "{text}");
     std::fs::write(&path, text + "theme = light\n").unwrap();
     show(options(), &|_| {
         assert_eq!((state().size, &state().panels[1..4]), ([640, 400], &[true, true, false][..]));
         let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
         wait_until("the panel is light", || Screen::read(&framebuffer).pixel([2, 397]).iter().all(|&part| part > 200));
     });
+    assert!(std::fs::read_to_string(&path).unwrap().contains(&recent));
     // The program sets the layout itself.
     show(options().with_size([500, 300]), &|input| {
         assert_eq!((state().size, &state().panels[1..4]), ([500, 300], &[false; 3][..]));

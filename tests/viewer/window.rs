@@ -154,6 +154,17 @@ pub fn changes_of_the_file() {
         assert!(matches!(after.camera.view, CameraView::Fixed(camera) if camera.index() == 0));
         assert_eq!((after.camera.distance, after.time, &after.qpos), (distance, before.time, &before.qpos));
 
+        // The ball moves to a file of its own, which changes.
+        let ball = |added: &str| text("", added);
+        fs::write(folder.path().join("parts.xml"), ball("")).unwrap();
+        fs::write(&path, "<mujoco><include file='parts.xml'/></mujoco>").unwrap();
+        wait_until("the camera is removed", || state().camera.view == CameraView::Free);
+        fs::write(folder.path().join("parts.xml"), ball(block)).unwrap();
+        wait_until("the change of the included file is shown", || state().nbody == 3);
+        fs::write(folder.path().join("parts.xml"), ball("")).unwrap();
+        wait_until("the body is removed again", || state().nbody == 2);
+        assert_eq!((state().time, &state().qpos), (before.time, &before.qpos));
+
         fs::write(&path, "<mujoco><nonsense/></mujoco>").unwrap();
         wait_until("the error is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
         press(input, "Right", "the previous model runs on", |state| state.time > before.time);

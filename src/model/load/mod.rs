@@ -5,6 +5,8 @@ mod misspelling;
 mod options;
 mod package;
 
+#[cfg(feature = "viewer")]
+use std::cell::RefCell;
 use std::ffi::CString;
 use std::path::Path;
 use std::ptr::{self, NonNull};
@@ -15,6 +17,8 @@ use self::compiler::VirtualFiles;
 pub(super) use self::compiler::{XmlState, path_c_string, with_sufficient_stack};
 pub use self::options::LoadOptions;
 use self::package::Resolved;
+#[cfg(feature = "viewer")]
+use super::xml_guard::FoundFiles;
 use super::xml_guard::{self, Files};
 use super::{DisableFlags, Model};
 use crate::data::{Data, Warning};
@@ -101,6 +105,20 @@ impl Model {
         // files of the same name in other directories.
         let text = file::read_regular(path).map_err(Error::file(path))?;
         Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, options)
+    }
+
+    /// Returns the files that a model's text names and that exist, such as includes and meshes,
+    /// until its first error. Files of `package://` URIs are not among them.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn files_of_xml(path: &Path) -> FoundFiles {
+        let found = RefCell::default();
+        if let Ok(text) = file::read_regular(path) {
+            let directory = xml_guard::directory(xml_guard::path_bytes(path));
+            let files = Files { memory: &[], directory, found: Some(&found) };
+            // A load reports the error.
+            let _ = xml_guard::check("", &text, &files);
+        }
+        found.into_inner()
     }
 
     /// Loads a model from MJCF or URDF text.
@@ -225,7 +243,8 @@ impl Model {
         }
         let virtual_files = Self::in_memory(text, files)?;
         let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
-        let sources = Files { memory: &memory, directory: xml_guard::directory(xml_guard::path_bytes(path)) };
+        let directory = xml_guard::directory(xml_guard::path_bytes(path));
+        let sources = Files { memory: &memory, directory, found: None };
         let name = path_c_string(path)?;
         let simulations = xml_guard::check(source_name, text, &sources)?;
         if simulations.may_lack_room {

@@ -1,9 +1,11 @@
 //! Lookup of the files that a text names, by the compiler's rules.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::file;
 
@@ -23,7 +25,12 @@ pub(in crate::model) struct Files<'f> {
     /// Base directory for relative names, with a trailing slash. If empty, the working directory of
     /// the process.
     pub(in crate::model) directory: &'f [u8],
+    /// Receives the paths of the files that are found on disk.
+    pub(in crate::model) found: Option<&'f RefCell<FoundFiles>>,
 }
+
+/// Files on disk that a text names.
+pub(in crate::model) type FoundFiles = BTreeSet<PathBuf>;
 
 /// Result of looking up a file.
 pub(super) enum Found<'f> {
@@ -43,8 +50,12 @@ impl<'f> Files<'f> {
         let is = |name: &str| parts.clone().any(|part| last_part(name.as_bytes()).eq_ignore_ascii_case(part));
         let in_memory = self.memory.iter().filter(|(name, _)| is(name));
         let mut found: Vec<Found<'f>> = in_memory.map(|&(_, content)| Found::Content(Cow::Borrowed(content))).collect();
-        if found.is_empty() || cfg!(engine_since = "2.3.0") {
-            found.extend(on_disk(path));
+        let searched = found.is_empty() || cfg!(engine_since = "2.3.0");
+        if let Some(content) = searched.then(|| on_disk(path)).flatten() {
+            if let Some(files) = self.found {
+                files.borrow_mut().insert(os_path(path).to_owned());
+            }
+            found.push(content);
         }
         found
     }

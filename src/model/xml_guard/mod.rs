@@ -23,6 +23,8 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::rc::Rc;
 
+#[cfg(feature = "viewer")]
+pub(super) use self::files::FoundFiles;
 pub(super) use self::files::{Files, directory, path_bytes};
 pub(super) use self::simulation::{without_constraints, without_simulation};
 pub(super) use self::tags::{Tags, decoded};

@@ -1,5 +1,5 @@
-//! Panel that opens a model file: a path with completion, the files in its directory, and the files
-//! that were loaded in this session.
+//! Panel that opens a model file: a path with completion, the files in its directory, and recent
+//! files.
 
 use std::fs;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf, is_separator};
@@ -38,6 +38,16 @@ struct Listing {
 }
 
 impl FilesPanel {
+    /// Creates the panel with the recent files of an earlier window.
+    pub fn new(mut recent: Vec<PathBuf>) -> Self {
+        recent.truncate(MAX_RECENT);
+        Self { recent, ..Self::default() }
+    }
+
+    pub fn recent(&self) -> &[PathBuf] {
+        &self.recent
+    }
+
     /// Adds a file to the recent files.
     pub fn loaded(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());

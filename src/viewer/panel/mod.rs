@@ -22,7 +22,7 @@ mod tree;
 mod visual;
 mod watch;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::Ui;
 
@@ -119,6 +119,16 @@ impl Panels {
     /// Discards the state that belongs to the previous model.
     pub fn reset_model(&mut self) {
         self.plots = plots::PlotPanel::default();
+    }
+
+    /// Creates the panels of a window with the recent files of an earlier window.
+    pub fn new(recent: Vec<PathBuf>) -> Self {
+        Self { files: files::FilesPanel::new(recent), ..Self::default() }
+    }
+
+    /// Returns the recent files, the newest first.
+    pub fn recent(&self) -> &[PathBuf] {
+        self.files.recent()
     }
 
     /// Adds a file to the recent files.

@@ -93,6 +93,8 @@ fn control_names(model: &Model) -> Vec<String> {
 /// Panel of the positions of the joints.
 #[derive(Default)]
 pub(super) struct JointsPanel {
+    /// Indices of the listed joints, and their names.
+    listed: Vec<usize>,
     names: NameList,
 }
 
@@ -103,12 +105,18 @@ impl JointsPanel {
             ui.label(RichText::new("pause to edit").small().weak());
         }
         self.names.update(snapshot.generation, || {
-            model.joints().map(|joint| display_name(joint.name(), joint.index())).collect()
+            self.listed = listed_joints(&model);
+            let joints = self.listed.iter().filter_map(|&joint| model.joint(joint).ok());
+            joints.map(|joint| display_name(joint.name(), joint.index())).collect()
         });
         self.names.show_filter(ui);
+        let hidden = model.njnt() - self.listed.len();
+        if hidden > 0 {
+            ui.label(RichText::new(format!("without {hidden} joints of flexes")).small().weak());
+        }
         let width = layout::name_width(ui);
-        for joint in model.joints() {
-            let Some(name) = self.names.get(joint.index()) else { continue };
+        for (number, joint) in self.listed.iter().enumerate() {
+            let (Some(name), Ok(joint)) = (self.names.get(number), model.joint(*joint)) else { continue };
             // Only a snapshot whose values and model do not match has no such element.
             let Some(qpos) = snapshot.qpos.get(joint.qpos_range()) else { return };
             let unlimited = match joint.joint_type() {
@@ -129,6 +137,20 @@ impl JointsPanel {
             });
         }
     }
+}
+
+/// Returns the joints of a list: all except the joints of the vertices of flexes, which have no
+/// names and can be thousands.
+fn listed_joints(model: &Model) -> Vec<usize> {
+    let mut is_vertex = vec![false; model.nbody()];
+    #[cfg(engine_since = "3.0.0")]
+    for &body in model.flex_vertbodyid() {
+        is_vertex[body.max(0) as usize] = true;
+    }
+    // Vertices can also be on the world, and on bodies with other joints, which have names.
+    is_vertex[0] = false;
+    let joints = model.joints().filter(|joint| joint.name().is_some() || !is_vertex[joint.body().index()]);
+    joints.map(|joint| joint.index()).collect()
 }
 
 /// Shows the elements of a position and a quaternion.
@@ -205,5 +227,26 @@ impl KeyframesPanel {
                 cx.send(EndpointRequest::SaveKey((!name.is_empty()).then_some(name)));
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_of_flexes_are_not_listed() {
+        let cloth = r#"<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" dim="2" radius=".01"/>"#;
+        let text = |flex: &str| {
+            format!(
+                r#"<mujoco><worldbody>{flex}<body><joint/><joint name="x" type="slide"/><geom size=".1"/></body>
+                </worldbody></mujoco>"#
+            )
+        };
+        assert_eq!(listed_joints(&Model::from_xml_str(&text("")).unwrap()), [0, 1]);
+        if cfg!(engine_since = "3.0.0") {
+            let model = Model::from_xml_str(&text(cloth)).unwrap();
+            assert_eq!((model.njnt(), listed_joints(&model)), (29, vec![27, 28]));
+        }
     }
 }

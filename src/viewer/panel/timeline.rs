@@ -94,8 +94,10 @@ fn track_of(ui: &mut Ui, cx: &mut PanelContext<'_>, bar: Rect) {
         let at = x(tick.position);
         painter.vline(at, track.bottom() + 2.0..=track.bottom() + 5.0, Stroke::new(1.0, weak));
         if at - free >= TICK_DISTANCE {
-            let text = seconds(tick.time, interval);
-            painter.text(egui::pos2(at, track.bottom() + 5.0), Align2::CENTER_TOP, text, font.clone(), weak);
+            let label = painter.layout_no_wrap(seconds(tick.time, interval), font.clone(), weak);
+            // The first label stays in the window.
+            let left = (at - label.size().x / 2.0).max(bar.left() - MARGIN);
+            painter.galley(egui::pos2(left, track.bottom() + 5.0), label, weak);
             free = at;
         }
     }

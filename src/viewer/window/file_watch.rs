@@ -1,5 +1,6 @@
-//! Detection of changes of the model's file.
+//! Detection of changes of the model's file, and of the files that it includes or names.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,12 +9,15 @@ use std::time::{Duration, SystemTime};
 use std::{fs, io, thread};
 
 use super::wake::Waker;
+use crate::model::Model;
 
 /// Time between two looks at the file.
 const PERIOD: Duration = Duration::from_millis(200);
+/// Maximum number of files.
+const MOST_FILES: usize = 1000;
 
-/// Thread that looks at a file, and wakes the window after it was changed. It ends when this is
-/// dropped.
+/// Thread that looks at a model's files, and wakes the window after one was changed. It ends when
+/// this is dropped.
 pub(super) struct FileWatch {
     path: PathBuf,
     is_changed: Arc<AtomicBool>,
@@ -21,24 +25,29 @@ pub(super) struct FileWatch {
 }
 
 impl FileWatch {
-    /// Starts to watch a file, from its present content.
+    /// Starts to watch the files of a model, from their present contents.
     pub fn start(path: &Path, waker: Waker) -> io::Result<Self> {
         let (end, ended) = mpsc::channel::<()>();
         let is_changed = Arc::new(AtomicBool::new(false));
         let watch = Self { path: path.to_owned(), is_changed: is_changed.clone(), _end: end };
         let file = path.to_owned();
-        let mut known = stamp(&file);
-        let mut last = known;
         thread::Builder::new().name("file watch".to_owned()).spawn(move || {
+            let mut others = Model::files_of_xml(&file);
+            let mut known = stamps(&file, &others);
+            let mut last = known.clone();
             while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
-                let present = stamp(&file);
+                let present = stamps(&file, &others);
                 // A file that is being written changes between two looks, and may not exist in one.
-                if present.is_some() && present != known && present == last {
-                    known = present;
+                if present[0].is_some() && present != known && present == last {
+                    // After an error, the text names only a part of its files.
+                    others.extend(Model::files_of_xml(&file));
+                    known = stamps(&file, &others);
+                    last = known.clone();
                     is_changed.store(true, Ordering::SeqCst);
                     waker.wake();
+                } else {
+                    last = present;
                 }
-                last = present;
             }
         })?;
         Ok(watch)
@@ -52,6 +61,11 @@ impl FileWatch {
     pub fn take_change(&self) -> bool {
         self.is_changed.swap(false, Ordering::SeqCst)
     }
+}
+
+/// Returns the stamps of a model's file and of others.
+fn stamps(file: &Path, others: &BTreeSet<PathBuf>) -> Vec<Option<(SystemTime, u64)>> {
+    std::iter::once(stamp(file)).chain(others.iter().take(MOST_FILES).map(|other| stamp(other))).collect()
 }
 
 /// Returns the time of the last modification and the size of a file, or `None` if it does not

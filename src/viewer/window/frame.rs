@@ -121,6 +121,7 @@ impl Session {
     /// Takes the newest snapshot, and resets the view and the panels if its model was replaced.
     pub(super) fn update_model(&mut self) {
         let had_instruments = self.link.current().is_some_and(Snapshot::has_instruments);
+        let previous = self.link.current().map(|snapshot| snapshot.model.clone());
         let Some((snapshot, _)) = self.link.latest() else { return };
         self.panels_stale |= snapshot.has_instruments() != had_instruments;
         let view = self.view.get_or_insert_with(|| {
@@ -137,7 +138,9 @@ impl Session {
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
             view.camera = snapshot.camera;
-            view.panes.clear();
+            if let Some(previous) = previous {
+                view.adopt_panes(&previous, &snapshot.model);
+            }
             self.panels.reset_model();
             self.panels_stale = true;
         }

@@ -84,16 +84,19 @@ impl Session {
     }
 
     fn press_key(&mut self, event: &KeyEvent) {
-        if event.state != ElementState::Pressed || self.overlay.is_editing() {
+        if event.state != ElementState::Pressed {
             return;
         }
+        let editing = self.overlay.is_editing();
         let Some(key) = translate_key(event) else { return };
         #[cfg(feature = "_test-hooks")]
         crate::viewer::test_hooks::count_marker(key);
         let press = KeyPress { key, modifiers: viewer_modifiers(self.modifiers), repeat: event.repeat };
         match find_action(press, self.mode(), &self.options.released_keys) {
-            Some(action) => self.act(action),
-            None => self.send(EndpointRequest::ForwardKey(press).into()),
+            // A text field takes all other keys.
+            Some(action) if !editing || matches!(action, Action::Window(WindowAction::Quit)) => self.act(action),
+            None if !editing => self.send(EndpointRequest::ForwardKey(press).into()),
+            _ => {}
         }
     }
 

@@ -157,7 +157,7 @@ impl Session {
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
-        let mut panels = Panels::default();
+        let mut panels = Panels::new(layout.recent.clone());
         options.file.iter().for_each(|file| panels.loaded(file));
         Ok(Self {
             output: Output::new(&options),
@@ -235,7 +235,8 @@ impl Session {
         let (Some(path), Some(start), Some(view)) = (self.remembered.take(), &self.start, &self.view) else { return };
         let is_full = self.window.fullscreen().is_some();
         let size = (!is_full).then(|| self.surface.size().map(|length| length as usize));
-        let layout = self.layout.changed(start, Layout { size, ..self.overlay.layout().with_view(view) });
+        let end = Layout { size, recent: self.panels.recent().to_vec(), ..self.overlay.layout().with_view(view) };
+        let layout = self.layout.changed(start, end);
         if layout != self.layout
             && let Err(error) = layout.write(&path)
         {
