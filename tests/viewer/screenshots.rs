@@ -104,7 +104,10 @@ fn draw_modes(directory: &Path) {
     let mut trajectory = Trajectory::new(data.model());
     trajectory.record(&mut data, &mut controller.clone(), 400).unwrap();
     data.reset_to_key("squat").unwrap();
-    let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
+    // The notice in the last picture has this path.
+    let folder = std::env::temp_dir().join("humanoid");
+    std::fs::create_dir_all(&folder).unwrap();
+    let options = ViewerOptions::default().with_screenshots(folder.join("screenshot.png"));
     let viewer = Viewer::new().with_controller(controller).with_trajectories([trajectory]);
     show_window(SIZE, options, viewer, data, |input| {
         save(directory, "start");
@@ -148,7 +151,7 @@ fn draw_modes(directory: &Path) {
         press(input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
         save(directory, "trajectory");
     });
-    std::fs::remove_file(directory.join("screenshot.png")).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 /// Keyframes, groups, rendering, watched values, and the theme.
