@@ -347,7 +347,7 @@ impl Generator {
 )]
 fn values_of_keyframes_follow_their_elements() {
     let first: u64 = std::env::var("SKIP").map_or(0, |number| number.parse().unwrap());
-    for seed in first..first + cases(60, 600) {
+    for seed in first..first + cases(60, 300) {
         let mut generator = Generator { rng: Rng::seed_from_u64(seed), number: 0, stateful: seed % 2 == 0 };
         let mut spec = generator.spec();
         let mut expected = values(&spec);

@@ -134,7 +134,7 @@ fn repeat(count: usize, text: impl Fn(usize) -> String) -> String {
 /// Reading takes a time in proportion to the size, and the compiler's limits are errors.
 #[test]
 fn huge_robots_are_errors() {
-    let count = cases(33_000, 100_000);
+    let count = cases(33_000, 50_000);
     let links = repeat(count, |i| format!("<link name='l{i}'/>"));
     let tree = |parent: &dyn Fn(usize) -> usize| {
         let joints: String = (1..count)

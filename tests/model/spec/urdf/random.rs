@@ -173,7 +173,7 @@ fn generated_robots_equal_the_engines() {
     for (name, size) in [("one", 0.1), ("two", 0.2)] {
         std::fs::write(folder.path().join(name).with_extension("obj"), corner(size)).unwrap();
     }
-    let count = cases(150, 5000);
+    let count = cases(150, 1500);
     let mut compared = 0;
     for seed in 0..count {
         let urdf = Generator(Xoshiro256PlusPlus::seed_from_u64(seed)).robot();
