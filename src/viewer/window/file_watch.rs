@@ -42,7 +42,7 @@ impl FileWatch {
                     // After an error, the text names only a part of its files.
                     others.extend(Model::files_of_xml(&file));
                     known = stamps(&file, &others);
-                    last = known.clone();
+                    last.clone_from(&known);
                     is_changed.store(true, Ordering::SeqCst);
                     waker.wake();
                 } else {
