@@ -229,8 +229,9 @@ mod tests {
     #[test]
     fn panes_follow_the_names_of_cameras() {
         let model = |cameras: &str| {
-            let world = cameras.split(' ').map(|name| format!("<camera name='{name}'/>")).collect::<String>();
-            Model::from_xml_str(&format!("<mujoco><worldbody><camera/>{world}</worldbody></mujoco>")).unwrap()
+            let world: Vec<String> = cameras.split(' ').map(|name| format!("<camera name='{name}'/>")).collect();
+            Model::from_xml_str(&format!("<mujoco><worldbody><camera/>{}</worldbody></mujoco>", world.concat()))
+                .unwrap()
         };
         let [old, new, other] = [model("left right"), model("right front"), model("right left")];
         let mut view = View::new(&old);

@@ -30,10 +30,11 @@ impl FileWatch {
         let (end, ended) = mpsc::channel::<()>();
         let is_changed = Arc::new(AtomicBool::new(false));
         let watch = Self { path: path.to_owned(), is_changed: is_changed.clone(), _end: end };
-        let file = path.to_owned();
+        let (file, first) = (path.to_owned(), stamp(path));
         thread::Builder::new().name("file watch".to_owned()).spawn(move || {
             let mut others = Model::files_of_xml(&file);
             let mut known = stamps(&file, &others);
+            known[0] = first;
             let mut last = known.clone();
             while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
                 let present = stamps(&file, &others);
