@@ -121,6 +121,10 @@ mod error;
 mod ffi;
 mod field_docs;
 mod file;
+#[doc(alias = "black box")]
+#[doc(alias = "replay")]
+#[doc(alias = "reproduce")]
+pub mod flight;
 pub mod guide;
 pub mod id;
 pub mod kind;

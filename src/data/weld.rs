@@ -113,6 +113,17 @@ impl Data {
         Ok(())
     }
 
+    /// Activates or releases each equality constraint, where the simulation and not the model has
+    /// this state.
+    #[cfg(engine_since = "3.0.0")]
+    pub(crate) fn set_active_equalities(&mut self, active: impl Iterator<Item = bool>) {
+        let length = self.model().neq();
+        // SAFETY: the engine allocated the array with this length, and `self` is borrowed
+        // exclusively.
+        let present = unsafe { ffi::array_mut(self.raw_mut().eq_active, length) };
+        present.iter_mut().zip(active).for_each(|(present, active)| *present = active.into());
+    }
+
     /// Returns which equality constraints are active: 1 or 0 for each.
     pub(crate) fn active_equalities(&self) -> &[u8] {
         #[cfg(engine_since = "3.0.0")]

@@ -129,6 +129,25 @@ pub enum Error {
         reason: String,
     },
 
+    /// A file of a [flight recorder](crate::flight) is damaged.
+    #[error("{source_name} is not a valid recording: {reason}")]
+    InvalidRecording {
+        /// Path of the file, or "the given buffer".
+        source_name: String,
+        /// The defect and its place.
+        reason: String,
+    },
+
+    /// A call of a [recording](crate::flight::Recording) has another result here than when it was
+    /// recorded, so the simulation cannot continue as recorded.
+    #[error("recorded call {call} cannot be repeated: {reason}")]
+    NotRepeated {
+        /// Number of the call since the creation of the recorder.
+        call: u64,
+        /// The first values that differ, and possible causes.
+        reason: String,
+    },
+
     /// The engine could not write a model, or a recording of frames failed.
     #[error("cannot save to {path}: {reason}")]
     Save {

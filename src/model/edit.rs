@@ -66,6 +66,7 @@ pub struct ModelMut<'m> {
 /// # Options, masses and derived constants
 impl<'m> ModelMut<'m> {
     pub(crate) fn new(model: &'m mut Model) -> Self {
+        model.advance_revision();
         Self { model }
     }
 

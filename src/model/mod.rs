@@ -40,6 +40,7 @@ mod xml_guard;
 use std::fmt;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use mujoco_sys::{self as sys, guard, mjModel};
 
@@ -134,6 +135,8 @@ pub struct Model {
     /// `true` if bounds for collision detection are larger than necessary because an edit could
     /// have changed them (`loosen_bounds`).
     has_loose_bounds: bool,
+    /// Number that no other model has, and that changes with every edit ([`Model::revision`]).
+    revision: u64,
     /// Size `nJmom` of the compiled model ([`reserve_moments`](Model::reserve_moments)).
     #[cfg(engine_since = "3.6.0")]
     compiled_moments: i64,
@@ -164,6 +167,7 @@ impl Model {
             has_unsafe_polygons: false,
             has_addresses: false,
             has_loose_bounds: false,
+            revision: 0,
             #[cfg(engine_since = "3.6.0")]
             compiled_moments: 0,
         };
@@ -222,6 +226,19 @@ impl Model {
     /// model, or one is a clone of the other.
     pub fn is_same_structure(&self, other: &Self) -> bool {
         self.lineage == other.lineage
+    }
+
+    /// Returns a number that identifies the values of the model in this process: no other model has
+    /// it, also no copy, and each edit changes it.
+    #[inline]
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Changes the [`revision`](Self::revision), because an edit begins.
+    fn advance_revision(&mut self) {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        self.revision = NEXT.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Sets the elements of the spec from which the model was compiled.

@@ -3,6 +3,12 @@
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
 
+#[path = "../common/cases.rs"]
+mod cases;
+#[path = "../common/child.rs"]
+mod child;
+
+mod flight;
 #[cfg(feature = "npz")]
 #[path = "../common/installed.rs"]
 mod installed;

@@ -19,6 +19,7 @@
 //! | `cartpole_swing_up` | iLQR within the motor's range, tracked by a table of gains |
 //! | `humanoid_predictive` | predictive sampling recovers from pushes under which the LQR falls |
 //! | `humanoid_stand_up`, `arm_tracking` | predictive control: from a squat to standing; an arm follows a target |
+//! | `replay -- repeat FILE` | repeats and searches files of the flight recorder |
 //! | `learn_gait` | a half cheetah learns to run in minutes, by random search |
 //!
 //! With `--features renderer`:
@@ -42,6 +43,8 @@ pub mod changing_model;
 pub mod custom_fields;
 #[doc(alias("domain randomisation", "domain randomization", "domain_randomization"))]
 pub mod domain_randomisation;
+#[doc(alias("flight recorder", "reproduce", "bug report", "crash"))]
+pub mod failures;
 #[doc(alias("contact forces", "apply force", "push"))]
 pub mod forces;
 #[doc(alias("gravity compensation", "gravcomp"))]

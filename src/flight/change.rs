@@ -1,0 +1,153 @@
+//! Values that differ between two vectors, as runs of words, and a checksum.
+
+/// Number of words that are compared at a time.
+const BLOCK: usize = 16;
+
+/// End of a list of runs.
+pub(super) const END: u32 = u32::MAX;
+
+/// Returns a bound of the size of a list of runs in bytes: every other word of `count` differs.
+pub(super) fn bound(count: usize) -> usize {
+    12 * count + 20
+}
+
+#[inline]
+fn is_same(new: &[f64], old: &[f64]) -> bool {
+    new.iter().zip(old).fold(0, |different, (new, old)| different | (new.to_bits() ^ old.to_bits())) == 0
+}
+
+/// Calls `each` with the start and the values of each run of words of `new` that differ from those
+/// of `old` in a bit.
+#[inline]
+pub(super) fn runs(new: &[f64], old: &[f64], mut each: impl FnMut(usize, &[f64])) {
+    debug_assert_eq!(new.len(), old.len(), "Bug: the values of different models are compared");
+    let mut start = None;
+    for (block, (words, old)) in new.chunks(BLOCK).zip(old.chunks(BLOCK)).enumerate() {
+        let first = block * BLOCK;
+        if is_same(words, old) {
+            if let Some(start) = start.take() {
+                each(start, &new[start..first]);
+            }
+            continue;
+        }
+        for (index, (word, old)) in words.iter().zip(old).enumerate() {
+            match (word.to_bits() != old.to_bits(), start) {
+                (true, None) => start = Some(first + index),
+                (false, Some(first_word)) => {
+                    each(first_word, &new[first_word..first + index]);
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+    }
+    if let Some(start) = start {
+        each(start, &new[start..]);
+    }
+}
+
+/// Checksum of words. It is not cryptographic: it detects changes, not forgeries.
+pub(super) struct Checksum {
+    lanes: [u64; 4],
+    count: u64,
+}
+
+impl Checksum {
+    pub(super) fn new() -> Self {
+        Self { lanes: [1, 2, 3, 4], count: 0 }
+    }
+
+    #[inline]
+    fn mix(lane: u64, word: u64) -> u64 {
+        (lane ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+    }
+
+    /// Adds words. Four lanes hide the latency of the multiplication.
+    #[inline]
+    pub(super) fn add<T: Copy>(&mut self, words: &[T], bits: impl Fn(T) -> u64) {
+        let (blocks, rest) = words.as_chunks::<4>();
+        for block in blocks {
+            for (lane, &word) in self.lanes.iter_mut().zip(block) {
+                *lane = Self::mix(*lane, bits(word));
+            }
+        }
+        for (lane, &word) in self.lanes.iter_mut().zip(rest) {
+            *lane = Self::mix(*lane, bits(word));
+        }
+        self.count += words.len() as u64;
+    }
+
+    pub(super) fn finish(&self) -> u64 {
+        let mixed = self.lanes.iter().fold(self.count, |all, &lane| Self::mix(all, lane));
+        mixed ^ (mixed >> 32)
+    }
+
+    /// Returns the checksum of the bits of numbers.
+    #[inline]
+    pub(super) fn of(values: &[f64]) -> u64 {
+        let mut checksum = Self::new();
+        checksum.add(values, f64::to_bits);
+        checksum.finish()
+    }
+
+    /// Returns the checksum of bytes.
+    pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
+        let (words, rest) = bytes.as_chunks::<8>();
+        let mut checksum = Self::new();
+        checksum.add(words, u64::from_le_bytes);
+        checksum.add(rest, u64::from);
+        checksum.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Checksum, bound, runs};
+
+    fn found(new: &[f64], old: &[f64]) -> Vec<(usize, Vec<f64>)> {
+        let mut found = Vec::new();
+        runs(new, old, |start, values| found.push((start, values.to_vec())));
+        found
+    }
+
+    #[test]
+    fn runs_are_the_words_that_differ_in_a_bit() {
+        let old = vec![0.0; 50];
+        for changed in [vec![], vec![0], vec![15, 16, 17], vec![31, 33, 49], (0..50).collect(), vec![14, 15, 32]] {
+            let mut new = old.clone();
+            changed.iter().for_each(|&index| new[index] = -0.0);
+            let places: Vec<usize> =
+                found(&new, &old).iter().flat_map(|(start, run)| *start..start + run.len()).collect();
+            assert_eq!(places, changed);
+        }
+        assert_eq!(found(&[f64::NAN, 1.0], &[f64::NAN, 2.0]), [(1, vec![1.0])]);
+    }
+
+    #[test]
+    fn the_bound_holds_if_every_other_word_differs() {
+        for count in [0_usize, 1, 2, 17, 64] {
+            let new: Vec<f64> = (0..count).map(|index| if index % 2 == 0 { 1.0 } else { 0.0 }).collect();
+            let size: usize = found(&new, &vec![0.0; count]).iter().map(|(_, run)| 8 + 8 * run.len()).sum();
+            assert!(size + 4 <= bound(count), "{count}");
+            assert!(8 + 8 * count + 4 <= bound(count), "{count}");
+        }
+    }
+
+    #[test]
+    fn a_changed_bit_a_swap_and_a_missing_word_change_the_checksum() {
+        let values: Vec<f64> = (0..23).map(|value| 0.1 * f64::from(value)).collect();
+        let original = Checksum::of(&values);
+        for index in 0..values.len() {
+            for bit in 0..64 {
+                let mut changed = values.clone();
+                changed[index] = f64::from_bits(changed[index].to_bits() ^ (1 << bit));
+                assert_ne!(Checksum::of(&changed), original, "bit {bit} of word {index}");
+            }
+            let mut swapped = values.clone();
+            swapped.swap(index, (index + 4) % values.len());
+            assert_ne!(Checksum::of(&swapped), original, "word {index}");
+        }
+        assert_ne!(Checksum::of(&values[..22]), original);
+        assert_ne!(Checksum::of_bytes(b"one byte more\0"), Checksum::of_bytes(b"one byte more"));
+    }
+}

@@ -1,0 +1,106 @@
+//! Flight recorder: a bounded record of everything that enters a simulation, which repeats its last
+//! steps bit for bit.
+//!
+//! A [`FlightRecorder`] makes the calls of the simulation, and stores for each what has changed
+//! since the previous one. After an error or a panic it writes a file, from which
+//! [`Recording::repeat`] makes the same calls again, in this or another process.
+//!
+//! ```
+//! use mujoco_safe::flight::{FlightRecorder, Recording};
+//! use mujoco_safe::{Controller, Data, RandomController, sample};
+//!
+//! let path = std::env::temp_dir().join("mujoco_safe_failure.flight");
+//! let mut data = Data::new(sample::humanoid())?;
+//! let mut recorder = FlightRecorder::new(&data)?.with_file(&path).with_note("seed 1");
+//! let mut controller = RandomController::new(1);
+//! for _ in 0..100 {
+//!     controller.control(&mut data)?;
+//!     recorder.step(&mut data)?;
+//! }
+//! data.ctrl_mut()[3] = f64::NAN;
+//! recorder.step(&mut data).unwrap_err(); // writes the file
+//!
+//! let recording = Recording::read(&path)?;
+//! let repeat = recording.repeat()?;
+//! assert_eq!((repeat.calls, &repeat.difference), (101, &None));
+//! let fast = recording.first(|data| data.qvel().iter().any(|velocity| velocity.abs() > 1.0))?.unwrap();
+//! println!("{}: fast since call {fast}, {:?}", recording.reason(), recording.data_after(fast)?);
+//! # std::fs::remove_file(path).ok();
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Recorded values
+//!
+//! The result of [`Data::step`](crate::Data::step) depends on the model and on
+//! [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION): positions, velocities, activations,
+//! time, the start of the solver, controls, applied forces, mocap poses, user data, states of
+//! plugins and delays. Since engine 3.0 it also depends on which equality constraints are active.
+//! Before each call the recorder compares these values with those that the previous call left, and
+//! stores the words that differ. So it records writes by the program, resets, keyframes, jumps to
+//! other states and calls that it did not make, without a hook in each method. It stores the model
+//! again if it was edited, and a checksum of the values after each call.
+//!
+//! The calls and their inputs are in a ring of [bytes](FlightRecorder::with_memory), allocated at
+//! the start. It consists of segments, of which each begins with all values, so the oldest can be
+//! dropped. A segment also begins after an error, because the repetition must
+//! [reset](crate::Data::reset) the simulation, and after an edit. Models are stored in MuJoCo's
+//! binary form (MJB); an edited model as the bytes that differ from the first one. A step that
+//! changes neither the model nor more than the controls allocates nothing.
+//!
+//! # Limits of the repetition
+//!
+//! A repetition makes the recorded calls and compares the checksum and the text of the error after
+//! each, so it is never wrong without notice: [`Repeat::difference`] has the first call that
+//! differs, with possible causes. It can differ in these cases:
+//!
+//! - The processor, the engine's build or this crate's version are others ([`Origin`]).
+//! - [Closures](crate::callback) act in a step. A repetition does not have them. It sets the
+//!   controls, applied forces, mocap poses and user data that they left before the call, which
+//!   repeats a control closure exactly, unless the integrator calls it several times (`Rk4`). For
+//!   other closures pass them to [`Recording::repeat_with`].
+//! - A plugin has memory that is not a part of its state, or `unsafe` code writes to the model.
+//! - [`step2`](FlightRecorder::step2) continues a first half that the recorder did not make.
+//!
+//! Models with the option `sleep` are an error, because no state contains which bodies sleep.
+//!
+//! Calls other than the four of the recorder compute results that no later step reads. They are not
+//! repeated; the state that they leave is.
+//!
+//! # File
+//!
+//! Numbers are little-endian, strings and blocks have their length before them, `[…]` is repeated:
+//!
+//! | part | contents |
+//! |---|---|
+//! | header | `MJFLIGHT`, format version (`u32`) |
+//! | texts | crate, engine, target, processor features, reason, note, MJCF |
+//! | models | number (`u32`), `[MJB]` |
+//! | segments | number (`u32`), `[model (u32), edit, first call (u64), values (u32), calls]` |
+//! | end | checksum of all bytes before it (`u64`) |
+//!
+//! An edit is `[offset (u64), bytes]`. A call is its kind (`u8`), the changes before it, flags
+//! (`u8`: 1 an error, 2 closures), the changes that closures made, the checksum (`u64`), and the
+//! text of the error. Changes are `[start (u32), count (u32), values (f64)]` and end with a start
+//! of `u32::MAX`.
+//!
+//! A file from a stranger is safe to read: every length is checked before memory is allocated,
+//! models are validated as by [`Model::from_binary`](crate::Model::from_binary), and states are set
+//! by safe methods.
+
+mod change;
+mod format;
+mod inputs;
+mod model_image;
+mod origin;
+mod recorder;
+mod recording;
+mod repeat;
+mod ring;
+#[cfg(test)]
+mod tests;
+
+pub use self::inputs::Call;
+pub use self::origin::Origin;
+pub use self::recorder::FlightRecorder;
+pub use self::recording::Recording;
+pub use self::repeat::{Difference, Repeat};

@@ -1,0 +1,131 @@
+//! Damaged and hostile files.
+
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::change::Checksum;
+use super::recording::{MAGIC, VERSION};
+use super::{FlightRecorder, Recording};
+use crate::{Data, Error, sample};
+
+/// Returns a file with an edit of the model and an error.
+fn file() -> Vec<u8> {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut recorder = FlightRecorder::new(&data).unwrap().with_note("a note").with_memory(0);
+    for step in 0..6 {
+        data.ctrl_mut()[0] = f64::from(step);
+        recorder.step(&mut data).unwrap();
+    }
+    data.edit_model(|model| model.body_mass_mut()[1] = 3.0).unwrap();
+    recorder.step(&mut data).unwrap();
+    data.qpos_mut()[0] = f64::NAN;
+    recorder.step(&mut data).unwrap_err();
+    let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+    recorder.write(&path).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+/// Replaces the checksum by that of the bytes before it.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let end = bytes.len() - 8;
+    let checksum = Checksum::of_bytes(&bytes[..end]);
+    bytes[end..].copy_from_slice(&checksum.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn damage_anywhere_is_detected() {
+    let file = file();
+    assert!(Recording::from_bytes(&file).is_ok());
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    for _ in 0..200 {
+        let mut damaged = file.clone();
+        damaged[random.random_range(0..file.len())] ^= 1 << random.random_range(0..8);
+        assert!(matches!(Recording::from_bytes(&damaged), Err(Error::InvalidRecording { .. })));
+    }
+    let lengths = (0..200).chain((0..200).map(|_| random.random_range(0..file.len())));
+    for length in lengths {
+        assert!(
+            matches!(Recording::from_bytes(&file[..length]), Err(Error::InvalidRecording { .. })),
+            "{length} bytes"
+        );
+    }
+}
+
+/// A stranger can compute the checksum. Everything that is accepted is repeated, and either has
+/// the recorded results or differs with a reason.
+#[test]
+fn hostile_files_are_errors_or_are_repeated() {
+    let file = file();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    let model = file.len() - usize::min(file.len(), 6000)..file.len() - 8;
+    let (mut rejected, mut differing) = (0, 0);
+    for case in 0..400 {
+        let mut hostile = file.clone();
+        // The ends of the file have its structure; the models are in the middle.
+        let range = if case % 4 == 0 {
+            0..file.len() - 8
+        } else if case % 4 == 1 {
+            0..200
+        } else {
+            model.clone()
+        };
+        for _ in 0..=case % 3 {
+            let place = random.random_range(range.clone());
+            match random.random_range(0..3) {
+                0 => hostile[place] = random.random(),
+                1 => hostile[place] = u8::MAX,
+                _ => {
+                    let end = (place + 8).min(file.len() - 8);
+                    hostile[place..end].fill([0, u8::MAX][case % 2]);
+                }
+            }
+        }
+        if case % 5 == 0 {
+            let start = random.random_range(range);
+            hostile.drain(start..(start + random.random_range(1..50)).min(file.len() - 8));
+        }
+        match Recording::from_bytes(&sealed(hostile)) {
+            Err(error) => {
+                assert!(matches!(error, Error::InvalidRecording { .. }), "{error}");
+                rejected += 1;
+            }
+            Ok(recording) => {
+                let _ = recording.first(|_| false);
+                match recording.repeat() {
+                    Ok(repeat) => differing += u32::from(repeat.difference.is_some()),
+                    Err(_) => rejected += 1,
+                }
+            }
+        }
+    }
+    assert!(rejected > 50 && differing > 5, "{rejected} rejected, {differing} differ");
+}
+
+#[test]
+fn errors_name_the_place() {
+    let reason = |bytes: Vec<u8>| match Recording::from_bytes(&bytes) {
+        Err(Error::InvalidRecording { reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    };
+    assert!(reason(b"not a recording".to_vec()).contains("MJFLIGHT"));
+    let mut newer = file();
+    newer[8] = 99;
+    assert!(reason(newer).contains("format 99"));
+    let header = [&MAGIC[..], &VERSION.to_le_bytes()].concat();
+    let huge = [&header[..], &u64::MAX.to_le_bytes(), &[0; 8]].concat();
+    let reason = reason(sealed(huge));
+    assert!(reason.contains("the version of the crate at byte 20 needs"), "{reason}");
+}
+
+#[test]
+fn a_large_number_of_values_allocates_nothing() {
+    let texts = [0_u8; 7 * 8];
+    let header = [&MAGIC[..], &VERSION.to_le_bytes(), &texts].concat();
+    // One model without bytes, and a segment with four billion values and no call.
+    let model = [&1_u32.to_le_bytes()[..], &0_u64.to_le_bytes()].concat();
+    let values = [&1_u32.to_le_bytes()[..], &[0; 4], &[0; 8], &[0; 8], &u32::MAX.to_le_bytes(), &[0; 8]].concat();
+    let recording = Recording::from_bytes(&sealed([header, model, values, vec![0; 8]].concat())).unwrap();
+    assert_eq!(recording.calls(), 0..0);
+    recording.repeat().unwrap_err(); // there is no model
+}
