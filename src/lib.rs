@@ -64,7 +64,8 @@
 //! # Guarantees
 //!
 //! No call without `unsafe` can crash the process, access memory out of bounds, end the program,
-//! wait on standard input or write a file that the caller did not name. Where the engine prints a
+//! wait on standard input or write a file that the caller did not name (the viewer
+//! [remembers](viewer::ViewerOptions::layout) its layout). Where the engine prints a
 //! message and exits, a call returns an [`Error`]; also where the engine would silently reset the
 //! simulation or return values of another state. The known exception is the compilation of XML: see
 //! [`Model::from_xml_str`].

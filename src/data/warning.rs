@@ -246,6 +246,7 @@ impl Data {
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.step()?;
     /// assert_eq!(data.warning(Warning::ContactFull).number, 0);
+    /// assert_eq!(data.warnings().count(), 0);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjWarningStat")]
@@ -255,9 +256,15 @@ impl Data {
         WarningCount { number: usize::try_from(stat.number % BASE).unwrap_or(0), lastinfo: stat.lastinfo }
     }
 
+    /// Returns the types of warnings that were raised since the last reset, and their numbers. None
+    /// after a run without a warning.
+    pub fn warnings(&self) -> impl Iterator<Item = (Warning, WarningCount)> {
+        Warning::ALL.map(|warning| (warning, self.warning(warning))).into_iter().filter(|(_, count)| count.number > 0)
+    }
+
     /// Returns the counters of all types of warnings.
     #[inline]
-    pub(crate) fn warnings(&self) -> WarningCounters {
+    pub(crate) fn warning_counters(&self) -> WarningCounters {
         self.raw().warning
     }
 

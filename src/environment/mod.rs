@@ -238,6 +238,10 @@ pub trait Task: Send + Sync {
     fn start(&self, random: &mut Random, data: &mut Data) -> Result<()>;
 
     /// Writes the observation of a simulation to a row of zeros.
+    ///
+    /// The results of the last step or of [`forward_after_step`](Self::forward_after_step) are
+    /// present, so calls that need them, such as [`Contact::force`](crate::data::Contact::force)
+    /// and [`Data::sensor`], do not fail: `expect` says more than a default value.
     fn observe(&self, data: &Data, observation: &mut [f64]);
 
     /// Returns the reward of a step, and if the episode ends in its new state.

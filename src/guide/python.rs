@@ -40,6 +40,7 @@
 //! | `mujoco.mj_inverse(m, d)`, `d.qfrc_inverse` | [`d.inverse()?`](Data::inverse), [`d.qfrc_inverse()`](Data::qfrc_inverse) |
 //! | `mujoco.mj_resetData(m, d)` | [`d.reset()?`](Data::reset) |
 //! | `mujoco.mj_resetDataKeyframe(m, d, 0)` | [`d.reset_to_key(0)?`](Data::reset_to_key), or `d.reset_to_key("home")?` |
+//! | `mujoco.mj_setKeyframe(m, d, 0)` | [`d.set_keyframe(0)?`](Data::set_keyframe) |
 //! | `m.key('home').qpos` | [`m.keyframe("home")?.qpos()`](Model::keyframe) |
 //! | `d.time`, `d.time = 0` | [`d.time()`](Data::time), [`d.set_time(0.0)`](Data::set_time) |
 //! | `d.qpos[:] = q` | [`d.qpos_mut().copy_from_slice(&q)`](Data::qpos_mut) |
@@ -100,6 +101,10 @@
 //! | `d.contact[i].flex`, `d.contact[i].vert` | [`contact.sides()`](crate::data::Contact::sides) |
 //! | `d.contact[i].pos`, `d.contact[i].dist` | [`contact.pos()`](crate::data::Contact::pos), [`contact.dist()`](crate::data::Contact::dist) |
 //! | `mujoco.mj_contactForce(m, d, i, f)`, `f[0]` | [`contact.force()?.force[0]`](crate::data::Contact::force), the normal force; [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
+//! | `d.contact[i].geom`, whose order depends on the types of the geoms | [`contact.force_on(geom)?`](crate::data::Contact::force_on), independent of the order |
+//! | `mujoco.mj_setTotalmass(m, mass)` | [`d.edit_model(\|m\| m.set_total_mass(mass))?`](crate::ModelMut::set_total_mass) |
+//! | `any(w.number for w in d.warning)` | [`d.warnings()`](Data::warnings)`.next().is_some()` |
+//! | `mujoco.mj_applyFT(m, d, …)` | [`d.apply_ft(…)?`](Data::apply_ft) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
 //! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, &options, cutoff, &mut hits)?`](Data::multi_ray_into) |
 //! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
@@ -260,7 +265,7 @@
 //!   `qpos_range()` and `dofs()` of the joint.
 //! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an
 //!   error of the call.
-//! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters;
+//! - **Nothing is printed,** except the viewer's help (F1). Warnings go to the [`log`](https://docs.rs/log) crate and to counters;
 //!   no `MUJOCO_LOG.TXT` is written.
 //! - **The default engine is 2.2.2,** which has no plugins, flexes and implicit-fast integrator;
 //!   [newer engines](super::engines) have them. `MjSpec` and the GPU backends have no counterpart.

@@ -24,6 +24,7 @@
 //! | `unrecognized attribute: 'memory'`, `'kv'`, `'actuatorfrcrange'` | an attribute of newer engines | remove it; `memory` becomes `njmax`, `nconmax` and `nstack` |
 //! | `invalid keyword: 'implicitfast'` | an integrator of newer engines | `integrator="implicit"` |
 //! | `joint has range but not limited` | newer engines derive `limited` from `range` | `<compiler autolimits="true"/>` |
+//! | `inertia must satisfy A + B >= C` | an inertia that no body can have, often in a URDF | `balanceinertia` of the compiler: see [`urdf`](super::urdf#inertias-that-are-rejected) |
 //! | `XML_ERROR_PARSING_TEXT` in line 1 | [`from_xml_str`](Model::from_xml_str) was called with a path | [`from_xml_path`](Model::from_xml_path) |
 //! | a mesh of a URDF is not found | `package://` URIs | [`LoadOptions::with_package_path`](crate::LoadOptions::with_package_path) |
 //! | a mesh of a URDF is not found | a relative directory, which engines from 3.0 to 3.6 remove from the name | read it as a [`Spec`](super::urdf), or `<mujoco><compiler strippath="false"/></mujoco>` in the `robot` element |

@@ -153,7 +153,23 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! Many files have inertias that no body can have, which the compiler rejects (`A + B >= C`). The
-//! settings `balanceinertia`, `boundmass` and `boundinertia` of the same section correct them.
+//! # Inertias that are rejected
+//!
+//! Many files have inertias that no body can have: `inertia must satisfy A + B >= C`, or `mass and
+//! inertia of moving bodies must be larger than mjMINVAL`. Settings of the compiler correct them:
+//!
+//! ```
+//! # let mut robot = mujoco_safe::spec::Spec::from_xml_str(
+//! #     r#"<robot name="r"><link name="tool"><inertial><mass value="1"/>
+//! #        <inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#)?;
+//! assert!(robot.compile().unwrap_err().to_string().contains("A + B >= C"));
+//! robot.section_mut("compiler")?.set("balanceinertia", true)?; // the mean of the three
+//! robot.section_mut("compiler")?.set("boundmass", 1e-3)?; // kg, the least mass
+//! robot.section_mut("compiler")?.set("boundinertia", 1e-6)?; // kg·m²
+//! robot.compile()?;
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! The line in such a message is that of the text of [`Spec::to_xml`](crate::spec::Spec::to_xml).
 //! Robots with different values of these settings can be in one scene if all their links have an
 //! `<inertial>`. Else set the values of one of them in all, before they are attached.

@@ -167,7 +167,7 @@ impl Matrix {
     }
 
     /// Returns an iterator over the rows.
-    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+    pub fn rows(&self) -> impl DoubleEndedIterator<Item = &[f64]> + ExactSizeIterator {
         self.view().rows()
     }
 

@@ -77,7 +77,7 @@ impl<'a> MatrixView<'a> {
     }
 
     /// Returns an iterator over the rows.
-    pub fn rows(self) -> impl ExactSizeIterator<Item = &'a [f64]> {
+    pub fn rows(self) -> impl DoubleEndedIterator<Item = &'a [f64]> + ExactSizeIterator {
         (0..self.nrows).map(move |row| self.row(row))
     }
 

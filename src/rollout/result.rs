@@ -86,6 +86,11 @@ impl RolloutResult {
         &self.outcomes
     }
 
+    /// Returns the index and the error of the first rollout that did not take all of its steps.
+    pub fn first_failure(&self) -> Option<(usize, &RolloutError)> {
+        self.outcomes.iter().enumerate().find_map(|(rollout, outcome)| Some((rollout, outcome.as_ref().err()?)))
+    }
+
     /// Returns all states `(nroll, nstep + 1, nstate)`: row 0 of a rollout is its initial state,
     /// row `k` the state after `k` steps.
     pub fn states(&self) -> &[f64] {

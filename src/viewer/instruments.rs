@@ -80,6 +80,9 @@ pub struct Instruments {
 impl Instruments {
     /// Plots a value over the simulated time: a curve with this name, in the plot with this title.
     /// Values with the same title are in the same plot. NaN and infinite values leave a gap.
+    ///
+    /// A curve has the last value before each image, so that a signal which changes faster than the
+    /// window draws looks wrong: record it in a [`Trajectory`](crate::Trajectory).
     pub fn value(&mut self, plot: &str, name: &str, value: f64) {
         self.values.add(
             |slot| {

@@ -30,9 +30,13 @@ const UNUSED_TYPES: [(&str, &str); 9] = [
 
 /// Words that users search for: tasks, in British and American spelling, and names of MuJoCo.jl and
 /// of the Python bindings that differ from those of the C API.
-const WORDS: [&str; 105] = [
+const WORDS: [&str; 109] = [
     // Tasks.
     "gravity compensation",
+    "operational space",
+    "task space",
+    "impedance",
+    "contact pair",
     "inverse kinematics",
     "forward kinematics",
     "inverse dynamics",

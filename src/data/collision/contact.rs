@@ -44,7 +44,7 @@ pub enum ContactSide {
 }
 
 /// Force and torque of a contact on its second geom, contact frame. The first geom receives the
-/// opposite.
+/// opposite. For the order see [`Contact::geoms`].
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ContactForce {
     /// Force, N, along the normal and the two tangents.
@@ -68,9 +68,16 @@ impl Data {
     ///     let (first, second) = (data.geom(first).name(), data.geom(second).name());
     ///     println!("{first:?} on {second:?} at {:?}: {:?} N", contact.pos(), contact.force()?.force);
     /// }
+    /// let foot = data.model().geom("foot_left_inner")?.id();
+    /// let mut total = [0.0; 3];
+    /// for contact in data.contacts() {
+    ///     let force = contact.force_on(foot)?;
+    ///     (0..3).for_each(|axis| total[axis] += force[axis]);
+    /// }
+    /// println!("on the foot: {total:?} N");
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn contacts(&self) -> impl ExactSizeIterator<Item = Contact<'_>> {
+    pub fn contacts(&self) -> impl DoubleEndedIterator<Item = Contact<'_>> + ExactSizeIterator {
         // SAFETY: the array has `ncon` contacts, and they are not modified while `self` is
         // borrowed.
         let contacts: &[mjContact] = unsafe { ffi::array(self.raw().contact, self.ncon()) };
@@ -108,6 +115,11 @@ impl<'d> Contact<'d> {
 
     /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are
     /// more general. Engines before 3.0 have no flexes.
+    ///
+    /// The engine orders them by their types, as in [`GeomType`](crate::enums::GeomType): a plane is
+    /// before a sphere, and a sphere before a box, also if the sphere moves and the box is fixed. Do
+    /// not rely on the order of two geoms of one type. [`force_on`](Self::force_on) is independent
+    /// of the order.
     #[doc(alias = "geom1")]
     #[doc(alias = "geom2")]
     pub fn geoms(&self) -> Option<[GeomId; 2]> {
@@ -182,13 +194,31 @@ impl<'d> Contact<'d> {
         Ok(ContactForce { force: [fx, fy, fz], torque: [tx, ty, tz] })
     }
 
-    /// Computes the force of the contact, N, world frame.
+    /// Computes the force of the contact on its second [geom](Self::geoms), N, world frame.
     ///
     /// # Errors
     ///
     /// As for [`force`](Self::force).
     pub fn force_in_world(&self) -> Result<[f64; 3]> {
         Ok(rot_vec_mat_t(&self.force()?.force, self.frame()))
+    }
+
+    /// Computes the force of the contact on a geom, N, world frame. Zero if the contact does not
+    /// touch the geom.
+    ///
+    /// # Errors
+    ///
+    /// As for [`force`](Self::force).
+    #[doc(alias = "touching")]
+    #[doc(alias = "contact pair")]
+    pub fn force_on(&self, geom: GeomId) -> Result<[f64; 3]> {
+        let force = self.force_in_world()?;
+        let [first, second] = self.sides().map(|side| side == ContactSide::Geom(geom));
+        Ok(match (first, second) {
+            (_, true) => force,
+            (true, false) => force.map(|part| -part),
+            (false, false) => [0.0; 3],
+        })
     }
 }
 

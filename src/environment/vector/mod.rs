@@ -130,7 +130,7 @@ impl<T: Task> VectorEnvironment<T> {
     /// Sets the index that the random numbers of the first simulation depend on, zero by default,
     /// and starts new episodes. If each of several processes has a part of the simulations, and
     /// calls this with the index of its first one, all together compute what one process computes
-    /// that calls `first_index(0)`.
+    /// that does not call it.
     ///
     /// # Errors
     ///

@@ -22,7 +22,7 @@
 //! let recording = Recording::read(&path)?;
 //! assert_eq!(recording.reason(), failure.to_string());
 //! assert_eq!(recording.repeat()?.difference, None);
-//! let fast = recording.first(|data| data.qvel().iter().any(|velocity| velocity.abs() > 1e3))?;
+//! let fast = recording.first(|data| data.qvel().iter().any(|speed| speed.abs() > 1e3))?;
 //! println!("a velocity exceeds 1000 after {fast:?} of {:?}", recording.calls());
 //! let mut before = recording.data_before(recording.calls().end - 1)?;
 //! assert_eq!(before.step().unwrap_err().to_string(), failure.to_string());

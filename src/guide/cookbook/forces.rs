@@ -8,7 +8,7 @@
 //!          <worldbody>
 //!            <geom name="floor" type="plane" size="5 5 .1"/>
 //!            <body name="box" pos="0 0 .1">
-//!              <freejoint/><geom type="box" size=".1 .1 .1" mass="2"/>
+//!              <freejoint/><geom name="box" type="box" size=".1 .1 .1" mass="2"/>
 //!            </body>
 //!          </worldbody>
 //!        </mujoco>"#,
@@ -18,9 +18,10 @@
 //! for _ in 0..500 {
 //!     data.step()?;
 //! }
+//! let geom = data.model().geom("box")?.id();
 //! let mut total = [0.0; 3];
 //! for contact in data.contacts() {
-//!     let force = contact.force_in_world()?; // on the second geom, the box
+//!     let force = contact.force_on(geom)?;
 //!     (0..3).for_each(|axis| total[axis] += force[axis]);
 //! }
 //! assert!((total[0] + 5.0).abs() < 0.1, "friction: {total:?}");

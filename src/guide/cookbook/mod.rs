@@ -79,6 +79,8 @@ pub mod real_time;
 #[doc(alias("save state", "restore state", "checkpoint"))]
 pub mod saved_state;
 pub mod sensors;
+#[doc(alias("operational space", "task space", "osc", "impedance"))]
+pub mod task_space;
 #[doc(alias("ci", "continuous integration", "unit test", "github actions"))]
 pub mod testing;
 #[doc(alias("multithreading", "thread"))]

@@ -29,7 +29,20 @@
 //!     assert!(largest < 1.0, "the motor saturates");
 //!     Ok(())
 //! }
+//!
+//! fn a_run_has_no_warnings_and_is_reproducible() -> Result<()> {
+//!     let run = || {
+//!         let mut data = Data::new(sample::humanoid())?;
+//!         data.reset_to_key("squat")?;
+//!         data.step_n(500)?;
+//!         assert_eq!(data.warnings().next(), None);
+//!         Ok::<_, mujoco_safe::Error>(data.physics_state())
+//!     };
+//!     assert_eq!(run()?, run()?);
+//!     Ok(())
+//! }
 //! # the_model_compiles_without_warnings();
+//! # a_run_has_no_warnings_and_is_reproducible()?;
 //! # the_regulator_recovers_from_a_push()?;
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
@@ -39,6 +52,25 @@
 //! ```sh
 //! sudo apt-get install libmujoco-dev g++   # Debian 12; elsewhere the feature download
 //! cargo test
+//! ```
+//!
+//! The feature `download` needs pip, and keeps the engine in `~/.cache/mujoco-safe`. A workflow of
+//! GitHub can cache it:
+//!
+//! ```yaml
+//! jobs:
+//!   test:
+//!     runs-on: ubuntu-latest
+//!     steps:
+//!       - uses: actions/checkout@v4
+//!       - uses: actions/cache@v4
+//!         with:
+//!           path: |
+//!             ~/.cache/mujoco-safe
+//!             ~/.cargo/registry
+//!             target
+//!           key: ${{ hashFiles('Cargo.lock') }}
+//!       - run: cargo test
 //! ```
 //!
 //! Tests that draw also need `libvulkan1 mesa-vulkan-drivers`, and tests of windows `xvfb-run cargo

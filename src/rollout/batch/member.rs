@@ -185,7 +185,7 @@ impl<'b> Member<'_, 'b> {
             // quaternions.
             data.set_state(StateSpec::INTEGRATION, state)?;
         }
-        row.warnings = data.warnings();
+        row.warnings = data.warning_counters();
         observations.fill(0.0);
         read(data, observations);
         loaded.finish(leaves);

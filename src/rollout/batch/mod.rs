@@ -94,7 +94,7 @@ impl<'a> Batch<'a> {
         if count > 0 {
             let mut lease = pool.lease();
             let data = lease.get()?.data();
-            rows.extend((0..count).map(|_| Row::new(data.warnings())));
+            rows.extend((0..count).map(|_| Row::new(data.warning_counters())));
             (0..count).try_for_each(|index| data.state_into(StateSpec::INTEGRATION, states.row_mut(index)))?;
         }
         let batch = Self {
