@@ -154,7 +154,7 @@
 //! | `mujoco.MjvCamera()`, `mujoco.MjvOption()` | [`Camera::free(&m)`](crate::scene::Camera), [`SceneOptions::default()`](crate::scene::SceneOptions) |
 //! | `renderer.render()` | [`snapshot.rgb()?`][rgb] |
 //! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |
-//! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation] |
+//! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation]; [`geom_ids()`][geom_ids] for the first channel |
 //! | `mujoco.mjr_render(…)`, `mujoco.mjr_readPixels(rgb, depth, …)` | `snapshot.rgb()?`, `snapshot.depth()?`: the first row is the top, depth in metres without conversion |
 //! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(Object::Geom(id))` for a geom |
 //! | depth to points | `depth.points(&snapshot.pinhole_camera()?)`, see [points from a depth image](super::pictures#points-from-a-depth-image) |

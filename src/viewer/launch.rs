@@ -121,7 +121,8 @@ impl Viewer {
         self
     }
 
-    /// Shows the window until it is closed. The simulation starts paused in its current state,
+    /// Shows the window until the user closes it: for a program that closes it, see [`run`] and
+    /// [`launch`]. The simulation starts paused in its current state,
     /// which is also the state that a reset restores. Returns the data in its final state.
     ///
     /// The windowing system allows one event loop per process, which stays with the thread that
@@ -151,7 +152,8 @@ impl Viewer {
 
 /// Shows a window for a program that steps its simulation itself. The program runs on another
 /// thread, and the calling thread shows the window, which works on every platform. The window
-/// closes when the program ends.
+/// closes when the program ends. The program starts when the window exists; its first image can
+/// follow seconds later, if a graphics driver compiles shaders.
 ///
 /// Closing the window does not end the program: [`ViewerHandle::is_running`] returns `false` then.
 ///

@@ -5,9 +5,11 @@ mod arbitrary;
 
 #[path = "../common/cases.rs"]
 mod cases;
+#[cfg(validates_binaries)]
 #[path = "../common/child.rs"]
 mod child;
 
+#[cfg(validates_binaries)]
 mod flight;
 #[cfg(feature = "npz")]
 #[path = "../common/installed.rs"]

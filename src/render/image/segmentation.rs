@@ -59,6 +59,17 @@ impl SegmentationImage {
         self.ids.iter().map(|&id| self.segment(id))
     }
 
+    /// Returns the index of the model's geom at each pixel, row by row from the top; −1 for the
+    /// background and for what is no geom of the model.
+    #[doc(alias = "segid")]
+    pub fn geom_ids(&self) -> Vec<i32> {
+        let index = |segment: Option<Segment>| match segment?.object? {
+            Object::Geom(geom) => Some(geom.index() as i32),
+            _ => None,
+        };
+        self.pixels().map(|segment| index(segment).unwrap_or(-1)).collect()
+    }
+
     /// Returns every visible segment with its number of pixels, ordered by the geom's index in the
     /// scene.
     pub fn segments(&self) -> Vec<(Segment, usize)> {
@@ -159,6 +170,7 @@ mod tests {
         assert_eq!(picture.pixel(0, 1), Some(Segment { geom: added, object: None }));
         assert_eq!(picture.pixel(2, 1), None, "id of no geom");
         assert_eq!(picture.pixels().len(), 6);
+        assert_eq!(picture.geom_ids(), [-1, 0, 0, -1, 1, -1]);
     }
 
     #[test]
