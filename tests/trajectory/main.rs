@@ -3,6 +3,7 @@
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
 
+#[cfg(validates_binaries)]
 #[path = "../common/cases.rs"]
 mod cases;
 #[cfg(validates_binaries)]
