@@ -9,8 +9,9 @@
 //! use mujoco_safe::flight::{FlightRecorder, Recording};
 //! use mujoco_safe::{Controller, Data, RandomController, sample};
 //!
-//! # if matches!(mujoco_safe::Model::from_binary(b""), Err(mujoco_safe::Error::Unsupported(_))) {
-//! #     return Ok::<(), mujoco_safe::Error>(()); // an engine whose binary models are not loaded
+//! # use mujoco_safe::{Error, Model};
+//! # if matches!(Model::from_binary(b""), Err(Error::Unsupported(_))) {
+//! #     return Ok::<(), Error>(()); // an engine whose binary models are not loaded
 //! # }
 //! let path = std::env::temp_dir().join("mujoco_safe_failure.flight");
 //! let mut data = Data::new(sample::humanoid())?;

@@ -62,8 +62,9 @@ impl Recording {
     /// use mujoco_safe::flight::FlightRecorder;
     /// use mujoco_safe::{Data, sample};
     ///
-    /// # if matches!(mujoco_safe::Model::from_binary(b""), Err(mujoco_safe::Error::Unsupported(_))) {
-    /// #     return Ok::<(), mujoco_safe::Error>(()); // an engine whose binary models are not loaded
+    /// # use mujoco_safe::{Error, Model};
+    /// # if matches!(Model::from_binary(b""), Err(Error::Unsupported(_))) {
+    /// #     return Ok::<(), Error>(()); // an engine whose binary models are not loaded
     /// # }
     /// fn with_spring(data: &mut Data) {
     ///     data.set_callbacks(Callbacks::new().with_passive(|passive| {

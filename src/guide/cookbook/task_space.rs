@@ -70,8 +70,9 @@
 //!     let inertia = (&j * &m_inverse_jt).try_inverse().expect("the arm is not stretched");
 //!     let wanted = acceleration + 400.0 * error + 40.0 * (velocity - &j * &v) - &j_dot * &v;
 //!     let posture = &m * (25.0 * (&home - q) - 10.0 * &v);
-//!     let null = DMatrix::identity(4, 4) - j.transpose() * &inertia * m_inverse_jt.transpose();
-//!     let torque = j.transpose() * &inertia * wanted + null * posture + bias - passive;
+//!     let map = j.transpose() * &inertia; // from accelerations of the tip to torques
+//!     let null = DMatrix::identity(4, 4) - &map * m_inverse_jt.transpose();
+//!     let torque = map * wanted + null * posture + bias - passive;
 //!     data.ctrl_mut().copy_from_slice(torque.as_slice());
 //!     data.step2()?;
 //! }
