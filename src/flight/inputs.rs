@@ -5,16 +5,11 @@ use crate::error::Result;
 use crate::model::Model;
 
 /// Method of [`Data`] that a recording repeats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Call {
-    /// [`Data::step`]
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Call {
     Step,
-    /// [`Data::step1`]
     Step1,
-    /// [`Data::step2`]
     Step2,
-    /// [`Data::forward`]
     Forward,
 }
 

@@ -107,7 +107,6 @@ mod ring;
 #[cfg(test)]
 mod tests;
 
-pub use self::inputs::Call;
 pub use self::origin::Origin;
 pub use self::recorder::FlightRecorder;
 pub use self::recording::Recording;
