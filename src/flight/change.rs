@@ -115,7 +115,9 @@ mod tests {
         let old = vec![0.0; 50];
         for changed in [vec![], vec![0], vec![15, 16, 17], vec![31, 33, 49], (0..50).collect(), vec![14, 15, 32]] {
             let mut new = old.clone();
-            changed.iter().for_each(|&index| new[index] = -0.0);
+            for &index in &changed {
+                new[index] = -0.0;
+            }
             let places: Vec<usize> =
                 found(&new, &old).iter().flat_map(|(start, run)| *start..start + run.len()).collect();
             assert_eq!(places, changed);

@@ -68,9 +68,11 @@ mod tests {
     #[test]
     fn an_edited_copy_is_stored_as_its_difference() {
         let base: Arc<[u8]> = (0..1003_u32).map(|byte| byte as u8).collect();
-        for changed in [vec![], vec![0], vec![7, 8, 500], vec![1000, 1002], vec![990, 1001]] {
+        for changed in [Vec::<usize>::new(), vec![0], vec![7, 8, 500], vec![1000, 1002], vec![990, 1001]] {
             let mut bytes = base.to_vec();
-            changed.iter().for_each(|&index: &usize| bytes[index] ^= 0x55);
+            for &index in &changed {
+                bytes[index] ^= 0x55;
+            }
             let image = ModelImage::new(bytes.clone(), Some(&base));
             assert!(Arc::ptr_eq(&image.base, &base) && image.edit.len() <= 24 * changed.len());
             assert_eq!(image.bytes().unwrap(), bytes);
