@@ -65,9 +65,9 @@
 //! - A plugin has memory that is not a part of its state, or `unsafe` code writes to the model.
 //! - [`step2`](FlightRecorder::step2) continues a first half that the recorder did not make.
 //!
-//! With engines whose binary models this crate does not
-//! [validate](crate::Model::from_binary), a recording needs the model's [text](FlightRecorder::with_xml),
-//! and can be repeated only if the text compiles to the same bytes: not after edits.
+//! With engines whose binary models this crate does not [validate](crate::Model::from_binary), a
+//! recording needs the model's [text](FlightRecorder::with_xml), and can be repeated only if the
+//! text compiles to the same bytes: not after edits.
 //!
 //! Models with the option `sleep` are an error, because no state contains which bodies sleep.
 //!

@@ -265,8 +265,8 @@
 //!   `qpos_range()` and `dofs()` of the joint.
 //! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an
 //!   error of the call.
-//! - **Nothing is printed,** except the viewer's help (F1). Warnings go to the [`log`](https://docs.rs/log) crate and to counters;
-//!   no `MUJOCO_LOG.TXT` is written.
+//! - **Nothing is printed,** except the viewer's help (F1). Warnings go to the
+//!   [`log`](https://docs.rs/log) crate and to counters; no `MUJOCO_LOG.TXT` is written.
 //! - **The default engine is 2.2.2,** which has no plugins, flexes and implicit-fast integrator;
 //!   [newer engines](super::engines) have them. `MjSpec` and the GPU backends have no counterpart.
 //!   Some functions of newer engines exist with every engine: `mj_getState`, `mj_multiRay`,

@@ -116,10 +116,10 @@ impl<'d> Contact<'d> {
     /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are
     /// more general. Engines before 3.0 have no flexes.
     ///
-    /// The engine orders them by their types, as in [`GeomType`](crate::enums::GeomType): a plane is
-    /// before a sphere, and a sphere before a box, also if the sphere moves and the box is fixed. Do
-    /// not rely on the order of two geoms of one type. [`force_on`](Self::force_on) is independent
-    /// of the order.
+    /// The engine orders them by their types, as in [`GeomType`](crate::enums::GeomType): a plane
+    /// is before a sphere, and a sphere before a box, also if the sphere moves and the box is
+    /// fixed. Do not rely on the order of two geoms of one type. [`force_on`](Self::force_on) is
+    /// independent of the order.
     #[doc(alias = "geom1")]
     #[doc(alias = "geom2")]
     pub fn geoms(&self) -> Option<[GeomId; 2]> {
