@@ -8,7 +8,8 @@ use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, InvalidKind, Result};
 use crate::ffi;
-use crate::id::{BodyId, GeomId, Id};
+use crate::id::{BodyId, GeomId, Id, IntoId};
+use crate::kind;
 use crate::math::{cross, rot_vec_mat_t};
 use crate::model::DisableFlags;
 use crate::numerics::spatial::norm;
@@ -208,10 +209,11 @@ impl<'d> Contact<'d> {
     ///
     /// # Errors
     ///
-    /// As for [`force`](Self::force).
+    /// As for [`force`](Self::force), and [`Error::NoSuchName`].
     #[doc(alias = "touching")]
     #[doc(alias = "contact pair")]
-    pub fn force_on(&self, geom: GeomId) -> Result<[f64; 3]> {
+    pub fn force_on(&self, geom: impl IntoId<kind::Geom>) -> Result<[f64; 3]> {
+        let geom: GeomId = geom.id_in(self.data.model().as_ref())?;
         let force = self.force_in_world()?;
         let [first, second] = self.sides().map(|side| side == ContactSide::Geom(geom));
         Ok(match (first, second) {

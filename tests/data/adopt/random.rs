@@ -462,7 +462,8 @@ fn the_state_of_surviving_elements_is_kept_in_random_edits() {
             data.clone().forward().unwrap_or_else(|error| panic!("{error}\n{log:#?}"));
         }
     }
-    assert!(edits > 3 * count, "{edits} edits");
+    let least = if count >= 2600 { 10_000 } else { 10 * count / 3 };
+    assert!(edits >= least, "{edits} edits");
     assert!(surviving > 3 * edits, "{surviving} elements survived {edits} edits");
     if cfg!(engine_since = "3.2.0") {
         let [same, new] = beside_copies;
