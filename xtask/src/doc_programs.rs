@@ -67,10 +67,7 @@ pub fn check(root: &Path) -> Result<(), String> {
         write!(members, "\"{number}\", ").expect("a string");
     }
     // The settings of the repository's profile, so that Cargo compiles no dependency again.
-    let workspace = format!(
-        "[workspace]\nresolver = \"3\"\nmembers = [{members}]\n[profile.dev]\ndebug = \"line-tables-only\"\n\
-         [profile.dev.package.\"*\"]\ndebug = false\n"
-    );
+    let workspace = format!("[workspace]\nresolver = \"3\"\nmembers = [{members}]\n[profile.dev]\ndebug = false\n");
     fs::write(folder.join("Cargo.toml"), workspace).map_err(failed)?;
     fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).map_err(failed)?;
 
