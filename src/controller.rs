@@ -166,11 +166,28 @@ impl Controller for RandomController {
 /// assert!((data.joint("slider")?.qpos()[0] - 0.2).abs() < 0.05);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
+///
+/// Stiffer legs than arms, and the pose of a keyframe as the target:
+///
+/// ```
+/// use mujoco_safe::{Data, PdController, sample};
+///
+/// let mut data = Data::new(sample::humanoid())?;
+/// let mut pd = PdController::new(data.model(), 2.0, 0.1);
+/// for actuator in data.model().actuators() {
+///     if actuator.name().is_some_and(|name| name.ends_with("knee")) {
+///         pd.set_gains(actuator, 10.0, 0.5);
+///     }
+/// }
+/// data.reset_to_key("squat")?;
+/// pd.hold(&mut data)?;
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
 #[doc(alias = "pid")]
 #[derive(Clone, Debug)]
 pub struct PdController {
-    kp: f64,
-    kd: f64,
+    /// Gains of position and velocity.
+    gains: Vec<[f64; 2]>,
     target: Vec<f64>,
     lineage: Lineage,
 }
@@ -179,7 +196,18 @@ impl PdController {
     /// Creates a controller with the same gains for all actuators. Targets are the lengths in the
     /// reference configuration.
     pub fn new(model: &Model, kp: f64, kd: f64) -> Self {
-        Self { kp, kd, target: model.actuator_length0().to_vec(), lineage: model.lineage() }
+        let target = model.actuator_length0().to_vec();
+        Self { gains: vec![[kp, kd]; target.len()], target, lineage: model.lineage() }
+    }
+
+    /// Sets the gains of an actuator, given by its id or its view.
+    ///
+    /// # Panics
+    ///
+    /// If the actuator does not belong to the model that the controller was created for.
+    pub fn set_gains(&mut self, actuator: impl Into<ActuatorId>, kp: f64, kd: f64) {
+        let index = self.index(actuator.into());
+        self.gains[index] = [kp, kd];
     }
 
     /// Sets the target length of an actuator, given by its id or its view: [`Model::actuator`]
@@ -189,23 +217,45 @@ impl PdController {
     ///
     /// If the actuator does not belong to the model that the controller was created for.
     pub fn set_target(&mut self, actuator: impl Into<ActuatorId>, length: f64) {
-        let actuator = actuator.into();
-        assert!(actuator.lineage() == self.lineage, "{actuator:?} belongs to another model than this controller");
-        self.target[actuator.index()] = length;
+        let index = self.index(actuator.into());
+        self.target[index] = length;
     }
-}
 
-impl Controller for PdController {
-    fn control(&mut self, data: &mut Data) -> Result<()> {
+    /// Sets all targets to the lengths at the present state, for example at a
+    /// [keyframe](Data::reset_to_key). Calls [`Data::forward`].
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Data::forward`], and [`Error::Shape`] if the model has another number of
+    /// actuators than the model that the controller was created for.
+    pub fn hold(&mut self, data: &mut Data) -> Result<()> {
+        self.evaluate(data)?;
+        self.target.copy_from_slice(data.actuator_length());
+        Ok(())
+    }
+
+    fn index(&self, actuator: ActuatorId) -> usize {
+        assert!(actuator.lineage() == self.lineage, "{actuator:?} belongs to another model than this controller");
+        actuator.index()
+    }
+
+    /// Computes the lengths of the present state. After a step, they still belong to the previous
+    /// state.
+    fn evaluate(&self, data: &mut Data) -> Result<()> {
         if data.model().has_several_controls() {
             let message = "a PD controller for actuators with several controls or forces";
             return Err(Error::Unsupported(message.to_owned()));
         }
         Error::check_length("the targets of a PD controller", self.target.len(), data.model().nu())?;
-        // After a step, actuator lengths still belong to the previous state.
-        data.forward()?;
-        for (index, target) in self.target.iter().enumerate() {
-            let ctrl = self.kp * (target - data.actuator_length()[index]) - self.kd * data.actuator_velocity()[index];
+        data.forward()
+    }
+}
+
+impl Controller for PdController {
+    fn control(&mut self, data: &mut Data) -> Result<()> {
+        self.evaluate(data)?;
+        for (index, (&target, &[kp, kd])) in self.target.iter().zip(&self.gains).enumerate() {
+            let ctrl = kp * (target - data.actuator_length()[index]) - kd * data.actuator_velocity()[index];
             data.ctrl_mut()[index] = ctrl;
         }
         Ok(())

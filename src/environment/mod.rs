@@ -58,13 +58,13 @@
 //!         Ok(())
 //!     }
 //!
-//!     fn observe(&self, data: &Data, observation: &mut [f64]) {
-//!         data.physics_state_into(observation).expect("the observation has the size of the state");
+//!     fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
+//!         data.physics_state_into(observation)
 //!     }
 //!
-//!     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+//!     fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
 //!         let upright = transition.data.qpos()[1].cos();
-//!         Evaluation { reward: upright - 0.01 * transition.action[0].powi(2), terminated: false }
+//!         Ok(Evaluation { reward: upright - 0.01 * transition.action[0].powi(2), terminated: false })
 //!     }
 //! }
 //!
@@ -137,17 +137,18 @@
 //!         Ok(())
 //!     }
 //!
-//!     fn observe(&self, data: &Data, observation: &mut [f64]) {
+//!     fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
 //!         observation[..2].copy_from_slice(data.qpos());
 //!         observation[2..4].copy_from_slice(data.qvel());
 //!         observation[4..].copy_from_slice(&self.offset(data));
+//!         Ok(())
 //!     }
 //!
-//!     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+//!     fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
 //!         let [x, y] = self.offset(transition.data);
 //!         let effort: f64 = transition.action.iter().map(|torque| torque * torque).sum();
 //!         let touches = transition.data.ncon() > 0;
-//!         Evaluation { reward: -x.hypot(y) - 0.01 * effort, terminated: touches }
+//!         Ok(Evaluation { reward: -x.hypot(y) - 0.01 * effort, terminated: touches })
 //!     }
 //! }
 //!
@@ -239,13 +240,19 @@ pub trait Task: Send + Sync {
 
     /// Writes the observation of a simulation to a row of zeros.
     ///
-    /// The results of the last step or of [`forward_after_step`](Self::forward_after_step) are
-    /// present, so calls that need them, such as [`Contact::force`](crate::data::Contact::force)
-    /// and [`Data::sensor`], do not fail: `expect` says more than a default value.
-    fn observe(&self, data: &Data, observation: &mut [f64]);
+    /// # Errors
+    ///
+    /// Any error of the task: [`VectorEnvironment::step`] returns it. The results of the last step
+    /// or of [`forward_after_step`](Self::forward_after_step) are present, so calls that need them,
+    /// such as [`Contact::force`](crate::data::Contact::force), do not fail.
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()>;
 
     /// Returns the reward of a step, and if the episode ends in its new state.
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation;
+    ///
+    /// # Errors
+    ///
+    /// As for [`observe`](Self::observe).
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation>;
 
     /// Returns the number of values that the task [remembers](Self::remember) of each simulation;
     /// none by default.
@@ -257,8 +264,13 @@ pub trait Task: Send + Sync {
     /// Updates the values that [`Transition::memory`] contains in the next step, such as a pose
     /// before the step, the previous action, or the time since a foot touched the ground. They are
     /// zero at the start of an episode. By default, the task remembers nothing.
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    ///
+    /// # Errors
+    ///
+    /// As for [`observe`](Self::observe).
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         let _ = (data, memory);
+        Ok(())
     }
 }
 

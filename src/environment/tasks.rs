@@ -53,17 +53,18 @@ impl Task for InvertedPendulum {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         let (positions, velocities) = observation.split_at_mut(data.qpos().len());
         positions.copy_from_slice(data.qpos());
         velocities.copy_from_slice(data.qvel());
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let (qpos, qvel) = (transition.data.qpos(), transition.data.qvel());
         let is_finite = qpos.iter().chain(qvel).all(|value| value.is_finite());
         let terminated = !is_finite || qpos[1].abs() > 0.2;
-        Evaluation { reward: if terminated { 0.0 } else { 1.0 }, terminated }
+        Ok(Evaluation { reward: if terminated { 0.0 } else { 1.0 }, terminated })
     }
 }
 
@@ -114,19 +115,20 @@ impl Task for Hopper {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observe_without_x(data, observation);
         for velocity in &mut observation[data.qpos().len() - 1..] {
             *velocity = velocity.clamp(-10.0, 10.0);
         }
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let (qpos, qvel) = (transition.data.qpos(), transition.data.qvel());
         let is_moderate = qpos[2..].iter().chain(qvel).all(|value| value.abs() < 100.0);
         let is_healthy = is_moderate && qpos[1] > 0.7 && qpos[2].abs() < 0.2;
         let healthy = if is_healthy { 1.0 } else { 0.0 };
-        Evaluation { reward: velocity(transition) + healthy - 1e-3 * effort(transition), terminated: !is_healthy }
+        Ok(Evaluation { reward: velocity(transition) + healthy - 1e-3 * effort(transition), terminated: !is_healthy })
     }
 }
 
@@ -178,12 +180,13 @@ impl Task for HalfCheetah {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observe_without_x(data, observation);
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-        Evaluation { reward: velocity(transition) - 0.1 * effort(transition), terminated: false }
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
+        Ok(Evaluation { reward: velocity(transition) - 0.1 * effort(transition), terminated: false })
     }
 }
 

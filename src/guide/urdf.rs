@@ -6,8 +6,7 @@
 //!
 //! ```
 //! use mujoco_safe::enums::GeomType;
-//! use mujoco_safe::kind::Joint;
-//! use mujoco_safe::spec::{ActuatorElement, Mount, Spec, UrdfWarning};
+//! use mujoco_safe::spec::{Mount, Spec, UrdfWarning};
 //! use mujoco_safe::{Data, Model};
 //!
 //! let urdf = r#"
@@ -40,20 +39,8 @@
 //! // A URDF does not say that the robot floats.
 //! robot.add_free_base()?;
 //!
-//! // A motor for each joint. Its force has the limit of the URDF, which older engines do not have
-//! // in the joint.
-//! for id in robot.ids::<Joint>() {
-//!     let joint = robot.joint(id);
-//!     let Some(name) = joint.name().map(str::to_owned) else { continue };
-//!     let in_warnings = robot.urdf_warnings().iter().find_map(|warning| match warning {
-//!         UrdfWarning::EffortLimit { joint, effort } if *joint == name => Some(*effort),
-//!         _ => None,
-//!     });
-//!     let in_joint = joint.numbers("actuatorfrcrange")?.map(|range| range[1]);
-//!     let effort = in_joint.or(in_warnings).unwrap_or(1.0);
-//!     let mut motor = robot.add_actuator(ActuatorElement::Motor);
-//!     motor.set_name(&name).set_joint(id).set("ctrlrange", [-effort, effort])?;
-//! }
+//! // A motor for each joint, with the limit of the URDF. Older engines have no other limit of force.
+//! robot.add_motors();
 //!
 //! // Two robots on a floor, with a camera.
 //! let mut scene = Spec::new("scene");
@@ -109,7 +96,7 @@
 //! | `spherical` | ball, with every engine |
 //! | `fixed` | no joint |
 //! | `lower`, `upper` | range; no limit if `lower` is not below `upper` |
-//! | `effort` | `actuatorfrcrange` since MuJoCo 3.0 |
+//! | `effort` | `actuatorfrcrange` since MuJoCo 3.0; range of the motors by [`Spec::add_motors`](crate::spec::Spec::add_motors) |
 //! | `damping`, `friction` | `damping`, `frictionloss` |
 //! | `mimic` | equality of two joints, with every engine |
 //! | `collision` | geom of group 0 |

@@ -59,7 +59,7 @@ use crate::model::{IntoModel, ModelMut};
 /// Edit of the model before a rollout.
 type Edit<'a> = dyn Fn(usize, &mut ModelMut<'_>) -> Result<()> + Send + Sync + 'a;
 /// Closure that reads a row of outputs or observations from a simulation.
-type Read<'a> = dyn Fn(&Data, &mut [f64]) + Send + Sync + 'a;
+type Read<'a> = dyn Fn(&Data, &mut [f64]) -> Result<()> + Send + Sync + 'a;
 /// Closure that creates the controller of a rollout.
 type MakeController<'a> = dyn Fn(usize) -> Box<dyn Controller + 'a> + Send + Sync + 'a;
 /// Progress hook, called with the number of completed rollouts.
@@ -226,9 +226,13 @@ impl<'a> Rollout<'a> {
     /// zeros. At that point, as always after [`Data::step`], the simulation is in the new state and
     /// its computed quantities belong to the old state.
     /// [`with_forward_after_step`](Self::with_forward_after_step) computes them for the new state
-    /// first.
-    pub fn with_outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
-        self.outputs = Some((noutput, Box::new(read)));
+    /// first. An error of the closure ends the rollout after the step, whose outputs are NaN.
+    pub fn with_outputs<O: Outcome<Value = ()>>(
+        mut self,
+        noutput: usize,
+        read: impl Fn(&Data, &mut [f64]) -> O + Send + Sync + 'a,
+    ) -> Self {
+        self.outputs = Some((noutput, Box::new(move |data, row| read(data, row).into_result())));
         self
     }
 

@@ -148,11 +148,9 @@ impl Run<'_, '_> {
             }
             data.step()?;
             recorder.sensordata(data)?;
-            let computed = if *forward { data.forward_between_steps(saved) } else { Ok(()) };
-            if let Some((_, read)) = outputs
-                && computed.is_ok()
-            {
-                recorder.outputs(data, read);
+            let mut computed = if *forward { data.forward_between_steps(saved) } else { Ok(()) };
+            if let Some((_, read)) = outputs {
+                computed = computed.and_then(|()| recorder.outputs(data, read));
             }
             recorder.steps += 1;
             recorder.state(data, *record)?;
@@ -194,12 +192,13 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    fn outputs(&mut self, data: &Data, read: &super::Read<'_>) {
+    fn outputs(&mut self, data: &Data, read: &super::Read<'_>) -> Result<()> {
         if let Some(row) = part(&mut self.record.outputs, self.outputs, self.sizes.output) {
             row.fill(0.0);
-            read(data, row);
+            read(data, row)?;
         }
         self.outputs += 1;
+        Ok(())
     }
 
     /// Fills the remaining rows with NaN.

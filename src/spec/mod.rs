@@ -122,6 +122,7 @@ mod keyframes;
 mod layout;
 mod lenient;
 mod lineages;
+mod motors;
 mod names;
 mod paths;
 mod read;
@@ -306,7 +307,8 @@ impl Spec {
 
     /// Returns what the spec does not have of the URDF from which it was read, and what acts
     /// otherwise than it seems. Nothing is printed. The warnings are about the URDF: changes of the
-    /// spec do not change them, except [`add_free_base`](Self::add_free_base).
+    /// spec do not change them, except [`add_free_base`](Self::add_free_base) and
+    /// [`add_motors`](Self::add_motors).
     ///
     /// ```
     /// use mujoco_safe::spec::{Spec, UrdfWarning};

@@ -34,21 +34,23 @@ impl Task for Contacts {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observation.copy_from_slice(data.cfrc_ext().as_flattened());
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let force: f64 = transition.data.contacts().map(|contact| contact.force().unwrap().force[0]).sum();
-        Evaluation { reward: force + transition.memory[0], terminated: false }
+        Ok(Evaluation { reward: force + transition.memory[0], terminated: false })
     }
 
     fn memory_size(&self, _: &Model) -> usize {
         1
     }
 
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         memory[0] = data.time();
+        Ok(())
     }
 }
 

@@ -57,3 +57,27 @@ fn a_controller_keeps_its_state_behind_a_reference() {
     let error = controller("stop").control(&mut data).unwrap_err();
     assert!(matches!(error, Error::NoSuchName { .. }), "{error}");
 }
+
+/// Each actuator has its gains and the target that it had at the keyframe.
+#[test]
+fn a_pd_controller_holds_a_keyframe_with_gains_by_actuator() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let mut pd = PdController::new(data.model(), 2.0, 0.1);
+    let knee = data.model().actuator("left_knee").unwrap().id();
+    pd.set_gains(knee, 10.0, 0.5);
+    data.reset_to_key("squat").unwrap();
+    pd.hold(&mut data).unwrap();
+    pd.control(&mut data).unwrap();
+    assert!(data.ctrl().iter().all(|&ctrl| ctrl == 0.0), "{:?}", data.ctrl());
+    // Gears turn the joints' positions and velocities into lengths and their rates.
+    for (joint, gear, [kp, kd]) in [("left_knee", 80.0, [10.0, 0.5]), ("right_knee", 80.0, [2.0, 0.1])] {
+        data.joint_mut(joint).unwrap().qpos_mut()[0] += 0.01;
+        data.joint_mut(joint).unwrap().qvel_mut()[0] = 0.2;
+        pd.control(&mut data).unwrap();
+        let expected = gear * (-0.01 * kp - 0.2 * kd);
+        let ctrl = data.actuator(joint).unwrap().ctrl();
+        assert!((ctrl - expected).abs() < 1e-12, "{joint}: {ctrl} instead of {expected}");
+    }
+    let mut cartpole = Data::new(sample::cartpole()).unwrap();
+    assert!(matches!(pd.hold(&mut cartpole), Err(Error::Shape { .. })));
+}

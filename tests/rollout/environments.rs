@@ -36,12 +36,12 @@ fn compare(name: &str, task: &dyn Task, model: Model) -> usize {
         data.qvel_mut().copy_from_slice(&after.1);
         let duration = recorded["duration"].as_f64().unwrap();
         let transition = Transition::new(Motion::new(&qpos, &qvel), &action, &data, &[], duration);
-        let evaluation = task.evaluate(&transition);
+        let evaluation = task.evaluate(&transition).unwrap();
         assert_near(&[evaluation.reward], &[recorded["reward"].as_f64().unwrap()], &what("reward"));
         assert_eq!(evaluation.terminated, recorded["terminated"].as_bool().unwrap(), "{}", what("termination"));
         terminations += usize::from(evaluation.terminated);
 
-        task.observe(&data, &mut observation);
+        task.observe(&data, &mut observation).unwrap();
         assert_near(&observation, &numbers(&recorded["observation"]), &what("observation"));
         let steps = task.frame_skip() as f64;
         assert!((data.model().timestep() * steps - duration).abs() < 1e-12, "{}", what("duration"));
@@ -77,11 +77,11 @@ impl Task for ShortHopper {
         Hopper.start(random, data)
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
-        Hopper.observe(data, observation);
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
+        Hopper.observe(data, observation)
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         Hopper.evaluate(transition)
     }
 }
@@ -103,7 +103,7 @@ impl Alone {
 
     pub(crate) fn observation(&self) -> Vec<f64> {
         let mut observation = vec![0.0; 11];
-        Hopper.observe(&self.data, &mut observation);
+        Hopper.observe(&self.data, &mut observation).unwrap();
         observation
     }
 
@@ -114,7 +114,7 @@ impl Alone {
         (0..4).for_each(|_| self.data.step().unwrap());
         self.steps += 1;
         let before = Motion::new(&qpos, &qvel);
-        let evaluation = Hopper.evaluate(&Transition::new(before, action, &self.data, &[], 0.002 * 4.0));
+        let evaluation = Hopper.evaluate(&Transition::new(before, action, &self.data, &[], 0.002 * 4.0)).unwrap();
         (evaluation.reward, evaluation.terminated, !evaluation.terminated && self.steps == 23)
     }
 }

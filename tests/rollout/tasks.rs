@@ -69,27 +69,29 @@ impl Task for Everything {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         assert!(data.require(MissingResults::BODY_FORCES).is_ok() || !self.body_forces);
         read(data, observation);
+        Ok(())
     }
 
     /// Returns the number of remembered values, and their sum.
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let [steps, height] = transition.memory else { panic!("{} values", transition.memory.len()) };
         let motion = transition.before.qpos[2] + transition.data.qpos()[2];
         assert_eq!(transition.action, transition.data.ctrl());
         assert_eq!(transition.duration, 2.0 * 0.005);
-        Evaluation { reward: 1000.0 * steps + height + motion, terminated: false }
+        Ok(Evaluation { reward: 1000.0 * steps + height + motion, terminated: false })
     }
 
     fn memory_size(&self, _: &Model) -> usize {
         2
     }
 
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         memory[0] += 1.0;
         memory[1] = data.xpos()[1][2];
+        Ok(())
     }
 }
 
@@ -168,11 +170,11 @@ impl<F: Fn(&mut Data) -> Result<()> + Send + Sync> Task for Start<F> {
         (self.0)(data)
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
-        Hopper.observe(data, observation);
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
+        Hopper.observe(data, observation)
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         Hopper.evaluate(transition)
     }
 }
@@ -223,6 +225,65 @@ fn an_initial_state_that_forward_rejects_is_an_error() {
     assert!(environment.observations().row(0).iter().all(|value| value.is_nan()));
 }
 
+/// A task of which one part fails for large actions, with an error that names the action.
+struct Fails(&'static str);
+
+impl Fails {
+    fn part(&self, part: &str, data: &Data) -> Result<()> {
+        let action = data.ctrl()[0];
+        if part == self.0 && action > 0.5 { data.body(&format!("{action}")).map(drop) } else { Ok(()) }
+    }
+}
+
+impl Task for Fails {
+    fn observation_size(&self, model: &Model) -> usize {
+        model.nq() + model.nv()
+    }
+
+    fn start(&self, _: &mut Random, data: &mut Data) -> Result<()> {
+        data.qpos_mut()[1] = 0.1;
+        Ok(())
+    }
+
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
+        data.physics_state_into(observation)?;
+        self.part("observe", data)
+    }
+
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
+        self.part("evaluate", transition.data)?;
+        Ok(Evaluation { reward: 1.0, terminated: false })
+    }
+
+    fn remember(&self, data: &Data, _: &mut [f64]) -> Result<()> {
+        self.part("remember", data)
+    }
+}
+
+/// The first error is returned after all simulations have been stepped, and those with an error
+/// start again.
+#[test]
+fn an_error_of_a_task_ends_the_episode_of_its_simulation() {
+    let new = |part| VectorEnvironment::new(sample::cartpole(), Fails(part), 3, 0).unwrap();
+    let mut expected = new("nothing");
+    let start = expected.observations().row(0).to_vec();
+    expected.step(&[0.1, 0.6, 0.7]).unwrap();
+    for part in ["observe", "evaluate", "remember"] {
+        let mut environment = new(part);
+        let error = environment.step(&[0.1, 0.6, 0.7]).unwrap_err();
+        assert!(matches!(&error, Error::NoSuchName { name, .. } if name == "0.6"), "{part}: {error}");
+        assert_eq!(environment.terminated(), [false, true, true], "{part}");
+        assert_eq!(environment.rewards(), [1.0, 0.0, 0.0], "{part}");
+        assert_eq!(environment.observations().row(0), expected.observations().row(0), "{part}");
+        for index in [1, 2] {
+            assert!(environment.final_observations().row(index).iter().all(|value| value.is_nan()), "{part}");
+            assert_eq!(environment.observations().row(index), start, "{part}");
+        }
+        environment.step(&[0.1; 3]).unwrap();
+        assert_eq!(environment.rewards(), [1.0; 3], "{part}");
+    }
+}
+
 /// A task that observes if poses have been computed.
 struct StateOnly;
 
@@ -239,12 +300,13 @@ impl Task for StateOnly {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observation[0] = f64::from(data.require(Stage::Position).is_ok());
+        Ok(())
     }
 
-    fn evaluate(&self, _: &Transition<'_>) -> Evaluation {
-        Evaluation { reward: 0.0, terminated: false }
+    fn evaluate(&self, _: &Transition<'_>) -> Result<Evaluation> {
+        Ok(Evaluation { reward: 0.0, terminated: false })
     }
 }
 
@@ -278,12 +340,13 @@ impl Task for Remembers {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observation[0] = data.xpos()[1][2];
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
-        Evaluation { reward: transition.memory.len() as f64, terminated: false }
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
+        Ok(Evaluation { reward: transition.memory.len() as f64, terminated: false })
     }
 
     fn memory_size(&self, _: &Model) -> usize {

@@ -145,8 +145,8 @@ impl<T: Task> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// The error of [`Task::start`], or of [`Data::forward`] after it, with the smallest index, and
-    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
+    /// The error of [`Task::start`], of [`Data::forward`] after it, of [`Task::observe`] or of
+    /// [`Task::remember`] with the smallest index, and [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
     /// separately.
     pub fn reset(&mut self) -> Result<()> {
         self.terminated.fill(false);
@@ -165,7 +165,10 @@ impl<T: Task> VectorEnvironment<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if there are not `n × nu` actions. The errors of [`reset`](Self::reset).
+    /// [`Error::Shape`] if there are not `n × nu` actions, and nothing is stepped. The error of
+    /// [`Task::evaluate`], [`Task::observe`] or [`Task::remember`] with the smallest index, after
+    /// all other simulations have been stepped; a simulation with an error counts as failed. The
+    /// errors of [`reset`](Self::reset).
     ///
     /// # Panics
     ///
@@ -178,12 +181,13 @@ impl<T: Task> VectorEnvironment<T> {
         let actions = self.disturbance.received(actions);
         let (task, states, qpos, qvel) = (&self.task, &self.before, &self.qpos, &self.qvel);
         let substeps = task.frame_skip() as f64;
-        self.batch.step_with(actions, &mut self.records, |index, data, record, observation| {
+        let result = self.batch.step_with(actions, &mut self.records, |index, data, record, observation| {
             let state = states.row(index);
             let before = Motion::new(&state[qpos.clone()], &state[qvel.clone()]);
             let (action, duration) = (&actions[index * nu..][..nu], data.model().timestep() * substeps);
-            record.evaluation = task.evaluate(&Transition { before, action, data, memory: &record.memory, duration });
-            observe(task, data, record, observation);
+            record.evaluation =
+                task.evaluate(&Transition { before, action, data, memory: &record.memory, duration })?;
+            observe(task, data, record, observation)
         });
         self.final_observations.as_mut_slice().copy_from_slice(self.batch.observations().as_slice());
         let limit = task.time_limit().unwrap_or(u64::MAX);
@@ -198,7 +202,7 @@ impl<T: Task> VectorEnvironment<T> {
         if self.disturbance.has_observation_noise() {
             self.disturbance.disturb_observations(&mut self.final_observations);
         }
-        self.start_episodes()
+        result.and(self.start_episodes())
     }
 
     /// Starts new episodes where one has ended.
@@ -222,7 +226,7 @@ impl<T: Task> VectorEnvironment<T> {
             |index, episode, data| task.start(&mut Random::new(seed, random_index(index), episode), data),
             |data, record, observation| {
                 record.memory.fill(0.0);
-                observe(task, data, record, observation);
+                observe(task, data, record, observation)
             },
         );
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
@@ -293,7 +297,7 @@ impl<T> fmt::Debug for VectorEnvironment<T> {
 }
 
 /// Writes the observation of a simulation, and what the task remembers of it.
-fn observe(task: &impl Task, data: &Data, record: &mut Record, observation: &mut [f64]) {
-    task.observe(data, observation);
-    task.remember(data, &mut record.memory);
+fn observe(task: &impl Task, data: &Data, record: &mut Record, observation: &mut [f64]) -> Result<()> {
+    task.observe(data, observation)?;
+    task.remember(data, &mut record.memory)
 }

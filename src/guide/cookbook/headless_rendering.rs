@@ -1,5 +1,7 @@
 //! Headless rendering: images without a window or a display.
 //!
+#![doc = include_str!("../../render/picture.html")]
+//!
 //! With the feature `renderer`, a server or a container draws images. It needs a graphics driver,
 //! for example the one in software: `apt-get install libvulkan1 mesa-vulkan-drivers`.
 //!

@@ -1,5 +1,7 @@
 //! Saving a video or an animation.
 //!
+#![doc = include_str!("../../record/picture.html")]
+//!
 //! A recorder takes the images that are due by simulated time. The extension of the path selects
 //! the format: `.mp4`, `.mov` and `.mkv` by the program `ffmpeg` (`apt-get install ffmpeg`), `.gif`
 //! and `.png` without it. Needs the feature `renderer`, and no display.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::Batch;
 use super::member::{Member, Members};
 use crate::data::Data;
-use crate::error::{Outcome, Result};
+use crate::error::{Error, Outcome, Result};
 use crate::matrix::{MatrixView, MatrixViewMut};
 use crate::parallel::{FirstError, Split, StopOnPanic, default_chunk, in_chunks};
 
@@ -164,18 +164,27 @@ impl Batch<'_> {
 
     /// Sets the controls `(n, nu)`, steps all simulations, and calls `read` with the index of each
     /// one that has not failed, the simulation, its record, and its row of observations, which is
-    /// zero.
+    /// zero. Returns the error of `read` with the smallest index; the failures of the engine are
+    /// those of the simulations only.
     pub(crate) fn step_with<R: Send>(
         &mut self,
         controls: &[f64],
         records: &mut [R],
-        read: impl Fn(usize, &Data, &mut R, &mut [f64]) + Sync,
-    ) {
+        read: impl Fn(usize, &Data, &mut R, &mut [f64]) -> Result<()> + Sync,
+    ) -> Result<()> {
         self.controls.as_mut_slice().copy_from_slice(controls);
         let substeps = self.substeps;
+        let first_error = FirstError::default();
         self.each_with(records, |index, member, record| {
-            member.step(substeps, |data, observation| read(index, data, record, observation));
+            member.step(substeps, |data, observation| {
+                read(index, data, record, observation).map_err(|error| {
+                    let failure = Error::Poisoned { failure: error.to_string() };
+                    first_error.record(index, error);
+                    failure
+                })
+            });
         });
+        first_error.into_result()
     }
 
     /// Resets simulations as [`reset_where`](Self::reset_where) does, and calls `read` with each,
@@ -185,7 +194,7 @@ impl Batch<'_> {
         records: &mut [R],
         which: impl Fn(usize) -> bool + Sync,
         start: impl Fn(usize, u64, &mut Data) -> Result<()> + Sync,
-        read: impl Fn(&Data, &mut R, &mut [f64]) + Sync,
+        read: impl Fn(&Data, &mut R, &mut [f64]) -> Result<()> + Sync,
     ) -> Result<()> {
         let first_error = FirstError::default();
         self.each_with(records, |index, member, record| {

@@ -78,7 +78,7 @@ impl<'b> Member<'_, 'b> {
     }
 
     /// Steps the simulation and calls `read` with it, unless it has failed.
-    pub(super) fn step(&mut self, substeps: usize, read: impl FnOnce(&Data, &mut [f64])) {
+    pub(super) fn step(&mut self, substeps: usize, read: impl FnOnce(&Data, &mut [f64]) -> Result<()>) {
         if self.row.failure.is_some() {
             return;
         }
@@ -95,7 +95,7 @@ impl<'b> Member<'_, 'b> {
     pub(super) fn reset(
         &mut self,
         start: impl FnOnce(u64, &mut Data) -> Result<()>,
-        read: impl FnOnce(&Data, &mut [f64]),
+        read: impl FnOnce(&Data, &mut [f64]) -> Result<()>,
     ) -> Result<()> {
         self.row.episode += 1;
         self.row.failure = None;
@@ -152,7 +152,7 @@ impl<'b> Member<'_, 'b> {
         source: Source,
         leaves: Results,
         work: impl FnOnce(&mut Data) -> Result<()>,
-        read: impl FnOnce(&Data, &mut [f64]),
+        read: impl FnOnce(&Data, &mut [f64]) -> Result<()>,
     ) -> Result<()> {
         let Self { common, lease, row, state, controls, observations, .. } = self;
         let (model, refresh) = (common.pool.model(), common.refresh);
@@ -187,7 +187,7 @@ impl<'b> Member<'_, 'b> {
         }
         row.warnings = data.warning_counters();
         observations.fill(0.0);
-        read(data, observations);
+        read(data, observations)?;
         loaded.finish(leaves);
         Ok(())
     }

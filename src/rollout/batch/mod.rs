@@ -15,7 +15,7 @@ use self::worker::{Worker, continue_from};
 use super::Parameters;
 use super::workers::{restart, restore};
 use crate::data::{Data, StateSpec};
-use crate::error::{Error, Result};
+use crate::error::{Error, Outcome, Result};
 use crate::matrix::{Matrix, MatrixView};
 use crate::memory;
 use crate::model::{IntoModel, Model};
@@ -105,7 +105,7 @@ impl<'a> Batch<'a> {
             values: Matrix::zeros(count, 0),
             common: Common {
                 pool,
-                read: Box::new(|_, _| ()),
+                read: Box::new(|_, _| Ok(())),
                 refresh: Refresh::default(),
                 first_control: model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start,
                 parameters: Parameters::new(),
@@ -115,9 +115,7 @@ impl<'a> Batch<'a> {
             chunk: None,
         };
         let width = model.state_size(StateSpec::PHYSICS);
-        Ok(batch.with_observations(width, |data, row| {
-            data.physics_state_into(row).expect("Bug: the row does not have the length of a state");
-        }))
+        Ok(batch.with_observations(width, |data, row| data.physics_state_into(row)))
     }
 
     /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
@@ -126,15 +124,20 @@ impl<'a> Batch<'a> {
     /// as poses and contacts belong to the state before the step. After a reset or an edit, only
     /// the quantities that its closure has computed are available.
     /// [`with_forward_after_step`](Self::with_forward_after_step) computes all quantities for the
-    /// present state first.
+    /// present state first. A simulation for which it returns an error counts as
+    /// [failed](Self::failure).
     ///
     /// # Panics
     ///
     /// If memory does not suffice for the observations.
     #[must_use]
-    pub fn with_observations(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
+    pub fn with_observations<O: Outcome<Value = ()>>(
+        mut self,
+        nobs: usize,
+        read: impl Fn(&Data, &mut [f64]) -> O + Send + Sync + 'a,
+    ) -> Self {
         self.observations = Matrix::zeros(self.len(), nobs);
-        self.common.read = Box::new(read);
+        self.common.read = Box::new(move |data, row| read(data, row).into_result());
         self.observe_all();
         self
     }

@@ -38,7 +38,8 @@ pub enum UrdfWarning {
         velocity: f64,
     },
     /// The force of a joint is not limited: the engine has no such limit before 3.0, nor for a
-    /// `floating` or `spherical` joint.
+    /// `floating` or `spherical` joint. [`Spec::add_motors`](crate::spec::Spec::add_motors) limits
+    /// the force of the motor of a joint.
     EffortLimit {
         /// Name of the joint.
         joint: String,

@@ -49,13 +49,14 @@ impl Task for Ant {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         let state = data.qpos()[2..].iter().chain(data.qvel()).copied();
         let parts = state.chain(contact_forces(data).skip(6));
         observation.iter_mut().zip(parts).for_each(|(to, value)| *to = value);
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let data = transition.data;
         let velocity = (data.xpos()[TORSO][0] - transition.memory[0]) / transition.duration;
         let is_finite = data.qpos().iter().chain(data.qvel()).all(|value| value.is_finite());
@@ -63,7 +64,7 @@ impl Task for Ant {
         let healthy = if is_healthy { 1.0 } else { 0.0 };
         let contacts: f64 = contact_forces(data).map(|force| force * force).sum();
         let costs = 0.5 * squares(transition.action) + 5e-4 * contacts;
-        Evaluation { reward: velocity + healthy - costs, terminated: !is_healthy }
+        Ok(Evaluation { reward: velocity + healthy - costs, terminated: !is_healthy })
     }
 
     fn memory_size(&self, _: &Model) -> usize {
@@ -71,8 +72,9 @@ impl Task for Ant {
     }
 
     /// Remembers the position of the torso along x.
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         memory[0] = data.xpos()[TORSO][0];
+        Ok(())
     }
 }
 

@@ -39,7 +39,7 @@ impl Task for Humanoid {
         Ok(())
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         let parts = [
             &data.qpos()[2..],
             data.qvel(),
@@ -49,24 +49,26 @@ impl Task for Humanoid {
             data.cfrc_ext()[1..].as_flattened(),
         ];
         write(observation, &parts);
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let data = transition.data;
         let velocity = (centre_of_mass(data) - transition.memory[0]) / transition.duration;
         let is_healthy = 1.0 < data.qpos()[2] && data.qpos()[2] < 2.0;
         let healthy = if is_healthy { 5.0 } else { 0.0 };
         let contacts = (5e-7 * squares(data.cfrc_ext().as_flattened())).min(10.0);
         let reward = 1.25 * velocity + healthy - 0.1 * squares(transition.action) - contacts;
-        Evaluation { reward, terminated: !is_healthy }
+        Ok(Evaluation { reward, terminated: !is_healthy })
     }
 
     fn memory_size(&self, _: &Model) -> usize {
         1
     }
 
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         memory[0] = centre_of_mass(data);
+        Ok(())
     }
 }
 

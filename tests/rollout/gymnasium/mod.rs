@@ -70,11 +70,11 @@ impl<T: Task> Task for Recorded<T> {
         data.forward()
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
-        self.task.observe(data, observation);
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
+        self.task.observe(data, observation)
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         self.task.evaluate(transition)
     }
 
@@ -82,8 +82,8 @@ impl<T: Task> Task for Recorded<T> {
         self.task.memory_size(model)
     }
 
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
-        self.task.remember(data, memory);
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
+        self.task.remember(data, memory)
     }
 }
 

@@ -56,15 +56,16 @@ impl Task for Reacher {
         }
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         let (qpos, qvel) = (data.qpos(), data.qvel());
         let (cosines, sines) = ([qpos[0].cos(), qpos[1].cos()], [qpos[0].sin(), qpos[1].sin()]);
         write(observation, &[&cosines, &sines, &qpos[2..], &qvel[..2], &self.offset(data)[..2]]);
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let distance = squares(&self.offset(transition.data)).sqrt();
-        Evaluation { reward: -distance - squares(transition.action), terminated: false }
+        Ok(Evaluation { reward: -distance - squares(transition.action), terminated: false })
     }
 }
 

@@ -97,11 +97,12 @@ impl Task for Arbitrary {
         if self.fails { data.reset_to_key(99) } else { Ok(()) }
     }
 
-    fn observe(&self, data: &Data, observation: &mut [f64]) {
+    fn observe(&self, data: &Data, observation: &mut [f64]) -> Result<()> {
         observation.fill(data.time());
+        Ok(())
     }
 
-    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+    fn evaluate(&self, transition: &Transition<'_>) -> Result<Evaluation> {
         let position = transition.data.qpos().first().copied().unwrap_or_default();
         let reward = transition.action.iter().chain(transition.memory).sum();
         for contact in transition.data.contacts() {
@@ -110,15 +111,16 @@ impl Task for Arbitrary {
         if self.body_forces {
             transition.data.require(MissingResults::BODY_FORCES).unwrap();
         }
-        Evaluation { reward, terminated: position > self.number }
+        Ok(Evaluation { reward, terminated: position > self.number })
     }
 
     fn memory_size(&self, _: &Model) -> usize {
         self.memory
     }
 
-    fn remember(&self, data: &Data, memory: &mut [f64]) {
+    fn remember(&self, data: &Data, memory: &mut [f64]) -> Result<()> {
         memory.fill(data.cfrc_ext().as_flattened().iter().sum());
+        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::kind::Joint;
-use mujoco_safe::spec::{ActuatorElement, Mount, Spec};
+use mujoco_safe::spec::{ActuatorElement, Mount, Spec, UrdfWarning};
 use mujoco_safe::{Data, Model};
 
 use super::{joint, link, read, robot};
@@ -63,9 +63,8 @@ fn robots_from_urdf_stand_in_a_scene() {
     scene.add_camera(world).set_name("eye").set_pos([0.0, -3.0, 2.0]);
     scene.attach(&walker, Mount::body(world).with_pos([0.0, 0.0, 1.0]), "left/").unwrap();
     scene.attach(&read(&urdf), Mount::body(world).with_pos([2.0, 0.0, 0.1]), "right/").unwrap();
-    for hinge in ["left/shoulder", "right/shoulder"] {
-        scene.add_actuator(ActuatorElement::Motor).set_name(hinge).set_joint(hinge);
-    }
+    // The fingers follow the shoulders.
+    assert_eq!(scene.add_motors().len(), 2);
     let model = scene.compile().unwrap();
     // All links are bodies: the scene fuses none.
     assert_eq!((model.nbody(), model.nv(), model.nu()), (9, 10, 2));
@@ -96,4 +95,61 @@ fn robots_from_urdf_stand_in_a_scene() {
     }
     let [alone, attached] = [alone.qpos(), attached.qpos()];
     assert!(alone.iter().zip(attached).all(|(a, b)| (a - b).abs() < 1e-12), "{alone:?} {attached:?}");
+}
+
+#[test]
+fn motors_have_the_limits_of_the_joints_that_they_drive() {
+    let links: String = ["base", "a", "b", "c", "d", "e"].map(|name| link(name, "")).concat();
+    let urdf = robot(
+        &(links
+            + &joint("turn", "continuous", "base", "a", "<limit effort='30' velocity='1'/>")
+            + &joint("slide", "prismatic", "a", "b", "")
+            + &joint("follow", "revolute", "a", "c", "<limit effort='5'/><mimic joint='turn'/>")
+            + &joint("plane", "planar", "b", "d", "<limit effort='7' velocity='1'/>")
+            + &joint("ball", "spherical", "c", "e", "<limit effort='9'/>")),
+    );
+    let mut spec = read(&urdf);
+    spec.add_actuator(ActuatorElement::Position).set_name("slide").set_joint("plane_RZ");
+    let motors = spec.add_motors();
+    let names: Vec<Option<&str>> = motors.iter().map(|&motor| spec.actuator(motor).name()).collect();
+    // An actuator has the name of the slide.
+    assert_eq!(names, [Some("turn"), None, Some("plane_TX"), Some("plane_TY")]);
+    let efforts: Vec<&str> = spec
+        .urdf_warnings()
+        .iter()
+        .filter_map(|warning| match warning {
+            UrdfWarning::EffortLimit { joint, .. } => Some(joint.as_str()),
+            _ => None,
+        })
+        .filter(|joint| *joint != "follow") // since 3.0 it is limited
+        .collect();
+    assert_eq!(efforts, ["ball"]);
+    assert_eq!(spec.add_motors(), []);
+
+    let mut data = Data::new(spec.compile().unwrap()).unwrap();
+    data.ctrl_mut().copy_from_slice(&[0.0, 100.0, 100.0, -100.0, 100.0]);
+    data.forward().unwrap();
+    assert_eq!(data.actuator_force(), [0.0, 30.0, 100.0, -7.0, 100.0]);
+}
+
+/// Limits of MJCF, also by a class of defaults.
+#[test]
+#[cfg(engine_since = "3.0.0")]
+fn motors_have_the_limits_of_mjcf() {
+    let mut spec = Spec::from_xml_str(
+        "<mujoco><default>
+           <default class='weak'><joint actuatorfrcrange='-2 3'/></default>
+           <default class='off'><joint actuatorfrclimited='false' actuatorfrcrange='-2 3'/></default>
+         </default><worldbody>
+           <body><freejoint/><geom size='.1'/></body>
+           <body><joint class='weak'/><geom size='.1'/></body>
+           <body><joint class='off'/><geom size='.1'/></body>
+         </worldbody></mujoco>",
+    )
+    .unwrap();
+    spec.add_motors();
+    let mut data = Data::new(spec.compile().unwrap()).unwrap();
+    data.ctrl_mut().fill(10.0);
+    data.forward().unwrap();
+    assert_eq!(data.actuator_force(), [3.0, 10.0]);
 }
