@@ -14,7 +14,7 @@ const MAX_CURVES: usize = 16;
 /// Width of the lines, points.
 const LINE_WIDTH: f32 = 1.5;
 /// Opacity of the ranges between the values of a curve.
-const BAND_OPACITY: f32 = 0.5;
+const BAND_OPACITY: f32 = 0.6;
 /// Minimum distances of the ticks of the time and of the values, points.
 const TICK_SPACING: [f64; 2] = [64.0, 24.0];
 /// Labels are shown at all ticks.
@@ -69,7 +69,10 @@ pub(super) fn show(ui: &mut Ui, plot: &mut Plot, height: f32, is_window: bool) -
             for (index, curve) in shown().filter(|(_, curve)| !curve.is_hidden) {
                 let color = colors[index].gamma_multiply(BAND_OPACITY);
                 plot_ui.add(
-                    area(&curve.bands(column), [from, to]).fill_color(color).id((index, "bands")).allow_hover(false),
+                    area(&curve.bands(f64::from(LINE_WIDTH) * column), [from, to])
+                        .fill_color(color)
+                        .id((index, "bands"))
+                        .allow_hover(false),
                 );
             }
             for (index, curve) in shown().filter(|(_, curve)| !curve.is_hidden) {

@@ -123,11 +123,8 @@ impl Curve {
     pub fn bands(&self, column: f64) -> Vec<Band> {
         let mut bands: Vec<Band> = Vec::new();
         for (previous, point) in self.points.iter().zip(self.points.iter().skip(1)) {
-            let range = point.signal.range;
             let ends = [previous, point].map(|point| point.signal.value);
-            if covers(ends, range) {
-                continue;
-            }
+            let Some(range) = uncovered(ends, point.signal.range) else { continue };
             let [start, end] = [previous, point].map(|point| (point.time / column).ceil() * column);
             match bands.last_mut().filter(|last| last.times[1] == end) {
                 Some(last) => last.range = union(last.range, range),
@@ -138,11 +135,17 @@ impl Curve {
     }
 }
 
-/// Returns `true` if the line between two values covers a range, as it does if the range is empty.
-fn covers(ends: [f64; 2], [low, high]: [f64; 2]) -> bool {
-    let [start, end] = ends.map(|value| if value.is_finite() { value } else { f64::NAN });
-    // The extremes of NaN and a number are the number.
-    low > high || (low >= start.min(end) && high <= start.max(end))
+/// Returns the part of a range beyond the line between two values, or the whole range if it extends
+/// beyond both ends. A signal that has crossed the line more than once is thus a filled area.
+fn uncovered(ends: [f64; 2], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let finite = ends.into_iter().filter(|value| value.is_finite());
+    let [bottom, top] = finite.fold(Signal::NO_RANGE, |range, value| union(range, [value; 2]));
+    match (low < bottom, high > top) {
+        (true, true) => Some([low, high]),
+        (true, false) => Some([low, bottom]),
+        (false, true) => Some([top, high]),
+        (false, false) => None,
+    }
 }
 
 #[cfg(test)]
@@ -206,6 +209,19 @@ mod tests {
     }
 
     #[test]
+    fn band_is_beyond_the_line_unless_the_signal_has_crossed_the_line() {
+        let mut curve = Curve::new("x");
+        curve.push(0.0, signal([1.0]));
+        curve.push(1.0, signal([1.0, 3.0, 2.0]));
+        curve.push(2.0, signal([-1.0, 0.0]));
+        curve.push(3.0, signal([-1.0, 2.0, 1.0]));
+        let band = |start: f64, low: f64, high: f64| Band { times: [start, start + 1.0], range: [low, high] };
+        assert_eq!(curve.bands(0.5), [band(0.0, 2.0, 3.0), band(1.0, -1.0, 0.0), band(2.0, -1.0, 2.0)]);
+        // All are in one column.
+        assert_eq!(curve.bands(3.0), [Band { times: [0.0, 3.0], range: [-1.0, 3.0] }]);
+    }
+
+    #[test]
     fn values_that_are_not_finite_leave_a_gap_in_the_line_and_are_in_no_band() {
         let mut curve = Curve::new("x");
         let nan = f64::NAN;
@@ -213,7 +229,7 @@ mod tests {
             curve.push(time.into(), signal(values));
         }
         assert_eq!(curve.parts(0.5), [vec![[0.0, 1.0], [1.0, 1.0]], vec![[4.0, 1.0]]]);
-        assert_eq!(curve.bands(0.5), [Band { times: [1.0, 2.0], range: [2.0, 2.0] }]);
+        assert_eq!(curve.bands(0.5), [Band { times: [1.0, 2.0], range: [1.0, 2.0] }]);
     }
 
     #[test]
@@ -221,9 +237,9 @@ mod tests {
         let mut curve = Curve::new("x");
         curve.push(0.0, signal([0.0]));
         curve.push(1.0, signal([0.0, 5.0, 0.0]));
-        let spike = Band { times: [0.0, 1.0], range: [0.0, 5.0] };
         // The user moves a joint while the simulation is paused.
         curve.push(1.0, signal([0.0, -9.0, 1.0]));
+        let spike = Band { times: [0.0, 1.0], range: [1.0, 5.0] };
         assert_eq!(curve.bands(0.5), [spike]);
         curve.push(2.0, signal([1.0]));
         curve.push(1.5, signal([1.0, 8.0, 1.0]));

@@ -31,8 +31,8 @@ pub(super) struct PlotPanel {
 }
 
 impl PlotPanel {
-    /// Adds the values of a snapshot to the curves, unless the curves contain it already. Its ranges
-    /// are empty afterwards.
+    /// Adds the values of a snapshot to the curves, unless the curves contain it already. Its
+    /// ranges are empty afterwards.
     pub fn update(&mut self, snapshot: &mut Snapshot) {
         let id = (snapshot.generation, snapshot.number);
         if self.last != Some(id) {
