@@ -7,6 +7,7 @@ use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::{Outcome, Result};
 use crate::scene::{Connector, NewGeom};
+use crate::viewer::signal::Signal;
 
 /// Value of a curve in a plot.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub(crate) struct PlottedValue {
     /// Title of the plot.
     pub plot: Arc<str>,
     pub name: Arc<str>,
-    pub value: f64,
+    pub signal: Signal,
 }
 
 /// Number that the user can change with a slider.
@@ -31,12 +32,12 @@ pub(crate) struct Parameter {
 /// A closure declares all instruments each time it is called, with
 /// [`Viewer::with_instrumented_controller`](super::Viewer::with_instrumented_controller) or
 /// [`ViewerHandle::instruments`](super::ViewerHandle::instruments). An instrument that the closure
-/// does not declare again disappears. The plots and the sliders are at the top of the right panel;
-/// Shift+F3 hides and shows them.
+/// does not declare again disappears from the next image. The plots and the sliders are at the top
+/// of the right panel; Shift+F3 hides and shows them.
 ///
-/// The closure runs in the thread of the controller, between two steps. The controller therefore
-/// needs no locks. The declarations allocate memory only when they change: another name, or more
-/// values, parameters or geoms than before.
+/// The closure runs in the thread of the controller, which therefore needs no locks. The
+/// declarations allocate memory only when they change: another name, or more values, parameters or
+/// geoms than before.
 ///
 /// ```no_run
 /// use mujoco_safe::scene::NewGeom;
@@ -73,6 +74,8 @@ pub struct Instruments {
     values: Reused<PlottedValue>,
     parameters: Reused<Parameter>,
     geoms: Vec<NewGeom>,
+    /// The values are sampled between two images. No geoms are added.
+    only_samples: bool,
     /// Changes by the user that the closure has not received.
     edits: Vec<(Arc<str>, f64)>,
 }
@@ -81,17 +84,14 @@ impl Instruments {
     /// Plots a value over the simulated time: a curve with this name, in the plot with this title.
     /// Values with the same title are in the same plot. NaN and infinite values leave a gap.
     ///
-    /// A curve has the last value before each image, so that a signal which changes faster than the
-    /// window draws looks wrong: record it in a [`Trajectory`](crate::Trajectory).
+    /// A curve is a line through the last values before the images. Where other values since the
+    /// previous image are below or above this line, a band shows their range, so that a signal that
+    /// changes faster than the window draws is a filled area, and a single spike is visible. The
+    /// order of these values is lost: to keep it, record a [`Trajectory`](crate::Trajectory).
     pub fn value(&mut self, plot: &str, name: &str, value: f64) {
-        self.values.add(
-            |slot| {
-                rename(&mut slot.plot, plot);
-                rename(&mut slot.name, name);
-                slot.value = value;
-            },
-            || PlottedValue { plot: plot.into(), name: name.into(), value },
-        );
+        let is_same = |item: &PlottedValue| *item.plot == *plot && *item.name == *name;
+        let create = || PlottedValue { plot: plot.into(), name: name.into(), signal: Signal::default() };
+        self.values.add(is_same, create).signal.push(value);
     }
 
     /// Shows a slider for a number, and sets the number to the user's value if the user has moved
@@ -114,14 +114,9 @@ impl Instruments {
         if let Some(edit) = edit {
             *number = edit.clamp(low, high);
         }
-        let (value, range) = (*number, [low, high]);
-        self.parameters.add(
-            |slot| {
-                rename(&mut slot.name, name);
-                (slot.value, slot.range) = (value, range);
-            },
-            || Parameter { name: name.into(), value, range },
-        );
+        let create = || Parameter { name: name.into(), value: *number, range: [low, high] };
+        let parameter = self.parameters.add(|item| *item.name == *name, create);
+        (parameter.value, parameter.range) = (*number, [low, high]);
         edit.is_some()
     }
 
@@ -129,6 +124,9 @@ impl Instruments {
     /// of this radius, m, from each point to the next. Omits the parts beside a point that is not
     /// finite.
     pub fn path(&mut self, points: impl IntoIterator<Item = [f64; 3]>, radius: f64, rgba: [f32; 4]) {
+        if self.only_samples {
+            return;
+        }
         let is_finite = |point: &[f64; 3]| point.iter().all(|&part| (part as f32).is_finite());
         let mut previous: Option<[f64; 3]> = None;
         for point in points {
@@ -143,12 +141,27 @@ impl Instruments {
     /// Draws a geom, such as a goal. The window shows an error for a geom with invalid numbers or
     /// of another model.
     pub fn geom(&mut self, geom: NewGeom) {
-        self.geoms.push(geom);
+        if !self.only_samples {
+            self.geoms.push(geom);
+        }
     }
 
     /// Replaces the instruments by those that a closure declares.
     pub(crate) fn declare<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
-        self.start();
+        self.geoms.clear();
+        self.show(show)
+    }
+
+    /// As [`declare`](Self::declare), between two images. The geoms remain.
+    pub(crate) fn sample<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
+        self.only_samples = true;
+        let result = self.show(show);
+        self.only_samples = false;
+        result
+    }
+
+    fn show<R>(&mut self, show: impl FnOnce(&mut Self) -> R) -> R {
+        (self.values.used, self.parameters.used) = (0, 0);
         let result = show(self);
         // A parameter that no longer exists cannot receive its change.
         self.edits.clear();
@@ -157,14 +170,12 @@ impl Instruments {
 
     /// Removes all instruments and the changes by the user.
     pub(crate) fn clear(&mut self) {
-        self.start();
-        self.edits.clear();
+        self.declare(|_| ());
     }
 
-    fn start(&mut self) {
-        self.values.used = 0;
-        self.parameters.used = 0;
-        self.geoms.clear();
+    /// Empties the ranges of the values.
+    pub(crate) fn clear_ranges(&mut self) {
+        self.values.items.iter_mut().for_each(|value| value.signal.range = Signal::NO_RANGE);
     }
 
     /// Sets a parameter on behalf of the user. The next declaration delivers the value. Ignores an
@@ -213,13 +224,17 @@ impl<T> Default for Reused<T> {
 }
 
 impl<T> Reused<T> {
-    /// Appends an item: overwrites an item of the previous list, or creates one.
-    fn add(&mut self, overwrite: impl FnOnce(&mut T), create: impl FnOnce() -> T) {
-        match self.items.get_mut(self.used) {
-            Some(item) => overwrite(item),
-            None => self.items.push(create()),
+    /// Appends the same item of a previous list, or a new item.
+    fn add(&mut self, is_same: impl FnMut(&T) -> bool, create: impl FnOnce() -> T) -> &mut T {
+        let unused = &mut self.items[self.used..];
+        match (unused.iter().position(is_same), unused.first_mut()) {
+            (Some(index), _) => unused.swap(0, index),
+            // The list does not grow if the items are others each time.
+            (None, Some(first)) => *first = create(),
+            (None, None) => self.items.push(create()),
         }
         self.used += 1;
+        &mut self.items[self.used - 1]
     }
 
     fn items(&self) -> &[T] {
@@ -227,15 +242,9 @@ impl<T> Reused<T> {
     }
 }
 
-fn rename(name: &mut Arc<str>, new: &str) {
-    if **name != *new {
-        *name = new.into();
-    }
-}
-
 /// Controller with or without instruments.
 pub(crate) trait InstrumentedController: Controller + Send {
-    /// Declares the instruments, between two steps.
+    /// Declares the instruments.
     ///
     /// # Errors
     ///

@@ -75,10 +75,12 @@ impl Viewer {
     /// [`Instruments`] of the controller: plotted values, parameters with sliders, and geoms.
     /// [`Instruments`] has an example. The closure returns nothing or a [`Result`](crate::Result).
     ///
-    /// The viewer calls the closure in the thread of the controller: before each image of the
-    /// simulation in the controller mode, and immediately when the user moves a slider, so that the
-    /// next step uses the new value. After a step, quantities of the data that depend on the state,
-    /// such as poses, are those before the step.
+    /// In the controller mode, the viewer calls the closure in the thread of the controller: after
+    /// the controller in each step, so that the plots show extremes between two images; before each
+    /// image of the simulation; and immediately when the user moves a slider, so that the next step
+    /// uses the new value. After a step, quantities of the data that depend on the state, such as
+    /// poses, are those before the step. Geoms are only added for an image: otherwise
+    /// [`Instruments::path`] does not compute its points.
     ///
     /// An error or a panic of the closure pauses the simulation, and the window shows the message.
     pub fn with_instrumented_controller<C, O>(

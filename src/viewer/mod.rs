@@ -68,6 +68,7 @@ mod link;
 mod options;
 mod panel;
 mod remembered;
+mod signal;
 mod simulation;
 #[cfg(feature = "_test-hooks")]
 #[doc(hidden)]

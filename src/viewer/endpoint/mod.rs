@@ -14,6 +14,7 @@ pub(crate) use self::watch::Watch;
 use super::input::KeyPress;
 use super::instruments::Instruments;
 use super::link::{Event, PhysicsEnd, SceneView, Snapshot};
+use super::signal::Signals;
 use crate::data::{Data, Stage, StateSpec, Warning};
 use crate::error::{Error, Result};
 use crate::id::BodyId;
@@ -40,7 +41,8 @@ pub(crate) struct SimulationEndpoint {
     captured: Arc<Vec<CapturedKey>>,
     /// Number of keyframes captured so far, including deleted keyframes.
     captures: usize,
-    watches: Vec<Watch>,
+    /// Signals since the last snapshot.
+    signals: Signals,
     keys: Vec<KeyPress>,
     /// The user has been notified that the scene is full.
     scene_full_reported: bool,
@@ -68,7 +70,7 @@ impl SimulationEndpoint {
             spare: None,
             captured: Arc::default(),
             captures: 0,
-            watches: Vec::new(),
+            signals: Signals::default(),
             keys: Vec::new(),
             scene_full_reported: false,
             warned: [false; Warning::ALL.len()],
@@ -95,7 +97,7 @@ impl SimulationEndpoint {
             // The spare snapshot has a scene of the old model.
             self.spare = None;
             self.captured = Arc::default();
-            self.watches.iter_mut().for_each(|watch| watch.resolve(model));
+            self.signals.adopt(model);
         }
         self.model = model.clone();
     }
@@ -163,6 +165,11 @@ impl SimulationEndpoint {
     /// bit.
     pub fn refresh(&mut self, data: &mut Data) -> Result<()> {
         data.forward_between_steps(&mut self.state)
+    }
+
+    /// Adds the current values of the simulation to its signals.
+    pub fn sample(&mut self, data: &Data) {
+        self.signals.sample(data);
     }
 
     /// Calls [`refresh`](Self::refresh) if quantities that the scene shows have not been computed.

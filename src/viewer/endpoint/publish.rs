@@ -38,10 +38,12 @@ impl SimulationEndpoint {
         self.report_warnings(data);
 
         snapshot.copy_values(data);
+        self.sample(data);
+        snapshot.signals.copy_from(&self.signals);
+        self.signals.clear_ranges();
         self.instruments.values().clone_into(&mut snapshot.plotted);
+        self.instruments.clear_ranges();
         self.instruments.parameters().clone_into(&mut snapshot.parameters);
-        snapshot.watched.clear();
-        snapshot.watched.extend(self.watches.iter().map(|watch| watch.value(data)));
         snapshot.model = self.model.clone();
         snapshot.captured = self.captured.clone();
         self.number += 1;

@@ -90,7 +90,7 @@ impl SimulationEndpoint {
                 check_finite("a parameter", value)?;
                 self.instruments.edit(&name, value);
             }
-            EndpointRequest::Watch(watches) => self.watches = watches,
+            EndpointRequest::Watch(watches) => self.signals.watch(watches),
             EndpointRequest::ForwardKey(press) => {
                 if self.keys.len() < MAX_KEYS {
                     self.keys.push(press);

@@ -1,7 +1,8 @@
 //! Connection between the window and the physics.
 //!
 //! Requests flow from the window to the physics through a bounded queue. Snapshots flow back
-//! through a triple buffer, events through a list. Each lock is held only to move values in or out.
+//! through a triple buffer, events through a list. Each lock is held only to move values in or out,
+//! and to add the ranges of the signals of a snapshot that another replaces.
 
 mod message;
 mod playback;
@@ -176,12 +177,7 @@ impl WindowEnd {
     /// Returns the newest snapshot, and `true` if it has not been returned before. `None` before
     /// the first snapshot.
     pub fn latest(&mut self) -> Option<(&mut Snapshot, bool)> {
-        let mut outbox = lock(&self.shared.outbox);
-        if let Some(newer) = outbox.ready.take() {
-            outbox.spare = self.current.replace(newer);
-            self.seen = false;
-        }
-        drop(outbox);
+        drop(self.take());
         let newer = !mem::replace(&mut self.seen, true);
         self.current.as_deref_mut().map(|snapshot| (snapshot, newer))
     }
@@ -201,17 +197,25 @@ impl WindowEnd {
     /// Removes the events since the last call. Takes the newest snapshot along, so that events
     /// match its model. Events about a model that was replaced in the meantime are discarded.
     pub fn take_events(&mut self) -> Vec<Event> {
-        let mut outbox = lock(&self.shared.outbox);
-        let mut events = mem::take(&mut outbox.events);
-        if let Some(newer) = outbox.ready.take() {
-            outbox.spare = self.current.replace(newer);
-            self.seen = false;
-        }
-        drop(outbox);
+        let mut events = mem::take(&mut self.take().events);
         if let Some(snapshot) = &self.current {
             events.retain(|event| event.fits(&snapshot.model));
         }
         events
+    }
+
+    /// Makes the newest snapshot the current one, with the ranges that the plots have not recorded.
+    /// Returns the outbox, which is locked.
+    fn take(&mut self) -> MutexGuard<'_, Outbox> {
+        let mut outbox = lock(&self.shared.outbox);
+        if let Some(mut newer) = outbox.ready.take() {
+            if let Some(current) = &self.current {
+                newer.add_ranges(current);
+            }
+            outbox.spare = self.current.replace(newer);
+            self.seen = false;
+        }
+        outbox
     }
 
     /// Ends the physics thread or the program's loop.
@@ -287,10 +291,14 @@ impl PhysicsEnd {
 
     /// Publishes a snapshot and wakes the window. Returns a snapshot that is free to be
     /// overwritten, if there is any.
-    pub fn publish(&self, snapshot: Box<Snapshot>) -> Option<Box<Snapshot>> {
+    pub fn publish(&self, mut snapshot: Box<Snapshot>) -> Option<Box<Snapshot>> {
         let free = {
             let mut outbox = lock(&self.shared.outbox);
-            let unread = outbox.ready.replace(snapshot);
+            let unread = outbox.ready.take();
+            if let Some(unread) = &unread {
+                snapshot.add_ranges(unread);
+            }
+            outbox.ready = Some(snapshot);
             unread.or_else(|| outbox.spare.take())
         };
         (self.shared.wake)();

@@ -12,6 +12,7 @@ use crate::model::{Model, Statistics, Visual};
 use crate::scene::{Camera, Scene, Viewpoint};
 use crate::viewer::endpoint::CapturedKey;
 use crate::viewer::instruments::{Parameter, PlottedValue};
+use crate::viewer::signal::{Signal, Signals};
 
 /// Capacity of a scene, in geoms.
 const MAX_GEOMS: usize = 10_000;
@@ -36,20 +37,15 @@ pub(crate) struct Snapshot {
     pub qpos: Vec<f64>,
     pub qvel: Vec<f64>,
     pub ctrl: Vec<f64>,
-    pub sensordata: Vec<f64>,
     /// Positions of the bodies, geoms and sites, m, world frame.
     pub xpos: Vec<[f64; 3]>,
     pub geom_xpos: Vec<[f64; 3]>,
     pub site_xpos: Vec<[f64; 3]>,
-    /// Potential and kinetic energy, J, if they are computed.
-    pub energy: [f64; 2],
-    pub nefc: usize,
     /// Solver iterations of the last step.
     pub solver: Vec<SolverIteration>,
     /// Accumulated since the last reset, in the order of [`Timer::ALL`].
     pub timers: [TimerCount; Timer::ALL.len()],
-    /// Watched values, in the order of the request. NaN for an index out of range.
-    pub watched: Vec<f64>,
+    pub signals: Signals,
     /// Values that the controller or the program plots.
     pub plotted: Vec<PlottedValue>,
     /// Parameters of the controller or the program.
@@ -266,15 +262,12 @@ impl Snapshot {
             qpos: Vec::with_capacity(model.nq()),
             qvel: Vec::with_capacity(model.nv()),
             ctrl: Vec::with_capacity(model.nu()),
-            sensordata: Vec::with_capacity(model.nsensordata()),
             xpos: Vec::with_capacity(model.nbody()),
             geom_xpos: Vec::with_capacity(model.ngeom()),
             site_xpos: Vec::with_capacity(model.nsite()),
-            energy: [0.0; 2],
-            nefc: 0,
             solver: Vec::new(),
             timers: [TimerCount::default(); Timer::ALL.len()],
-            watched: Vec::new(),
+            signals: Signals::default(),
             plotted: Vec::new(),
             parameters: Vec::new(),
             status: Status::Paused,
@@ -300,15 +293,31 @@ impl Snapshot {
         !(self.plotted.is_empty() && self.parameters.is_empty())
     }
 
+    /// Extends the ranges of the signals by those of an older snapshot.
+    pub fn add_ranges(&mut self, older: &Self) {
+        // The sensors of another model are others.
+        if self.generation != older.generation {
+            return;
+        }
+        self.signals.add_ranges(&older.signals);
+        for PlottedValue { plot, name, signal } in &mut self.plotted {
+            if let Some(older) = older.plotted.iter().find(|older| older.plot == *plot && older.name == *name) {
+                signal.add_range(older.signal.range);
+            }
+        }
+    }
+
+    /// Empties the ranges of the signals, after the plots have recorded them.
+    pub fn clear_ranges(&mut self) {
+        self.signals.clear_ranges();
+        self.plotted.iter_mut().for_each(|value| value.signal.range = Signal::NO_RANGE);
+    }
+
     /// Copies the values that the panels show.
     pub fn copy_values(&mut self, data: &Data) {
         self.time = data.time();
-        for (to, from) in [
-            (&mut self.qpos, data.qpos()),
-            (&mut self.qvel, data.qvel()),
-            (&mut self.ctrl, data.ctrl()),
-            (&mut self.sensordata, data.sensordata()),
-        ] {
+        for (to, from) in [(&mut self.qpos, data.qpos()), (&mut self.qvel, data.qvel()), (&mut self.ctrl, data.ctrl())]
+        {
             to.clear();
             to.extend_from_slice(from);
         }
@@ -320,8 +329,6 @@ impl Snapshot {
             to.clear();
             to.extend_from_slice(from);
         }
-        self.energy = data.energy();
-        self.nefc = data.nefc();
         self.solver.clear();
         self.solver.extend(data.solver());
         self.timers = Timer::ALL.map(|timer| data.timer(timer));

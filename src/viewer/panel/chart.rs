@@ -1,15 +1,20 @@
 //! Drawing of a plot: title with the unit, names of the curves, axes with ticks, and lines.
 
 use egui::{Color32, Label, Rangef, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui};
-use egui_plot::{AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, Plot as EguiPlot, PlotPoints, Points};
+use egui_plot::{
+    AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, Plot as EguiPlot, PlotPoints, Points,
+};
 
-use super::curves::{Curve, Plot};
+use super::curve::{Band, Curve};
+use super::curves::Plot;
 use super::style;
 
 /// Maximum number of curves in a plot. More curves could not be distinguished.
 const MAX_CURVES: usize = 16;
 /// Width of the lines, points.
 const LINE_WIDTH: f32 = 1.5;
+/// Opacity of the ranges between the values of a curve.
+const BAND_OPACITY: f32 = 0.6;
 /// Minimum distances of the ticks of the time and of the values, points.
 const TICK_SPACING: [f64; 2] = [64.0, 24.0];
 /// Labels are shown at all ticks.
@@ -60,6 +65,16 @@ pub(super) fn show(ui: &mut Ui, plot: &mut Plot, height: f32, is_window: bool) -
         )])
         .label_formatter(move |position| Some(pointer_text(position, unit, is_log, is_over_iterations)))
         .show(ui, |plot_ui| {
+            // No band covers a line.
+            for (index, curve) in shown().filter(|(_, curve)| !curve.is_hidden) {
+                let color = colors[index].gamma_multiply(BAND_OPACITY);
+                plot_ui.add(
+                    area(&curve.bands(f64::from(LINE_WIDTH) * column), [from, to])
+                        .fill_color(color)
+                        .id((index, "bands"))
+                        .allow_hover(false),
+                );
+            }
             for (index, curve) in shown().filter(|(_, curve)| !curve.is_hidden) {
                 for (part, points) in curve.parts(column).into_iter().enumerate() {
                     if is_over_iterations {
@@ -79,6 +94,18 @@ pub(super) fn show(ui: &mut Ui, plot: &mut Plot, height: f32, is_window: bool) -
             }
         });
     clicked
+}
+
+/// Returns the area of bands between two times. It has no height beside the bands.
+fn area(bands: &[Band], [from, to]: [f64; 2]) -> FilledArea {
+    let (mut times, mut lows, mut highs) = (Vec::new(), Vec::new(), Vec::new());
+    for &Band { times: ends, range: [low, high] } in bands {
+        let [start, end] = ends.map(|time| time.max(from).min(to));
+        times.extend([start, start, end, end]);
+        lows.extend([low; 4]);
+        highs.extend([low, high, high, low]);
+    }
+    FilledArea::new("", &times, &lows, &highs)
 }
 
 /// Shows the title, the unit and the names of the curves. A click on a name hides or shows the

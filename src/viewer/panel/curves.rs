@@ -1,107 +1,14 @@
 //! Curves of values over simulated time, grouped in plots of one unit.
 
-use std::collections::VecDeque;
-use std::ops::Range;
 use std::sync::Arc;
 
+use super::curve::Curve;
 use super::names;
 use super::quantity::Quantity;
 use crate::data::{Timer, TimerCount};
-use crate::viewer::endpoint::Watch;
 use crate::viewer::instruments::PlottedValue;
 use crate::viewer::link::Snapshot;
-
-/// Maximum number of points of a curve.
-const MAX_POINTS: usize = 1000;
-
-/// Newest points of a value over simulated time.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curve {
-    pub name: String,
-    /// Part of the name that differs from the names of the other curves of a plot.
-    short: Range<usize>,
-    /// The user has hidden the curve.
-    pub is_hidden: bool,
-    /// The name contains the text of the filter.
-    pub is_found: bool,
-    points: VecDeque<[f64; 2]>,
-}
-
-impl Curve {
-    pub fn new(name: impl Into<String>) -> Self {
-        let name = name.into();
-        let short = 0..name.len();
-        Self { name, short, is_hidden: false, is_found: true, points: VecDeque::with_capacity(MAX_POINTS) }
-    }
-
-    /// Returns the part of the name that differs from the names of the other curves of the plot.
-    pub fn short_name(&self) -> &str {
-        &self.name[self.short.clone()]
-    }
-
-    /// Appends a point, and removes points at or after its time, which decreases after a step back.
-    /// NaN leaves a gap.
-    pub fn push(&mut self, time: f64, value: f64) {
-        while self.points.back().is_some_and(|[last, _]| *last >= time) {
-            self.points.pop_back();
-        }
-        if self.points.len() == MAX_POINTS {
-            self.points.pop_front();
-        }
-        self.points.push_back([time, value]);
-    }
-
-    /// Returns the points from the oldest to the newest.
-    #[cfg(test)]
-    pub fn points(&self) -> impl ExactSizeIterator<Item = [f64; 2]> + '_ {
-        self.points.iter().copied()
-    }
-
-    /// Returns the times of the oldest and the newest point, s.
-    pub fn times(&self) -> Option<[f64; 2]> {
-        Some([self.points.front()?[0], self.points.back()?[0]])
-    }
-
-    /// Returns the points, in parts that are separated by values that are not finite. Of the points
-    /// in a column of this width, s, only the lowest and the highest are left. The columns start at
-    /// the time zero, so that old parts of a curve keep their points.
-    pub fn parts(&self, column: f64) -> Vec<Vec<[f64; 2]>> {
-        let mut parts = vec![Vec::new()];
-        let mut extremes: Option<[[f64; 2]; 2]> = None;
-        let finish = |part: &mut Vec<[f64; 2]>, extremes: &mut Option<[[f64; 2]; 2]>| {
-            let Some([low, high]) = extremes.take() else { return };
-            part.push(if low[0] < high[0] { low } else { high });
-            if low != high {
-                part.push(if low[0] < high[0] { high } else { low });
-            }
-        };
-        for &point in &self.points {
-            let part = parts.last_mut().expect("Bug: a curve without parts");
-            if !point[1].is_finite() {
-                finish(part, &mut extremes);
-                parts.push(Vec::new());
-                continue;
-            }
-            let index = |point: [f64; 2]| (point[0] / column).floor();
-            match &mut extremes {
-                Some([low, high]) if index(*low) == index(point) => {
-                    if point[1] < low[1] {
-                        *low = point;
-                    } else if point[1] > high[1] {
-                        *high = point;
-                    }
-                }
-                _ => {
-                    finish(part, &mut extremes);
-                    extremes = Some([point; 2]);
-                }
-            }
-        }
-        finish(parts.last_mut().expect("Bug: a curve without parts"), &mut extremes);
-        parts.retain(|part| !part.is_empty());
-        parts
-    }
-}
+use crate::viewer::signal::{Signal, WatchedSignal};
 
 /// Curves of one unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,7 +44,7 @@ impl Plot {
     }
 
     /// Appends a value to each curve.
-    fn push(&mut self, time: f64, values: impl IntoIterator<Item = f64>) {
+    fn push(&mut self, time: f64, values: impl IntoIterator<Item = impl Into<Signal>>) {
         for (curve, value) in self.curves.iter_mut().zip(values) {
             curve.push(time, value);
         }
@@ -186,19 +93,19 @@ impl Curves {
         &mut self.plots[group as usize]
     }
 
-    /// Adds the values of a new snapshot. `watched` are its watched values.
-    pub fn update(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
+    /// Adds the values of a new snapshot.
+    pub fn update(&mut self, snapshot: &Snapshot) {
         if self.generation != Some(snapshot.generation) {
             self.restart(snapshot);
         }
         let time = snapshot.time;
         let plots = &mut self.plots[Group::Sensors as usize];
-        for (&[plot, curve], value) in self.sensors.iter().zip(&snapshot.sensordata) {
-            plots[plot].curves[curve].push(time, *value);
+        for (&[plot, curve], signal) in self.sensors.iter().zip(&snapshot.signals.sensors) {
+            plots[plot].curves[curve].push(time, *signal);
         }
         self.update_profile(snapshot);
         self.update_instruments(time, &snapshot.plotted);
-        self.update_watched(snapshot, watched);
+        self.update_watched(snapshot);
     }
 
     /// Adds the statistics of the solver, the mean computing time of each stage since the previous
@@ -210,16 +117,13 @@ impl Curves {
         else {
             return;
         };
-        iterations.push(time, [snapshot.solver.len() as f64]);
-        constraints.push(time, [snapshot.nefc as f64]);
-        let last = snapshot.solver.last().map_or([f64::NAN; 2], |last| [last.improvement, last.gradient]);
-        solver.push(time, last.map(f64::log10));
-        convergence.curves.iter_mut().for_each(|curve| curve.points.clear());
+        let signals = snapshot.signals.profile;
+        let mut curves = [iterations, constraints, solver, energy].into_iter().flat_map(|plot| &mut plot.curves);
+        curves.by_ref().zip(signals).for_each(|(curve, signal)| curve.push(time, signal));
+        convergence.curves.iter_mut().for_each(Curve::clear);
         for (number, iteration) in (1_u32..).zip(&snapshot.solver) {
             convergence.push(number.into(), [iteration.improvement, iteration.gradient].map(f64::log10));
         }
-        let [potential, kinetic] = snapshot.energy;
-        energy.push(time, [potential, kinetic, potential + kinetic]);
         for (curve, (timer, _)) in timing.curves.iter_mut().zip(Self::TIMED) {
             let index = Timer::ALL.iter().position(|other| *other == timer).expect("Bug: unknown timer");
             let (now, before) = (snapshot.timers[index], self.timers[index]);
@@ -241,7 +145,7 @@ impl Curves {
         let curve_of = |plots: &mut [Plot], value: &PlottedValue| {
             let plot = plots.iter_mut().find(|plot| plot.title == value.plot)?;
             let curve = plot.curves.iter_mut().find(|curve| *curve.name == *value.name)?;
-            curve.push(time, value.value);
+            curve.push(time, value.signal);
             Some(())
         };
         let is_same = values.iter().all(|value| curve_of(plots, value).is_some());
@@ -255,24 +159,21 @@ impl Curves {
                 plots.len() - 1
             });
             let mut curve = Curve::new(&*value.name);
-            curve.push(time, value.value);
+            curve.push(time, value.signal);
             plots[index].curves.push(curve);
         }
     }
 
     /// Adds the watched values, in a plot for each field.
-    fn update_watched(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
+    fn update_watched(&mut self, snapshot: &Snapshot) {
         let plots = self.plots(Group::Watched);
-        // A new list has not reached the snapshots yet.
-        if watched.len() != snapshot.watched.len() {
-            return;
-        }
-        let is_watched = |name: &str| watched.iter().any(|watch| watch.name() == name);
+        let watched = &snapshot.signals.watched;
+        let is_watched = |name: &str| watched.iter().any(|other| other.watch.name() == name);
         for plot in plots.iter_mut() {
             plot.curves.retain(|curve| is_watched(&curve.name));
         }
         plots.retain(|plot| !plot.curves.is_empty());
-        for (watch, value) in watched.iter().zip(&snapshot.watched) {
+        for WatchedSignal { watch, signal } in watched {
             let Quantity { name: title, unit } = Quantity::of_watch(&snapshot.model, watch);
             let plot = plots.iter().position(|plot| *plot.title == *title).unwrap_or_else(|| {
                 plots.push(Plot::new(title, unit, &[]));
@@ -283,14 +184,14 @@ impl Curves {
                 curves.push(Curve::new(watch.name()));
                 curves.len() - 1
             });
-            curves[curve].push(snapshot.time, *value);
+            curves[curve].push(snapshot.time, *signal);
         }
     }
 
     /// Replaces all curves by empty curves for the model of the snapshot.
     fn restart(&mut self, snapshot: &Snapshot) {
         let mut plots: Vec<Plot> = Vec::new();
-        let mut places = Vec::with_capacity(snapshot.sensordata.len());
+        let mut places = Vec::with_capacity(snapshot.signals.sensors.len());
         for sensor in snapshot.model.sensors() {
             let name = sensor.name().map_or_else(|| format!("sensor {}", sensor.index()), str::to_owned);
             let Quantity { name: title, unit } = Quantity::of_sensor(&snapshot.model, &sensor);
@@ -329,44 +230,12 @@ impl Curves {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, Curves, Group, MAX_POINTS, Plot};
+    use super::{Curve, Curves, Group, Plot};
     use crate::model::EnableFlags;
     use crate::viewer::endpoint::Watch;
     use crate::viewer::handle::ViewerHandle;
     use crate::viewer::link::{EndpointRequest, link};
     use crate::{Data, sample};
-
-    #[test]
-    fn curve_keeps_the_newest_points_and_discards_undone_steps() {
-        let mut curve = Curve::new("x");
-        for index in 0..3 * MAX_POINTS {
-            curve.push(index as f64, -(index as f64));
-        }
-        assert_eq!(curve.points().len(), MAX_POINTS);
-        assert_eq!(curve.points().next(), Some([2.0 * MAX_POINTS as f64, -2.0 * MAX_POINTS as f64]));
-        // Time decreases after steps back.
-        let back = 2.5 * MAX_POINTS as f64;
-        curve.push(back, 7.0);
-        assert_eq!((curve.points().len(), curve.points().last()), (MAX_POINTS / 2 + 1, Some([back, 7.0])));
-        curve.push(0.0, 1.0);
-        assert_eq!(curve.points().collect::<Vec<_>>(), [[0.0, 1.0]]);
-    }
-
-    #[test]
-    fn parts_of_a_curve_are_separated_by_gaps_and_keep_the_extremes() {
-        let mut curve = Curve::new("x");
-        let values = [0.0, 5.0, -3.0, 1.0, f64::NAN, 2.0, 2.0, 9.0, f64::INFINITY];
-        for (index, value) in values.into_iter().enumerate() {
-            curve.push(index as f64, value);
-        }
-        // Every point has a column.
-        let all: Vec<Vec<f64>> =
-            curve.parts(0.5).iter().map(|part| part.iter().map(|[_, value]| *value).collect()).collect();
-        assert_eq!(all, [&[0.0, 5.0, -3.0, 1.0][..], &[2.0, 2.0, 9.0]]);
-        // Columns of four points.
-        assert_eq!(curve.parts(4.0), [vec![[1.0, 5.0], [2.0, -3.0]], vec![[5.0, 2.0], [7.0, 9.0]]]);
-        assert!(Curve::new("empty").parts(1.0).is_empty());
-    }
 
     #[test]
     fn plots_of_instruments_group_the_values_by_title() {
@@ -381,7 +250,7 @@ mod tests {
             });
             handle.sync(&mut data).unwrap();
             data.step().unwrap();
-            curves.update(window.latest().unwrap().0, &[]);
+            curves.update(window.latest().unwrap().0);
             let values = |plot: &Plot| {
                 let last = |curve: &Curve| (curve.name.clone(), curve.points().map(|[_, value]| value).collect());
                 (plot.title.to_string(), plot.curves.iter().map(last).collect::<Vec<(_, Vec<f64>)>>())
@@ -416,7 +285,7 @@ mod tests {
             }
             handle.sync(&mut data).unwrap();
             heights.push([data.time(), data.qpos()[2]]);
-            curves.update(window.latest().unwrap().0, &watches);
+            curves.update(window.latest().unwrap().0);
             data.step().unwrap();
         }
         let energy = curves.plots(Group::Profile).last().unwrap();
@@ -440,7 +309,7 @@ mod tests {
         // Another model has other sensors.
         let mut other = Data::new(sample::cartpole()).unwrap();
         handle.sync(&mut other).unwrap();
-        curves.update(window.latest().unwrap().0, &watches);
+        curves.update(window.latest().unwrap().0);
         let sensors = sensors(&mut curves);
         assert_eq!(sensors.iter().map(|(_, count)| count).sum::<usize>(), other.model().nsensordata());
         assert_eq!(curves.plots(Group::Profile)[0].curves[0].points().len(), 1);

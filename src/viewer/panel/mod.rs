@@ -3,6 +3,7 @@
 
 mod appearance;
 mod chart;
+mod curve;
 mod curves;
 mod files;
 mod find;
@@ -143,9 +144,9 @@ impl Panels {
         });
     }
 
-    /// Adds the values of a snapshot to the plots.
-    pub fn record(&mut self, snapshot: &Snapshot) {
-        self.plots.update(snapshot, self.watch.watched());
+    /// Moves the ranges of the signals of a snapshot to the plots, and adds their values.
+    pub fn record(&mut self, snapshot: &mut Snapshot) {
+        self.plots.update(snapshot);
     }
 
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {

@@ -5,7 +5,6 @@ use egui::{Context, Id, RichText, Ui, Window};
 use super::curves::{Curves, Group, Plot};
 use super::{PanelContext, chart, layout};
 use crate::model::EnableFlags;
-use crate::viewer::endpoint::Watch;
 use crate::viewer::link::Snapshot;
 
 /// Minimum height of a plot, points.
@@ -32,12 +31,14 @@ pub(super) struct PlotPanel {
 }
 
 impl PlotPanel {
-    /// Adds the values of a snapshot to the curves, unless the curves contain it already.
-    pub fn update(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
+    /// Adds the values of a snapshot to the curves, unless the curves contain it already. Its
+    /// ranges are empty afterwards.
+    pub fn update(&mut self, snapshot: &mut Snapshot) {
         let id = (snapshot.generation, snapshot.number);
         if self.last != Some(id) {
             self.last = Some(id);
-            self.curves.update(snapshot, watched);
+            self.curves.update(snapshot);
+            snapshot.clear_ranges();
         }
     }
 

@@ -21,10 +21,6 @@ pub(super) struct WatchPanel {
 }
 
 impl WatchPanel {
-    pub fn watched(&self) -> &[Watch] {
-        &self.watched
-    }
-
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>, plots: &mut PlotPanel) {
         let before = self.watched.len();
         ui.horizontal(|ui| {
@@ -49,8 +45,9 @@ impl WatchPanel {
                     removed = Some(index);
                 }
                 ui.label(watch.name());
-                let value = cx.snapshot.watched.get(index).copied().unwrap_or(f64::NAN);
-                let value = if value.is_nan() { "none".to_owned() } else { format!("{value:.6}") };
+                let current = cx.snapshot.signals.watched.iter().find(|other| other.watch.name() == watch.name());
+                let value = current.map(|current| current.signal.value).filter(|value| !value.is_nan());
+                let value = value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6}"));
                 ui.label(RichText::new(value).monospace());
             });
         }

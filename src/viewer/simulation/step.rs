@@ -6,7 +6,7 @@ use super::{History, NoiseSource, Simulation};
 use crate::data::Data;
 use crate::error::{Result, catch_panic};
 use crate::viewer::endpoint::SimulationEndpoint;
-use crate::viewer::instruments::InstrumentedController;
+use crate::viewer::instruments::{InstrumentedController, Instruments};
 use crate::viewer::link::{InfoLine, InfoLines, Mode};
 
 /// Weight of the newest step in the moving averages.
@@ -120,9 +120,7 @@ impl Simulation {
         let (Some(controller), Ok(())) = (controller, data.check_usable()) else {
             return endpoint.instruments.clear();
         };
-        let declared = endpoint
-            .instruments
-            .declare(|instruments| catch("the closure for instruments", || controller.declare(data, instruments)));
+        let declared = endpoint.instruments.declare(|instruments| declare(controller, data, instruments));
         if let Err(problem) = declared {
             endpoint.instruments.clear();
             self.fail_once(problem);
@@ -139,6 +137,7 @@ impl Simulation {
         let start = Instant::now();
         if let Some(controller) = controller {
             catch("the controller", || controller.control(data))?;
+            endpoint.instruments.sample(|instruments| declare(controller, data, instruments))?;
         }
         let controlled = Instant::now();
         let stepped = catch("the step", || {
@@ -150,6 +149,7 @@ impl Simulation {
         noise.remove(data);
         endpoint.remove_perturbation(data);
         stepped?;
+        endpoint.sample(data);
         timing.record(controlled - start, controlled.elapsed());
         Ok(())
     }
@@ -162,6 +162,15 @@ impl Simulation {
         self.history.undo(&mut self.data);
         self.stale = self.endpoint.refresh(&mut self.data).is_err();
     }
+}
+
+/// Lets a controller declare its instruments.
+fn declare(
+    controller: &mut dyn InstrumentedController,
+    data: &Data,
+    instruments: &mut Instruments,
+) -> Result<(), String> {
+    catch("the closure for instruments", || controller.declare(data, instruments))
 }
 
 /// Calls a closure, and converts an error or a panic into a message. The caller must restore what

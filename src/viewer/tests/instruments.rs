@@ -1,14 +1,20 @@
 //! Instruments of controllers and of programs: plotted values, parameters, and geoms in the scene.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use allocation_counter::measure;
 
 use super::Bench;
 use crate::scene::{NewGeom, SceneGeomType};
+use crate::viewer::endpoint::Watch;
 use crate::viewer::handle::ViewerHandle;
 use crate::viewer::instruments::{InstrumentedController, Instruments, WithInstruments};
-use crate::viewer::link::{EndpointRequest, Event, Mode, Request, SimulationRequest, Snapshot, Status, link};
+use crate::viewer::link::{
+    EndpointRequest, Event, Mode, Request, SimulationRequest, Snapshot, Status, WindowEnd, link,
+};
+use crate::viewer::signal::Signal;
 use crate::{Controller, Data, Error, Result, sample};
 
 /// Sets the only control to a constant force.
@@ -48,7 +54,8 @@ fn values_of_a_controller_follow_the_simulation() {
     });
     bench.send(SimulationRequest::Step(7));
     let snapshot = bench.snapshot();
-    let values: Vec<_> = snapshot.plotted.iter().map(|value| (&*value.plot, &*value.name, value.value)).collect();
+    let values: Vec<_> =
+        snapshot.plotted.iter().map(|value| (&*value.plot, &*value.name, value.signal.value)).collect();
     let (time, cart) = (snapshot.time, snapshot.qpos[0]);
     assert!(time > 0.0 && cart > 0.0);
     assert_eq!(values, [("state", "time", time), ("force", "push", 0.1), ("state", "cart", cart)]);
@@ -217,6 +224,142 @@ fn program_declares_instruments_until_the_next_call() {
     assert_eq!((snapshot.parameters.len(), snapshot.plotted.len()), (0, 1));
 }
 
+/// Returns the values and the ranges of the plotted values, by name.
+fn plotted(snapshot: &Snapshot) -> Vec<(&str, Signal)> {
+    snapshot.plotted.iter().map(|value| (&*value.name, value.signal)).collect()
+}
+
+#[test]
+fn extremes_between_two_images_are_kept() {
+    let (mut window, physics) = link(|| ());
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut handle = ViewerHandle::new(physics);
+    let mut image = |values: &[f64]| {
+        for value in values {
+            handle.instruments(|instruments| instruments.value("plot", "x", *value));
+        }
+        data.step().unwrap();
+        handle.sync(&mut data).unwrap();
+    };
+    // Returns the range, and clears it as the plots do.
+    let recorded = |window: &mut WindowEnd| {
+        let snapshot = window.latest().unwrap().0;
+        let [(_, signal)] = plotted(snapshot)[..] else { panic!("one value") };
+        snapshot.clear_ranges();
+        (signal.value, signal.range)
+    };
+    // A sine with a period of one image.
+    let sine: Vec<f64> = (1..=10).map(|index| (0.2 * PI * f64::from(index)).sin()).collect();
+    for _ in 0..3 {
+        image(&sine);
+        let (value, [low, high]) = recorded(&mut window);
+        assert!(value.abs() < 1e-12);
+        assert!((low + (0.4 * PI).sin()).abs() < 1e-12 && (high - (0.4 * PI).sin()).abs() < 1e-12, "{low} {high}");
+    }
+    // A spike.
+    image(&[0.0, 7.0, 0.0]);
+    assert_eq!(recorded(&mut window), (0.0, [0.0, 7.0]));
+    image(&[0.0, 0.0]);
+    assert_eq!(recorded(&mut window), (0.0, [0.0, 0.0]));
+    // The window takes no image of some spikes, and the plots do not record another.
+    image(&[0.0, -3.0, 0.0]);
+    image(&[0.0, 2.0, 0.0]);
+    window.take_events();
+    image(&[5.0, 1.0]);
+    image(&[1.0]);
+    assert_eq!(recorded(&mut window), (1.0, [-3.0, 5.0]));
+    // A value of the last declaration only.
+    image(&[]);
+    assert_eq!(recorded(&mut window), (1.0, Signal::NO_RANGE));
+    // Values that are not finite.
+    image(&[2.0, f64::NEG_INFINITY, f64::INFINITY, f64::NAN]);
+    let (value, range) = recorded(&mut window);
+    assert!(value.is_nan() && range == [2.0, 2.0], "{value} {range:?}");
+    image(&[f64::NAN]);
+    assert_eq!(recorded(&mut window).1, Signal::NO_RANGE);
+}
+
+#[test]
+fn extremes_belong_to_names() {
+    let (mut window, physics) = link(|| ());
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut handle = ViewerHandle::new(physics);
+    let mut declare = |values: &[(&str, f64)]| {
+        handle.instruments(|instruments| values.iter().for_each(|(name, value)| instruments.value("p", name, *value)));
+        handle.sync(&mut data).unwrap();
+    };
+    // Without an image, one disappears and both return in another order.
+    declare(&[("a", 1.0), ("b", 5.0)]);
+    declare(&[("b", 6.0)]);
+    declare(&[("b", 0.0), ("a", 3.0)]);
+    let of = |value, range| Signal { value, range };
+    assert_eq!(plotted(window.latest().unwrap().0), [("b", of(0.0, [0.0, 6.0])), ("a", of(3.0, [3.0, 3.0]))]);
+    window.current_mut().unwrap().clear_ranges();
+    // An image without a value that has just had an extreme.
+    declare(&[("b", -9.0), ("a", 3.0)]);
+    declare(&[("a", 4.0)]);
+    assert_eq!(plotted(window.latest().unwrap().0), [("a", of(4.0, [3.0, 4.0]))]);
+    declare(&[("a", 4.0), ("b", 1.0)]);
+    assert_eq!(plotted(window.latest().unwrap().0)[1], ("b", of(1.0, [1.0, 1.0])));
+}
+
+#[test]
+fn controller_declares_values_in_each_step_and_geoms_for_each_image() {
+    let (drawn, count) = (Arc::new(AtomicUsize::new(0)), 20);
+    let points = drawn.clone();
+    let mut bench = push(move |_, data, instruments| {
+        // A spike at a single step between two images.
+        let step = (data.time() / data.model().timestep()).round();
+        instruments.value("plot", "spike", if step == 7.0 { 5.0 } else { 0.0 });
+        instruments.value("plot", "step", step);
+        let count = |point: i32| {
+            points.fetch_add(1, Ordering::Relaxed);
+            [0.0, 0.0, f64::from(point)]
+        };
+        instruments.path((0..2).map(count), 0.01, [1.0; 4]);
+    });
+    bench.window.current_mut().unwrap().clear_ranges();
+    let (before, ngeom) = (drawn.load(Ordering::Relaxed), bench.snapshot().scene.ngeom());
+    let snapshot = bench.send(SimulationRequest::Step(count));
+    let expected = [("spike", 0.0, [0.0, 5.0]), ("step", f64::from(count), [0.0, f64::from(count)])];
+    assert_eq!(plotted(snapshot), expected.map(|(name, value, range)| (name, Signal { value, range })));
+    assert_eq!(snapshot.scene.ngeom(), ngeom);
+    assert_eq!(drawn.load(Ordering::Relaxed) - before, 2, "one image was made");
+}
+
+#[test]
+fn extremes_of_sensors_and_watched_values_are_kept() {
+    let mut bench = Bench::humanoid();
+    bench.send(EndpointRequest::Watch(Watch::parse("qvel[2]", &sample::humanoid()).unwrap()));
+    bench.window.current_mut().unwrap().clear_ranges();
+    let steps = 150;
+    let snapshot = bench.send(SimulationRequest::Step(steps));
+
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    // The first two are those of the velocity and of the constraints.
+    let mut ranges = vec![Signal::NO_RANGE; 2 + data.model().nsensordata()];
+    let extend = |ranges: &mut [[f64; 2]], data: &Data| {
+        let values = [data.qvel()[2], data.nefc() as f64].into_iter().chain(data.sensordata().iter().copied());
+        for (range, value) in ranges.iter_mut().zip(values) {
+            *range = [range[0].min(value), range[1].max(value)];
+        }
+    };
+    for _ in 0..steps {
+        data.step().unwrap();
+        extend(&mut ranges, &data);
+    }
+    // The image shows the last state.
+    data.forward_between_steps(&mut Vec::new()).unwrap();
+    extend(&mut ranges, &data);
+    assert_eq!(snapshot.qpos, data.qpos());
+    let signals = &snapshot.signals;
+    let [watched] = &signals.watched[..] else { panic!("one watched value") };
+    let found = [&watched.signal, &signals.profile[1]].into_iter().chain(&signals.sensors);
+    assert_eq!(found.map(|signal| signal.range).collect::<Vec<_>>(), ranges);
+    assert!(ranges[1][1] > data.nefc() as f64, "the number of constraints has a maximum between the images");
+}
+
 #[test]
 fn instruments_do_not_allocate_in_the_steady_state() {
     let (mut window, physics) = link(|| ());
@@ -224,6 +367,15 @@ fn instruments_do_not_allocate_in_the_steady_state() {
     let mut handle = ViewerHandle::new(physics);
     let mut force = 0.1;
     let mut frame = || {
+        // Several declarations for each image, in which a value disappears and returns.
+        for number in 0..4 {
+            handle.instruments(|instruments| {
+                if number == 1 {
+                    instruments.value("state", "pole", data.qpos()[1]);
+                }
+                instruments.value("state", "cart", data.qpos()[0]);
+            });
+        }
         handle.instruments(|instruments| {
             instruments.parameter("force", &mut force, 0.0..=1.0);
             instruments.value("state", "cart", data.qpos()[0]);

@@ -1,10 +1,13 @@
 //! Contents of the panels.
 
+use std::f64::consts::PI;
+
 use egui::{Key, vec2};
 
 use super::Bench;
 use super::screen::Screen;
-use crate::{Data, Model, sample};
+use crate::viewer::instruments::{Instruments, WithInstruments};
+use crate::{Data, Model, ZeroController, sample};
 
 /// Returns a model with these names of joints and of their motors.
 fn robot(names: &[&str]) -> Data {
@@ -83,6 +86,25 @@ fn plots_have_one_unit_each_and_ticks_at_both_axes() {
 }
 
 #[test]
+fn fast_signal_is_a_filled_band_and_slow_signal_a_line() {
+    let areas = |period: f64| {
+        let declare = move |_: &mut ZeroController, data: &Data, instruments: &mut Instruments| {
+            instruments.value("plot", "x", (2.0 * PI * data.time() / period).sin());
+        };
+        let controller = WithInstruments { controller: ZeroController, declare };
+        let mut screen = Screen::new(Bench::instrumented(Data::new(sample::cartpole()).unwrap(), controller));
+        screen.run(2.0);
+        assert_eq!(screen.curves(), 1);
+        screen.areas()
+    };
+    let [(place, covered)] = areas(0.05)[..] else { panic!("one band") };
+    assert!(place.width() > 200.0 && place.height() > 50.0, "it fills the plot: {place}");
+    assert!((covered - 1.0).abs() < 0.01, "{covered}");
+    let slow = areas(4.0);
+    assert!(slow.iter().all(|(place, _)| place.height() < 1.0), "{slow:?}");
+}
+
+#[test]
 fn curves_are_hidden_and_filtered() {
     let mut screen = running();
     let all = screen.bench.snapshot().model.nsensordata();
@@ -128,7 +150,8 @@ fn values_are_watched_by_index_and_by_name() {
     screen.enter("joint left_knee");
     let snapshot = screen.bench.tick();
     let knee = snapshot.model.joint("left_knee").unwrap().qpos_range();
-    assert_eq!(snapshot.watched, snapshot.qpos[knee]);
+    let watched: Vec<f64> = snapshot.signals.watched.iter().map(|watched| watched.signal.value).collect();
+    assert_eq!(watched, snapshot.qpos[knee]);
     screen.settle();
     assert!(screen.find("joint left_knee").is_some());
     assert!(!screen.texts().iter().any(|text| text.contains("0 to 27")), "the message is gone");

@@ -39,7 +39,7 @@ fn controls_and_positions_are_set_and_invalid_values_rejected() {
     assert_eq!(bench.snapshot().ctrl, [0.25]);
     bench.send(EndpointRequest::SetPosition(hinge, 0, 0.75));
     assert_eq!(bench.snapshot().qpos[7], 0.75);
-    assert_eq!(bench.snapshot().sensordata, [0.75], "dependent quantities are recomputed");
+    assert_eq!(bench.snapshot().signals.sensors[0].value, 0.75, "dependent quantities are recomputed");
     assert!(bench.events().is_empty());
     bench.send(EndpointRequest::SetControl(motor, 0, f64::NAN));
     bench.send(EndpointRequest::SetPosition(hinge, 0, f64::INFINITY));
@@ -91,14 +91,14 @@ fn equalities_and_options_change_in_this_simulation_only() {
     let tie = before.equality("tie").unwrap().id();
     bench.send(EndpointRequest::SetEquality(tie, true));
     assert!(bench.snapshot().model.equality(tie).active() && !before.equality(tie).active());
-    assert!(bench.snapshot().nefc > 0, "the constraint is computed immediately");
+    assert!(bench.snapshot().signals.profile[1].value > 0.0, "the constraint is computed immediately");
     let mut options = before.options();
     options.integrator = Integrator::Rk4;
     options.gravity = [0.0, 0.0, 1.0];
     options.enable |= EnableFlags::ENERGY;
     bench.send(EndpointRequest::SetOptions(Box::new(options)));
     assert_eq!(bench.snapshot().model.options(), options);
-    assert_ne!(bench.snapshot().energy[0], 0.0);
+    assert_ne!(bench.snapshot().signals.profile[4].value, 0.0);
     options.timestep = -1.0;
     bench.send(EndpointRequest::SetOptions(Box::new(options)));
     assert_eq!(bench.snapshot().model.options().timestep, before.timestep());
@@ -159,6 +159,12 @@ fn pull_preserves_applied_forces() {
     assert_eq!(bench.simulation.into_data().xfrc_applied()[ball.index()], applied);
 }
 
+/// Returns the only watched value.
+fn watched(bench: &mut Bench) -> f64 {
+    let [watched] = &bench.snapshot().signals.watched[..] else { panic!("one watched value") };
+    watched.signal.value
+}
+
 #[test]
 fn mocap_body_is_dragged_while_running_and_while_paused() {
     let mut bench = tied();
@@ -166,14 +172,14 @@ fn mocap_body_is_dragged_while_running_and_while_paused() {
     bench.send(EndpointRequest::SelectBody(Some(hand)));
     let height = Watch::parse("mocap_pos[2]", &bench.snapshot().model).unwrap();
     bench.send(EndpointRequest::Watch(height));
-    assert_eq!(bench.snapshot().watched, [2.0]);
+    assert_eq!(watched(&mut bench), 2.0);
     for paused in [true, false] {
         bench.send(Request::Pause(paused));
-        let before = bench.snapshot().watched[0];
+        let before = watched(&mut bench);
         bench.send(EndpointRequest::StartPerturbation(PerturbationFlags::TRANSLATE));
         bench.send(EndpointRequest::MovePerturbation(crate::scene::MouseAction::MoveV, [0.0, -0.1]));
         bench.pass(0.05);
-        assert!(bench.snapshot().watched[0] > before, "paused: {paused}");
+        assert!(watched(&mut bench) > before, "paused: {paused}");
         bench.send(EndpointRequest::StopPerturbation);
     }
 }

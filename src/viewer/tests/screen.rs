@@ -1,7 +1,7 @@
 //! Panels without a window, for tests of their contents and of input to them.
 
 use egui::epaint::ClippedShape;
-use egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, vec2};
+use egui::{Context, Event, Key, Mesh, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, vec2};
 
 use super::Bench;
 use crate::viewer::input::Action;
@@ -56,7 +56,7 @@ impl Screen {
         let Self { bench: Bench { window, view, .. }, panels, predicted, size, context, shapes } = self;
         let status = WindowStatus { size: *size, rate: None, recording: None, loading: None, vsync: true, gpu: "none" };
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(size[0] as f32, size[1] as f32)));
-        panels.record(window.current().unwrap());
+        panels.record(window.current_mut().unwrap());
         let mut actions = Vec::new();
         let mut output = context.run_ui(RawInput { screen_rect, events, ..RawInput::default() }, |ui| {
             actions.clear();
@@ -163,6 +163,20 @@ impl Screen {
     pub fn curves(&self) -> usize {
         let is_curve = |shape: &ClippedShape| matches!(&shape.shape, Shape::Path(path) if !path.closed);
         self.shapes.iter().filter(|shape| is_curve(shape)).count()
+    }
+
+    /// Returns the places of filled areas, and the parts of these places that they cover.
+    pub fn areas(&self) -> Vec<(Rect, f32)> {
+        let covered = |mesh: &Mesh| -> f32 {
+            let pos = |index: &u32| mesh.vertices[*index as usize].pos;
+            let triangles = mesh.indices.chunks(3).map(|triangle| [0, 1, 2].map(|corner| pos(&triangle[corner])));
+            triangles.map(|[a, b, c]| 0.5 * ((b - a).rot90().dot(c - a)).abs()).sum()
+        };
+        let meshes = self.shapes.iter().filter_map(|shape| match &shape.shape {
+            Shape::Mesh(mesh) if !mesh.is_empty() => Some(mesh),
+            _ => None,
+        });
+        meshes.map(|mesh| (mesh.calc_bounds(), covered(mesh) / mesh.calc_bounds().area())).collect()
     }
 
     fn placed(&self) -> Vec<(String, Rect)> {
