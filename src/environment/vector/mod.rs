@@ -146,8 +146,8 @@ impl<T: Task> VectorEnvironment<T> {
     /// # Errors
     ///
     /// The error of [`Task::start`], of [`Data::forward`] after it, of [`Task::observe`] or of
-    /// [`Task::remember`] with the smallest index, and [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded
-    /// separately.
+    /// [`Task::remember`] with the smallest index, and [`Error::OtherModel`] if `start` replaces
+    /// the simulation by one of a model that was loaded separately.
     pub fn reset(&mut self) -> Result<()> {
         self.terminated.fill(false);
         self.truncated.fill(true);
