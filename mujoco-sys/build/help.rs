@@ -62,5 +62,7 @@ pub(crate) fn end(lines: &[String]) -> ! {
     for line in lines {
         println!("cargo::error={line}");
     }
-    std::process::exit(1);
+    // Cargo fails after a script that has printed errors. After one that has failed itself, it prints
+    // all output of the script too, with these lines again.
+    std::process::exit(0);
 }
