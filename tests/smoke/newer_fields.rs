@@ -298,7 +298,7 @@ fn every_newer_field_of_a_view_is_the_row_of_its_element() {
     let expected: &[(&str, bool)] = &[
         ("jnt_actfrcrange", cfg!(engine_since = "3.0.0")),
         ("body_gravcomp", cfg!(engine_since = "3.0.0")),
-        ("qfrc_damper", cfg!(engine_since = "3.0.0")),
+        ("qfrc_damper", cfg!(engine_since = "3.0.1")),
         ("cam_resolution", cfg!(engine_since = "3.0.0")),
         ("flex_rgba", cfg!(engine_since = "3.0.0")),
         ("flexvert_xpos", cfg!(engine_since = "3.0.0")),
