@@ -107,7 +107,7 @@ fn rows_of(model: &Model, rows: &str, index: usize) -> Range<usize> {
             let first = at(raw.flex_elemdataadr, index);
             first..first + at(raw.flex_elemnum, index) * (at(raw.flex_dim, index) + 1)
         }
-        #[cfg(engine_since = "3.3.0")]
+        #[cfg(engine_since = "3.2.3")]
         "element_edges" => {
             let (first, edges) = (at(raw.flex_elemedgeadr, index), [1, 3, 6][at(raw.flex_dim, index) - 1]);
             first..first + at(raw.flex_elemnum, index) * edges
@@ -127,7 +127,7 @@ fn rows_of(model: &Model, rows: &str, index: usize) -> Range<usize> {
         "evpairs" => part(raw.flex_evpairadr, raw.flex_evpairnum),
         #[cfg(engine_since = "3.3.0")]
         "polygons" => part(raw.mesh_polyadr, raw.mesh_polynum),
-        #[cfg(engine_since = "3.3.0")]
+        #[cfg(engine_since = "3.3.4")]
         "octree" => part(raw.mesh_octadr, raw.mesh_octnum),
         #[cfg(engine_since = "3.3.0")]
         "mesh_vertices" => part(raw.mesh_vertadr, raw.mesh_vertnum),

@@ -60,7 +60,8 @@ fn the_rate_of_a_jacobian_is_its_difference_along_the_motion() {
     }
 }
 
-#[cfg(engine_since = "3.2.5")]
+/// The function of earlier engines disagrees with the differences in the test above.
+#[cfg(engine_since = "3.3.1")]
 #[test]
 fn the_rate_of_a_jacobian_equals_that_of_the_engine() {
     let data = moving();

@@ -70,6 +70,10 @@ fn register(name: &'static std::ffi::CStr, has_reset: bool) {
         plugin.capabilityflags = sys::mjPLUGIN_ACTUATOR as _;
         plugin.nstate = Some(two_states);
         plugin.init = Some(init);
+        // 3.2.0 to 3.2.7 do not compile a plugin without attributes.
+        let mut attributes = [c"unused".as_ptr()];
+        plugin.nattribute = 1;
+        plugin.attributes = attributes.as_mut_ptr();
         plugin.reset = has_reset.then_some(reset as _);
         plugin.compute = Some(nothing);
         sys::mjp_registerPlugin(&raw const plugin);

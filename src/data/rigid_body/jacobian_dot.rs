@@ -18,8 +18,8 @@ impl Data {
     /// Computes the time derivative of the Jacobian of a point that moves with a body. The point is
     /// in metres, world frame. The acceleration of the point is `jac · qacc + jac_dot · qvel`.
     ///
-    /// Implemented in Rust, with the results of `mj_jacDot` (engines from 3.2.3), which differ in
-    /// the last bits at most.
+    /// Implemented in Rust. The results differ from those of `mj_jacDot` in engines since 3.3.1 in
+    /// the last bits at most; the function of 3.2.5 to 3.3.0 has other results.
     ///
     /// # Errors
     ///
