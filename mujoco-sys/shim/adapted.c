@@ -425,7 +425,7 @@ int mujoco_sys_historyLength(const mjModel* m) {
 }
 
 void mujoco_sys_readCtrl(const mjModel* m, const mjData* d, int id, mjtNum time, int interp, mjtNum* result) {
-#if mjVERSION_HEADER >= 3011000
+#if mjVERSION_HEADER >= 3014000
   const mjtNum* values = mj_readCtrl(m, d, id, time, result, interp);
   if (values && values != result) mju_copy(result, values, m->actuator_ctrlnum[id]);
 #elif mjVERSION_HEADER >= 3005000

@@ -49,7 +49,8 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::Shape`] for a
-    /// wrong length, and [`Error::Invalid`] for a time that is NaN.
+    /// wrong length, and [`Error::Invalid`] for a time that is NaN. [`Error::Unsupported`] with
+    /// MuJoCo 3.11 to 3.13 if the control of the actuator does not have the index of the actuator.
     ///
     /// # Panics
     ///
@@ -64,7 +65,13 @@ impl Data {
     ) -> Result<()> {
         let model = &**self.model();
         let actuator = actuator.id_in(model)?.index();
-        Error::check_length("values", values.len(), model.controls_of(actuator).len())?;
+        let controls = model.controls_of(actuator);
+        Error::check_length("values", values.len(), controls.len())?;
+        if cfg!(all(engine_since = "3.11.0", not(engine_since = "3.14.0"))) && controls != (actuator..actuator + 1) {
+            let message =
+                "reading the control of an actuator beside one with several controls, with MuJoCo 3.11 to 3.13";
+            return Err(Error::Unsupported(message.to_owned()));
+        }
         let interpolation = model.interpolation(ACTUATORS, actuator, time, interpolation)?;
         // SAFETY: an actuator of this model, and a place for each of its controls. The cursors of
         // the buffers are valid.

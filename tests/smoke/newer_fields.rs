@@ -119,11 +119,11 @@ fn rows_of(model: &Model, rows: &str, index: usize) -> Range<usize> {
         }
         #[cfg(engine_since = "3.0.0")]
         "texcoords" => following(raw.flex_texcoordadr, raw.nflextexcoord as usize),
-        #[cfg(engine_since = "3.17.0")]
+        #[cfg(engine_since = "3.8.0")]
         "stiffness" => following(raw.flex_stiffnessadr, raw.nflexstiffness as usize),
-        #[cfg(engine_since = "3.17.0")]
+        #[cfg(engine_since = "3.8.1")]
         "bending" => following(raw.flex_bendingadr, raw.nflexbending as usize),
-        #[cfg(all(engine_since = "3.0.0", not(engine_since = "3.17.0")))]
+        #[cfg(all(engine_since = "3.0.0", not(engine_since = "3.15.0")))]
         "evpairs" => part(raw.flex_evpairadr, raw.flex_evpairnum),
         #[cfg(engine_since = "3.3.0")]
         "polygons" => part(raw.mesh_polyadr, raw.mesh_polynum),
