@@ -62,7 +62,7 @@ pub(crate) fn end(lines: &[String]) -> ! {
     for line in lines {
         println!("cargo::error={line}");
     }
-    // Cargo fails after a script that has printed errors. After one that has failed itself, it prints
-    // all output of the script too, with these lines again.
+    // Cargo fails after a script that has printed errors. After one that has failed itself, it
+    // prints all output of the script too, with these lines again.
     std::process::exit(0);
 }
