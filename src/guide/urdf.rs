@@ -96,13 +96,15 @@
 //! | `spherical` | ball, with every engine |
 //! | `fixed` | no joint |
 //! | `lower`, `upper` | range; no limit if `lower` is not below `upper` |
-//! | `effort` | `actuatorfrcrange` since MuJoCo 3.0; range of the motors by [`Spec::add_motors`](crate::spec::Spec::add_motors) |
+//! | `effort` | `actuatorfrcrange` since MuJoCo 3.0; range of motors of [`add_motors`][motors] |
 //! | `damping`, `friction` | `damping`, `frictionloss` |
 //! | `mimic` | equality of two joints, with every engine |
 //! | `collision` | geom of group 0 |
 //! | `visual` | geom of group 1 without contacts, with [`LoadOptions::with_visuals`](crate::LoadOptions::with_visuals) or `discardvisual="false"`; else left out |
 //! | colour of a material | `rgba` of the link's geoms that follow |
 //! | `compiler`, `option`, `size` in `mujoco` | the same |
+//!
+//! [motors]: crate::spec::Spec::add_motors
 //!
 //! Velocity limits, textures, `transmission`, `gazebo` and all other elements are ignored, with a
 //! [warning](crate::spec::UrdfWarning).

@@ -28,7 +28,9 @@ impl Spec {
     ///     r#"<robot name="arm">
     ///       <link name="base"/>
     ///       <link name="arm">
-    ///         <inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    ///         <inertial>
+    ///           <mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+    ///         </inertial>
     ///       </link>
     ///       <joint name="shoulder" type="continuous">
     ///         <parent link="base"/><child link="arm"/><limit effort="30" velocity="10"/>
@@ -55,17 +57,15 @@ impl Spec {
     }
 
     /// Names of the joints that an actuator drives or that follow another one.
-    fn driven(&self) -> HashSet<String> {
+    fn driven(&self) -> HashSet<&str> {
         let tree = &self.tree;
-        let of = |section: &str, tag: Option<&'static str>, attributes: &'static [&'static str]| {
-            let elements: Vec<_> = tree.sections(section).flat_map(|section| tree.children(section).to_vec()).collect();
-            elements
-                .into_iter()
-                .filter(move |&index| tag.is_none_or(|tag| tree.tag(index) == tag))
-                .flat_map(move |index| attributes.iter().filter_map(move |name| tree.attribute(index, name)))
-                .map(str::to_owned)
-        };
-        of("actuator", None, &["joint", "jointinparent"]).chain(of("equality", Some("joint"), &["joint1"])).collect()
+        let elements = |section| tree.sections(section).flat_map(|section| tree.children(section).iter().copied());
+        let drive = elements("actuator")
+            .flat_map(|actuator| ["joint", "jointinparent"].map(|attribute| tree.attribute(actuator, attribute)));
+        let follow = elements("equality")
+            .filter(|&equality| tree.tag(equality) == "joint")
+            .map(|equality| tree.attribute(equality, "joint1"));
+        drive.chain(follow).flatten().collect()
     }
 
     fn add_motor(&mut self, joint: ElementId<kind::Joint>) -> ElementId<kind::Actuator> {

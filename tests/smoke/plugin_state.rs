@@ -63,17 +63,20 @@ fn register(name: &'static std::ffi::CStr, has_reset: bool) {
         // SAFETY: the engine passes the two numbers of an instance.
         unsafe { std::slice::from_raw_parts_mut(state, 2) }.fill(0.0);
     }
-    // SAFETY: zeros are null pointers and no capabilities; the engine copies the structure.
+    // SAFETY: zeros are null pointers and no capabilities; the engine copies the structure and its
+    // texts.
     unsafe {
         let mut plugin: sys::mjpPlugin = std::mem::zeroed();
         plugin.name = name.as_ptr();
         plugin.capabilityflags = sys::mjPLUGIN_ACTUATOR as _;
         plugin.nstate = Some(two_states);
         plugin.init = Some(init);
-        // 3.2.0 to 3.2.7 do not compile a plugin without attributes.
+        // 3.2.0 to 3.2.7 do not compile a plugin without attributes; the next ones were not tried.
         let mut attributes = [c"unused".as_ptr()];
-        plugin.nattribute = 1;
-        plugin.attributes = attributes.as_mut_ptr();
+        if cfg!(all(engine_since = "3.2.0", not(engine_since = "3.3.4"))) {
+            plugin.nattribute = 1;
+            plugin.attributes = attributes.as_mut_ptr();
+        }
         plugin.reset = has_reset.then_some(reset as _);
         plugin.compute = Some(nothing);
         sys::mjp_registerPlugin(&raw const plugin);
