@@ -357,13 +357,18 @@ impl Data {
 
     fn read_state(&self, spec: StateSpec, state: &mut [f64]) {
         let mut rest = state;
-        for_each_component!(spec, PART => {
-            let source = self.part(PART);
-            let (target, after) = rest.split_at_mut(source.len());
+        self.for_each_part(spec, |_, source| {
+            let (target, after) = std::mem::take(&mut rest).split_at_mut(source.len());
             target.copy_from_slice(source);
             rest = after;
         });
         debug_assert!(rest.is_empty(), "Bug: a state has the length of its components");
+    }
+
+    /// Calls `each` with each component of a state and its values, in their order.
+    #[inline]
+    pub(crate) fn for_each_part(&self, spec: StateSpec, mut each: impl FnMut(StateSpec, &[f64])) {
+        for_each_component!(spec, PART => { each(PART, self.part(PART)) });
     }
 
     #[allow(clippy::inline_always, reason = "the constant component selects one arm")]

@@ -1,14 +1,18 @@
 //! Values that differ between two vectors, as runs of words, and a checksum.
 
+use super::inputs::PARTS;
+
 /// Number of words that are compared at a time.
-const BLOCK: usize = 16;
+pub(super) const BLOCK: usize = 16;
 
 /// End of a list of runs.
 pub(super) const END: u32 = u32::MAX;
 
-/// Returns a bound of the size of a list of runs in bytes: every other word of `count` differs.
+/// Returns a bound of the size of the runs of `count` words in bytes, with their end: one word, or
+/// every other one of three, differs. Words in several [parts](super::inputs::parts), which have no
+/// common runs, need no more if each part has two or more words.
 pub(super) fn bound(count: usize) -> usize {
-    12 * count + 20
+    12 * count + 4 * PARTS + 4
 }
 
 #[inline]
@@ -82,14 +86,6 @@ impl Checksum {
         mixed ^ (mixed >> 32)
     }
 
-    /// Returns the checksum of the bits of numbers.
-    #[inline]
-    pub(super) fn of(values: &[f64]) -> u64 {
-        let mut checksum = Self::new();
-        checksum.add(values, f64::to_bits);
-        checksum.finish()
-    }
-
     /// Returns the checksum of bytes.
     pub(super) fn of_bytes(bytes: &[u8]) -> u64 {
         let (words, rest) = bytes.as_chunks::<8>();
@@ -102,7 +98,7 @@ impl Checksum {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, bound, runs};
+    use super::{Checksum, PARTS, bound, runs};
 
     fn found(new: &[f64], old: &[f64]) -> Vec<(usize, Vec<f64>)> {
         let mut found = Vec::new();
@@ -126,30 +122,38 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_holds_if_every_other_word_differs() {
+    fn the_bound_holds_for_short_runs_and_short_parts() {
         for count in [0_usize, 1, 2, 17, 64] {
             let new: Vec<f64> = (0..count).map(|index| if index % 2 == 0 { 1.0 } else { 0.0 }).collect();
             let size: usize = found(&new, &vec![0.0; count]).iter().map(|(_, run)| 8 + 8 * run.len()).sum();
             assert!(size + 4 <= bound(count), "{count}");
             assert!(8 + 8 * count + 4 <= bound(count), "{count}");
         }
+        // Each part has one word, and all differ.
+        assert_eq!(PARTS * (8 + 8) + 4, bound(PARTS));
+    }
+
+    fn of(values: &[f64]) -> u64 {
+        let mut checksum = Checksum::new();
+        checksum.add(values, f64::to_bits);
+        checksum.finish()
     }
 
     #[test]
     fn a_changed_bit_a_swap_and_a_missing_word_change_the_checksum() {
         let values: Vec<f64> = (0..23).map(|value| 0.1 * f64::from(value)).collect();
-        let original = Checksum::of(&values);
+        let original = of(&values);
         for index in 0..values.len() {
             for bit in 0..64 {
                 let mut changed = values.clone();
                 changed[index] = f64::from_bits(changed[index].to_bits() ^ (1 << bit));
-                assert_ne!(Checksum::of(&changed), original, "bit {bit} of word {index}");
+                assert_ne!(of(&changed), original, "bit {bit} of word {index}");
             }
             let mut swapped = values.clone();
             swapped.swap(index, (index + 4) % values.len());
-            assert_ne!(Checksum::of(&swapped), original, "word {index}");
+            assert_ne!(of(&swapped), original, "word {index}");
         }
-        assert_ne!(Checksum::of(&values[..22]), original);
+        assert_ne!(of(&values[..22]), original);
         assert_ne!(Checksum::of_bytes(b"one byte more\0"), Checksum::of_bytes(b"one byte more"));
     }
 }

@@ -1,5 +1,8 @@
 //! The values on which a call depends besides the model, and the calls.
 
+#[cfg(engine_since = "3.0.0")]
+use super::change::BLOCK;
+use super::change::Checksum;
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
 use crate::model::Model;
@@ -47,16 +50,55 @@ pub(super) fn count(model: &Model) -> usize {
     model.state_size(StateSpec::INTEGRATION) + equalities
 }
 
-/// Reads the values, into the present memory if it suffices.
+/// Bound of the number of [`parts`] with one word: the components of a state, and the last block of
+/// equalities.
+pub(super) const PARTS: usize = 16;
+
+const _: () = assert!(StateSpec::all().bits().count_ones() < PARTS as u32);
+
+/// Calls `each` with the place of the first value, and the values, of each part of all values.
 #[inline]
-pub(super) fn read(data: &Data, values: &mut Vec<f64>) {
-    values.resize(count(data.model()), 0.0);
-    let (state, _equalities) = values.split_at_mut(data.model().state_size(StateSpec::INTEGRATION));
-    data.state_into(StateSpec::INTEGRATION, state).expect("Bug: a state has the length of the model's");
+pub(super) fn parts(data: &Data, mut each: impl FnMut(usize, &[f64])) {
+    let mut place = 0;
+    data.for_each_part(StateSpec::INTEGRATION, |_, values| {
+        each(place, values);
+        place += values.len();
+    });
     #[cfg(engine_since = "3.0.0")]
-    for (value, &active) in _equalities.iter_mut().zip(data.active_equalities()) {
-        *value = active.into();
+    for active in data.active_equalities().chunks(BLOCK) {
+        let mut values = [0.0; BLOCK];
+        values.iter_mut().zip(active).for_each(|(value, &active)| *value = active.into());
+        each(place, &values[..active.len()]);
+        place += active.len();
     }
+}
+
+/// Reads the values, into the present memory if it suffices.
+pub(super) fn read(data: &Data, values: &mut Vec<f64>) {
+    values.clear();
+    parts(data, |_, part| values.extend_from_slice(part));
+}
+
+/// Reads the values that a call has changed, and returns their checksum. `values` has those before
+/// the call. Without closures, these are the components that only the engine writes.
+#[inline]
+pub(super) fn read_results(data: &Data, has_closures: bool, values: &mut Vec<f64>) -> u64 {
+    let mut checksum = Checksum::new();
+    if has_closures {
+        read(data, values);
+        checksum.add(values, f64::to_bits);
+        return checksum.finish();
+    }
+    let mut rest = &mut values[..];
+    data.for_each_part(StateSpec::INTEGRATION, |part, results| {
+        let (target, after) = std::mem::take(&mut rest).split_at_mut(results.len());
+        if !StateSpec::USER.contains(part) {
+            target.copy_from_slice(results);
+            checksum.add(results, f64::to_bits);
+        }
+        rest = after;
+    });
+    checksum.finish()
 }
 
 /// Sets the values.

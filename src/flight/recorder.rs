@@ -38,9 +38,9 @@ pub struct FlightRecorder {
     segments: VecDeque<Segment>,
     /// End of the last complete call in the ring.
     complete: u64,
-    /// Values before the present call.
+    /// Values before the present call of a simulation with closures.
     before: Vec<f64>,
-    /// Values after the previous call.
+    /// Values after the previous call. During a call without closures, those before it.
     after: Vec<f64>,
     image: Arc<ModelImage>,
     /// Revision of the model of `image`.
@@ -222,46 +222,61 @@ impl FlightRecorder {
             self.segments.retain(|segment| segment.start < self.complete);
             self.is_interrupted = true;
         }
-        inputs::read(data, &mut self.before);
-        let bound = Self::bound(self.before.len()) as u64;
+        let bound = Self::bound(self.values) as u64;
         let is_second_half = call == Call::Step2 && self.previous.is_some_and(Call::is_first_half);
         let length = self.segments.back().map_or(0, |segment| self.ring.end() - segment.start);
         let is_long = length + bound > self.ring.capacity() / SEGMENTS && !is_second_half;
         let begins = self.is_interrupted || is_long;
         if begins {
             let (start, image) = (self.ring.end(), self.image.clone());
-            self.segments.push_back(Segment { start, first: self.next, values: self.before.len(), image });
+            self.segments.push_back(Segment { start, first: self.next, values: self.values, image });
             self.is_interrupted = false;
         }
         while self.segments.front().is_some_and(|oldest| self.ring.end() + bound - oldest.start > self.ring.capacity())
         {
             self.segments.pop_front();
         }
-        let ring = &mut self.ring;
+        let (ring, after) = (&mut self.ring, &mut self.after);
         ring.put(&[call.code()]);
         if begins {
-            put_run(ring, 0, &self.before);
+            inputs::read(data, after);
+            put_run(ring, 0, after);
         } else {
-            change::runs(&self.before, &self.after, |start, values| put_run(ring, start, values));
+            inputs::parts(data, |place, values| {
+                let after = &mut after[place..][..values.len()];
+                let mut is_changed = false;
+                change::runs(values, after, |start, values| {
+                    put_run(ring, place + start, values);
+                    is_changed = true;
+                });
+                if is_changed {
+                    after.copy_from_slice(values);
+                }
+            });
         }
         ring.put(&change::END.to_le_bytes());
+        self.before.clear();
+        if data.has_callbacks() {
+            self.before.extend_from_slice(after);
+        }
         Ok(())
     }
 
     /// Stores the results of a call.
     fn end(&mut self, call: Call, data: &Data, error: Option<&Error>) {
-        inputs::read(data, &mut self.after);
-        let flags = if error.is_some() { FAILED } else { 0 } | if data.has_callbacks() { CLOSURES } else { 0 };
+        let has_closures = !self.before.is_empty();
+        let checksum = inputs::read_results(data, has_closures, &mut self.after);
+        let flags = if error.is_some() { FAILED } else { 0 } | if has_closures { CLOSURES } else { 0 };
         let ring = &mut self.ring;
         ring.put(&[flags]);
         // A closure may have exchanged the simulation for another one.
-        if flags & CLOSURES != 0 && self.after.len() == self.before.len() {
+        if self.after.len() == self.before.len() {
             let user = data.model().state_range(StateSpec::INTEGRATION, StateSpec::USER);
             let (after, before) = (&self.after[user.clone()], &self.before[user.clone()]);
             change::runs(after, before, |start, values| put_run(ring, user.start + start, values));
         }
         ring.put(&change::END.to_le_bytes());
-        ring.put(&Checksum::of(&self.after).to_le_bytes());
+        ring.put(&checksum.to_le_bytes());
         if let Some(error) = error {
             let text = shortened(error.to_string());
             ring.put(&(text.len() as u64).to_le_bytes());
@@ -270,7 +285,7 @@ impl FlightRecorder {
         self.complete = ring.end();
         self.next += 1;
         self.previous = Some(call);
-        self.is_interrupted |= error.is_some();
+        self.is_interrupted |= error.is_some() || self.after.len() != self.values;
         if let Some(error) = error {
             self.write_after_failure(&error.to_string());
         }

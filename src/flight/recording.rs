@@ -16,7 +16,7 @@ use crate::file;
 /// Begin of a file.
 pub(super) const MAGIC: &[u8; 8] = b"MJFLIGHT";
 /// Version of the format.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 /// Flag of a call: it returned an error, whose text follows.
 pub(super) const FAILED: u8 = 1;
 /// Flag of a call: the simulation had callbacks.

@@ -10,7 +10,8 @@ pub(super) struct Ring {
 
 impl Ring {
     pub(super) fn new(capacity: usize) -> Self {
-        Self { bytes: vec![0; capacity].into(), end: 0 }
+        // Memory of zeros would be mapped in the steps that write to it first.
+        Self { bytes: vec![1; capacity].into(), end: 0 }
     }
 
     pub(super) fn capacity(&self) -> u64 {
