@@ -1,7 +1,5 @@
 //! Values that differ between two vectors, as runs of words, and a checksum.
 
-use super::inputs::PARTS;
-
 /// Number of words that are compared at a time.
 pub(super) const BLOCK: usize = 16;
 
@@ -9,10 +7,10 @@ pub(super) const BLOCK: usize = 16;
 pub(super) const END: u32 = u32::MAX;
 
 /// Returns a bound of the size of the runs of `count` words in bytes, with their end: one word, or
-/// every other one of three, differs. Words in several [parts](super::inputs::parts), which have no
-/// common runs, need no more if each part has two or more words.
-pub(super) fn bound(count: usize) -> usize {
-    12 * count + 4 * PARTS + 4
+/// every other one of three, differs. Words that are compared in several parts, which have no
+/// common runs, need no more if each part but `short` ones has two or more words.
+pub(super) fn bound(count: usize, short: usize) -> usize {
+    12 * count + 4 * short.max(1) + 4
 }
 
 #[inline]
@@ -98,7 +96,7 @@ impl Checksum {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, PARTS, bound, runs};
+    use super::{Checksum, bound, runs};
 
     fn found(new: &[f64], old: &[f64]) -> Vec<(usize, Vec<f64>)> {
         let mut found = Vec::new();
@@ -126,11 +124,11 @@ mod tests {
         for count in [0_usize, 1, 2, 17, 64] {
             let new: Vec<f64> = (0..count).map(|index| if index % 2 == 0 { 1.0 } else { 0.0 }).collect();
             let size: usize = found(&new, &vec![0.0; count]).iter().map(|(_, run)| 8 + 8 * run.len()).sum();
-            assert!(size + 4 <= bound(count), "{count}");
-            assert!(8 + 8 * count + 4 <= bound(count), "{count}");
+            assert!(size + 4 <= bound(count, 1), "{count}");
+            assert!(8 + 8 * count + 4 <= bound(count, 1), "{count}");
         }
         // Each part has one word, and all differ.
-        assert_eq!(PARTS * (8 + 8) + 4, bound(PARTS));
+        assert_eq!(16 * (8 + 8) + 4, bound(16, 16));
     }
 
     fn of(values: &[f64]) -> u64 {

@@ -52,9 +52,9 @@ pub(super) fn count(model: &Model) -> usize {
 
 /// Bound of the number of [`parts`] with one word: the components of a state, and the last block of
 /// equalities.
-pub(super) const PARTS: usize = 16;
+pub(super) const SHORT_PARTS: usize = 16;
 
-const _: () = assert!(StateSpec::all().bits().count_ones() < PARTS as u32);
+const _: () = assert!(StateSpec::all().bits().count_ones() < SHORT_PARTS as u32);
 
 /// Calls `each` with the place of the first value, and the values, of each part of all values.
 #[inline]

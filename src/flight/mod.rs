@@ -63,6 +63,8 @@
 //!   controls, applied forces, mocap poses and user data that they left before the call, which
 //!   repeats a control closure exactly, unless the integrator calls it several times (`Rk4`). For
 //!   other closures pass them to [`Recording::repeat_with`].
+//! - The program wrote to an array of results that the next call reads before it computes them: a
+//!   half step does, and some checks of a step.
 //! - A plugin has memory that is not a part of its state, or `unsafe` code writes to the model.
 //! - [`step2`](FlightRecorder::step2) continues a first half that the recorder did not make.
 //!

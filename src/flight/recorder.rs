@@ -140,7 +140,7 @@ impl FlightRecorder {
 
     /// Returns a bound of the size of a call in bytes.
     fn bound(values: usize) -> usize {
-        2 * change::bound(values) + MOST_TEXT + 64
+        2 * change::bound(values, inputs::SHORT_PARTS) + MOST_TEXT + 64
     }
 
     fn image_of(model: &Model, base: Option<&Arc<[u8]>>) -> Result<ModelImage> {

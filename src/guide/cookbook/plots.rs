@@ -1,5 +1,7 @@
 //! Plots of a simulation.
 //!
+#![doc = include_str!("plots.html")]
+//!
 //! The crate `plotters` draws charts as SVG: `cargo add plotters --no-default-features --features
 //! svg_backend,line_series`.
 //!
@@ -16,12 +18,15 @@
 //!
 //! let path = std::env::temp_dir().join("mujoco_safe_pole.svg");
 //! let canvas = SVGBackend::new(&path, (640, 400)).into_drawing_area();
+//! canvas.fill(&WHITE)?;
 //! let mut chart = ChartBuilder::on(&canvas)
 //!     .margin(10)
+//!     .caption("The pole of a cart-pole under LQR", ("sans-serif", 18))
 //!     .set_label_area_size(LabelAreaPosition::Left, 50)
 //!     .set_label_area_size(LabelAreaPosition::Bottom, 40)
 //!     .build_cartesian_2d(0.0..data.time(), -0.1..0.1)?;
-//! chart.configure_mesh().x_desc("time (s)").y_desc("angle (rad)").draw()?;
+//! let mut mesh = chart.configure_mesh();
+//! mesh.max_light_lines(1).x_desc("time (s)").y_desc("angle (rad)").draw()?;
 //! let angles = (0..trajectory.len()).map(|k| trajectory.qpos(k)[1]);
 //! let points = trajectory.times().iter().copied().zip(angles);
 //! chart.draw_series(LineSeries::new(points, &BLUE))?;
@@ -29,7 +34,9 @@
 //! # drop(chart);
 //! # drop(canvas);
 //! # assert!(std::fs::read_to_string(&path)?.contains("polyline"));
-//! # std::fs::remove_file(path).ok();
+//! # if std::env::var_os("MUJOCO_SAFE_PICTURES").is_none() {
+//! #     std::fs::remove_file(path).ok(); // otherwise scripts/pictures reads it
+//! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -25,6 +25,7 @@ mod mjcf;
 mod models;
 mod newer_models;
 mod plain;
+mod recording;
 mod schema;
 mod sequence;
 mod text;
@@ -72,10 +73,12 @@ pub enum Target {
     /// Texts with extreme values of all elements and attributes of the engine's schema, and calls
     /// with accepted models.
     Schema,
+    /// Recordings of random calls, repeated bit for bit, and damaged recordings.
+    Recordings,
 }
 
 impl Target {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Sequences,
         Self::Binaries,
         Self::Texts,
@@ -84,6 +87,7 @@ impl Target {
         Self::Plain,
         Self::Mjcf,
         Self::Schema,
+        Self::Recordings,
     ];
 
     pub fn name(self) -> &'static str {
@@ -96,6 +100,7 @@ impl Target {
             Self::Plain => "plain",
             Self::Mjcf => "mjcf",
             Self::Schema => "schema",
+            Self::Recordings => "recordings",
         }
     }
 
@@ -116,6 +121,7 @@ impl Target {
             Self::Plain => plain::mutated_plain(bytes, log),
             Self::Mjcf => mjcf::generated_mjcf(bytes, log),
             Self::Schema => schema::hostile_text(bytes, log),
+            Self::Recordings => recording::recorded_calls(bytes, log),
         }
     }
 }

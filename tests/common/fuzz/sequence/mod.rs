@@ -49,6 +49,12 @@ pub(super) struct Scene<'l> {
     pub(super) log: &'l mut dyn FnMut(&str),
 }
 
+impl<'l> Scene<'l> {
+    pub(super) fn new(model: Arc<Model>, data: Data, log: &'l mut dyn FnMut(&str)) -> Self {
+        Self { data, other: None, state: Vec::new(), model, view: None, transition: None, depth: 0, log }
+    }
+}
+
 /// A call, or a few related calls. The result is ignored: errors are allowed.
 type Call = fn(&mut Scene<'_>, &mut Bytes<'_>) -> Result<()>;
 
@@ -103,8 +109,16 @@ pub(super) fn make_calls(
     bytes: &mut Bytes<'_>,
     log: &mut dyn FnMut(&str),
 ) {
-    let mut scene = Scene { data, other: None, state: Vec::new(), model, view: None, transition: None, depth: 0, log };
-    call_some(&mut scene, bytes, calls);
+    call_some(&mut Scene::new(model, data, log), bytes, calls);
+}
+
+/// Writes to the state or the inputs of the simulation, or edits its model, as one of the random
+/// calls does.
+pub(super) fn change(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>) {
+    let calls = bytes.either(&write::CALLS[write::ARRAYS..], edit::CALLS);
+    let (name, call) = calls[bytes.below(calls.len())];
+    (scene.log)(name);
+    let _ = call(scene, bytes);
 }
 
 /// Makes this number of calls, or fewer if the bytes are used up.

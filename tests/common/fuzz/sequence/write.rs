@@ -10,6 +10,9 @@ fn spec(bytes: &mut Bytes<'_>) -> StateSpec {
     if bytes.once_in(2) { spec } else { spec & StateSpec::all() }
 }
 
+/// Number of the first calls, which also write to arrays of results.
+pub(super) const ARRAYS: usize = 2;
+
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("an array", |scene, bytes| {
         let (which, value) = (bytes.below(touch_all::DATA_MUT.len()), bytes.number());
