@@ -56,7 +56,9 @@ bitflags! {
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
         /// All inputs of the next step: a simulation that is set to this state continues bit for
         /// bit. (A state does not contain which bodies sleep: all are awake in a simulation that is
-        /// set to it.)
+        /// set to it. Neither does it contain which equalities are active, since engine 3.0, nor
+        /// the `act_dot` with which earlier engines advance activations while actuation is
+        /// disabled.)
         const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
     }
 }

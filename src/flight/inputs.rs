@@ -44,14 +44,15 @@ impl Call {
     }
 }
 
-/// Returns the number of values.
+/// Returns the number of values: of the state, and of what else a step reads. These are since 3.0
+/// the active equalities, and before 3.0 the derivatives of the activations, with which a step
+/// advances the activations while actuation is disabled.
 pub(super) fn count(model: &Model) -> usize {
-    let equalities = if cfg!(engine_since = "3.0.0") { model.neq() } else { 0 };
-    model.state_size(StateSpec::INTEGRATION) + equalities
+    let others = if cfg!(engine_since = "3.0.0") { model.neq() } else { model.na() };
+    model.state_size(StateSpec::INTEGRATION) + others
 }
 
-/// Bound of the number of [`parts`] with one word: the components of a state, and the last block of
-/// equalities.
+/// Bound of the number of [`parts`] with one word: the components of a state, and the last part.
 pub(super) const SHORT_PARTS: usize = 16;
 
 const _: () = assert!(StateSpec::all().bits().count_ones() < SHORT_PARTS as u32);
@@ -64,6 +65,8 @@ pub(super) fn parts(data: &Data, mut each: impl FnMut(usize, &[f64])) {
         each(place, values);
         place += values.len();
     });
+    #[cfg(not(engine_since = "3.0.0"))]
+    each(place, data.act_dot());
     #[cfg(engine_since = "3.0.0")]
     for active in data.active_equalities().chunks(BLOCK) {
         let mut values = [0.0; BLOCK];
@@ -90,22 +93,27 @@ pub(super) fn read_results(data: &Data, has_closures: bool, values: &mut Vec<f64
         return checksum.finish();
     }
     let mut rest = &mut values[..];
-    data.for_each_part(StateSpec::INTEGRATION, |part, results| {
+    let mut add = |is_result: bool, results: &[f64]| {
         let (target, after) = std::mem::take(&mut rest).split_at_mut(results.len());
-        if !StateSpec::USER.contains(part) {
+        if is_result {
             target.copy_from_slice(results);
             checksum.add(results, f64::to_bits);
         }
         rest = after;
-    });
+    };
+    data.for_each_part(StateSpec::INTEGRATION, |part, results| add(!StateSpec::USER.contains(part), results));
+    #[cfg(not(engine_since = "3.0.0"))]
+    add(true, data.act_dot());
     checksum.finish()
 }
 
 /// Sets the values.
 pub(super) fn write(data: &mut Data, values: &[f64]) -> Result<()> {
-    let (state, _equalities) = values.split_at(data.model().state_size(StateSpec::INTEGRATION));
+    let (state, others) = values.split_at(data.model().state_size(StateSpec::INTEGRATION));
     data.set_state(StateSpec::INTEGRATION, state)?;
     #[cfg(engine_since = "3.0.0")]
-    data.set_active_equalities(_equalities.iter().map(|&value| value != 0.0));
+    data.set_active_equalities(others.iter().map(|&value| value != 0.0));
+    #[cfg(not(engine_since = "3.0.0"))]
+    data.act_dot_mut().copy_from_slice(others);
     Ok(())
 }
