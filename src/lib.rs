@@ -77,10 +77,11 @@
 //!
 //! All features are off by default. `renderer`: rendering and animations, without a window or a
 //! display. `viewer`: the window. `mjz`: models and their files in one archive, as MuJoCo's `.mjz`.
-//! `npz`: trajectories, rollouts and other arrays as NumPy files. `ndarray`: matrices as arrays of
-//! the crate `ndarray`, without a copy. `serde`: options, states, matrices and trajectories as
-//! plain data in the formats of serde. `bindgen`: bindings for an engine without committed ones.
-//! `download`: the build installs MuJoCo if it finds no engine (see [`guide::engines`]).
+//! `npz`: trajectories, rollouts and other arrays as NumPy files. `mcap`: logs for Foxglove and
+//! Rerun. `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options,
+//! states, matrices and trajectories as plain data in the formats of serde. `bindgen`: bindings for
+//! an engine without committed ones. `download`: the build installs MuJoCo if it finds no engine
+//! (see [`guide::engines`]).
 //!
 //! # Units and conventions
 //!
@@ -133,6 +134,10 @@ mod layout;
 mod macros;
 pub mod math;
 pub mod matrix;
+#[cfg(feature = "mcap")]
+#[doc(alias = "foxglove")]
+#[doc(alias = "rerun")]
+pub mod mcap;
 mod memory;
 mod messages;
 #[cfg(feature = "npz")]

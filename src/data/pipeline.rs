@@ -400,6 +400,13 @@ impl Data {
         Ok(self.sensordata())
     }
 
+    /// Returns `true` if the results have been computed for the present state: it has not been
+    /// advanced since.
+    #[cfg(feature = "mcap")]
+    pub(crate) fn has_present_results(&self) -> bool {
+        self.computed.contains(PipelineFlags::CURRENT)
+    }
+
     /// Returns the readings of all sensors in the present state.
     pub(crate) fn present_readings(&self, call: &'static str) -> Result<&[f64]> {
         if self.computed.contains(PipelineFlags::CURRENT) {

@@ -8,6 +8,7 @@
 //! | [`julia`] | coming from MuJoCo.jl |
 //! | [`control`] | controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories |
 //! | [`pictures`] | images, depth, segmentation, animations, the viewer |
+//! | [`logs`] | logs for Foxglove and Rerun |
 //! | [`parallel`] | threads, rollouts, batches, determinism |
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
@@ -28,7 +29,7 @@
 //! | models | [variations of a model](cookbook::variations), [a model that changes while it runs](cookbook::changing_model), [objects at random places](cookbook::random_places), [custom fields](cookbook::custom_fields) |
 //! | robots | [inverse kinematics](cookbook::inverse_kinematics), [gravity compensation](cookbook::gravity_compensation), [task-space control](cookbook::task_space), [a gripper](cookbook::gripper), [forces of contacts](cookbook::forces), [lidar](cookbook::lidar), [sensors](cookbook::sensors) |
 //! | running | [real time](cookbook::real_time), [saving a state](cookbook::saved_state), [threads](cookbook::threads), [domain randomisation](cookbook::domain_randomisation), [identification](cookbook::identification), [tests in continuous integration](cookbook::testing), [repeating a failure](cookbook::failures) |
-//! | results | [CSV, NumPy and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video) |
+//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video) |
 
 pub mod concepts;
 pub mod control;
@@ -38,6 +39,8 @@ pub mod engines;
 pub mod errors;
 #[doc(alias = "MuJoCo.jl")]
 pub mod julia;
+#[doc(alias("mcap", "foxglove", "rerun"))]
+pub mod logs;
 pub mod parallel;
 pub mod performance;
 pub mod pictures;

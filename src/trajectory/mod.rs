@@ -1,7 +1,9 @@
 //! Recorded trajectories: times, states, controls and sensor readings, with import and export as
-//! CSV, NumPy archives and serde data.
+//! CSV, NumPy archives, MCAP files and serde data.
 
 mod csv;
+#[cfg(feature = "mcap")]
+mod mcap;
 #[cfg(feature = "npz")]
 mod npz;
 #[cfg(feature = "serde")]

@@ -3,8 +3,8 @@
 //!
 //! ```sh
 //! rm -rf target/doc    # rustdoc would add to the search index
-//! cargo doc --workspace --features viewer,mjz,npz,serde --no-deps
-//! cargo test --features viewer,mjz,npz,serde --test coverage rendered -- --ignored
+//! cargo doc --workspace --features viewer,mjz,npz,mcap,serde --no-deps
+//! cargo test --features viewer,mjz,npz,mcap,serde --test coverage rendered -- --ignored
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -11,6 +11,8 @@ mod trouble;
 mod allocations;
 mod allocations_in_control;
 mod allocations_in_environments;
+#[cfg(feature = "mcap")]
+mod allocations_in_logs;
 mod allocator;
 #[cfg(target_os = "linux")]
 mod engine_version;

@@ -1,4 +1,4 @@
-//! Trajectories: recording, replaying, and files; NumPy archives.
+//! Trajectories: recording, replaying, and files; NumPy archives; MCAP files.
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
@@ -12,13 +12,17 @@ mod child;
 
 #[cfg(validates_binaries)]
 mod flight;
-#[cfg(feature = "npz")]
+#[cfg(any(feature = "mcap", feature = "npz"))]
 #[path = "../common/installed.rs"]
 mod installed;
+#[cfg(feature = "mcap")]
+mod mcap;
 #[cfg(feature = "npz")]
 mod npz;
 #[cfg(feature = "npz")]
 mod numpy;
+#[cfg(any(feature = "mcap", feature = "npz"))]
+mod python;
 mod recording;
 mod sensordata;
 #[cfg(feature = "serde")]

@@ -1,14 +1,10 @@
 //! NumPy archives read by other code than this crate's.
 
-use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-use std::process::Command;
 
 use zip::ZipArchive;
-
-use crate::installed::has;
 
 /// Reads an array according to the format's specification: magic string, version, length of the
 /// header, header, values. Returns the header and the bytes of the values.
@@ -23,17 +19,8 @@ pub(crate) fn array(path: &Path, name: &str) -> (String, Vec<u8>) {
     (header, bytes[start..].to_vec())
 }
 
-/// Runs a Python script, whose argument is a path, and returns its output. The interpreter is the
-/// first of `$PYTHON`, `python3` and that of the system which has NumPy. `None` if the tests may
-/// pass without NumPy.
+/// Runs a Python script with NumPy, whose argument is a path, and returns its output. `None` if the
+/// tests may pass without NumPy.
 pub(crate) fn python(script: &str, path: &Path) -> Option<String> {
-    let run = |python: &OsStr, script: &str| Command::new(python).arg("-c").arg(script).arg(path).output();
-    let named = std::env::var_os("PYTHON");
-    let all = named.into_iter().chain(["python3", "/usr/bin/python3"].map(OsString::from));
-    let mut fit = all.filter(|python| run(python, "import numpy").is_ok_and(|output| output.status.success()));
-    let python = fit.next();
-    has("python3-numpy", python.is_some());
-    let output = run(&python?, script).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap())
+    crate::python::run("python3-numpy", "numpy", script, path)
 }

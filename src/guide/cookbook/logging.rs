@@ -1,4 +1,4 @@
-//! Saving and logging: CSV, NumPy, lines of text.
+//! Saving and logging: CSV, NumPy, MCAP, lines of text.
 //!
 //! A [`Trajectory`](crate::Trajectory) records times, states and controls, and sensor readings if
 //! it is created by [`with_sensordata`](crate::Trajectory::with_sensordata). `save_csv` writes a
@@ -38,6 +38,25 @@
 //! }
 //! let path = std::env::temp_dir().join("mujoco_safe_heights.npz");
 //! npz::save(&path, &[Array::new("height", &[heights.len()], &heights)])?;
+//! # std::fs::remove_file(path).ok();
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! With the feature `mcap`, a log contains what Foxglove and Rerun show, also of a running
+//! simulation. The page [`logs`](crate::guide::logs) describes both programs.
+//!
+#![cfg_attr(feature = "mcap", doc = "```")]
+#![cfg_attr(not(feature = "mcap"), doc = "```ignore")]
+//! use mujoco_safe::mcap::Log;
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let path = std::env::temp_dir().join("mujoco_safe_humanoid.mcap");
+//! let mut log = Log::create(&path, data.model())?;
+//! for _ in 0..200 {
+//!     log.step(&mut data)?;
+//! }
+//! log.finish()?;
 //! # std::fs::remove_file(path).ok();
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```

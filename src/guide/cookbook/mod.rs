@@ -68,7 +68,7 @@ pub mod identification;
 pub mod inverse_kinematics;
 #[doc(alias("laser scanner"))]
 pub mod lidar;
-#[doc(alias("csv", "logger", "save data", "save results"))]
+#[doc(alias("csv", "logger", "mcap", "save data", "save results"))]
 pub mod logging;
 #[doc(alias("plot", "plotting", "plotters", "matplotlib", "chart"))]
 pub mod plots;

@@ -1,0 +1,165 @@
+//! Reading of MCAP files of unknown origin.
+//!
+//! The crate `mcap` reads the records. Two of its parsers would panic: that of records which are
+//! longer than their chunk, and that of attachments. So this module checks the lengths in each
+//! chunk first, and does not parse attachments.
+
+use std::collections::HashMap;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use ::mcap::McapResult;
+use ::mcap::read::{ChunkReader, parse_record};
+use ::mcap::records::{Channel, Record, op};
+use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::channels::error;
+use super::protobuf;
+use crate::file;
+
+/// Contents of a message of a record.
+pub(crate) enum Part<'m> {
+    /// Time, then `qpos`, `qvel`, `act` and `ctrl`.
+    State(f64, [&'m [f64]; 4]),
+    /// Readings of all sensors.
+    Sensors(&'m [f64]),
+}
+
+/// Reads the states of a log. `put` returns the reason if a state does not fit.
+pub(crate) fn read_states(path: &Path, mut put: impl FnMut(Part<'_>) -> Result<(), String>) -> io::Result<()> {
+    let (mut values, mut sequence) = (<[Vec<f64>; 5]>::default(), None);
+    read(path, |message| {
+        values.iter_mut().for_each(Vec::clear);
+        match (message.topic, message.schema) {
+            ("/state", "mujoco.State") => {
+                for field in protobuf::fields(message.data) {
+                    let (number, value) = field.ok_or("is not a protobuf message")?;
+                    let index = usize::try_from(number).map_or(usize::MAX, |number| number.wrapping_sub(1));
+                    let Some(part) = values.get_mut(index) else { continue };
+                    value.doubles(part).ok_or("has a field without numbers of double precision")?;
+                }
+                let [time, qpos, qvel, act, ctrl] = &values;
+                let &[time] = &time[..] else { return Err("does not have one time".to_owned()) };
+                sequence = Some(message.sequence);
+                put(Part::State(time, [qpos, qvel, act, ctrl]))
+            }
+            ("/sensors", "mujoco.Sensors") => {
+                for field in protobuf::fields(message.data) {
+                    let (_, value) = field.ok_or("is not a protobuf message")?;
+                    value.doubles(&mut values[0]).ok_or("has a field without numbers of double precision")?;
+                }
+                if sequence.take() != Some(message.sequence) {
+                    return Err("does not follow the state with its number".to_owned());
+                }
+                put(Part::Sensors(&values[0]))
+            }
+            _ => Ok(()),
+        }
+    })
+}
+
+/// Message of a file.
+pub(super) struct Message<'m> {
+    pub(super) topic: &'m str,
+    /// Name of the schema, or empty.
+    pub(super) schema: &'m str,
+    pub(super) encoding: &'m str,
+    pub(super) sequence: u32,
+    pub(super) data: &'m [u8],
+}
+
+/// Reads the messages of a file in their order. `put` returns the reason if it does not accept a
+/// message. Memory is allocated for a record at a time, which is no longer than the file.
+pub(super) fn read(path: &Path, mut put: impl FnMut(Message<'_>) -> Result<(), String>) -> io::Result<()> {
+    let file = file::open_regular(path)?;
+    let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+    let mut file = BufReader::new(file);
+    let options = LinearReaderOptions::default().with_record_length_limit(length).with_emit_chunks(true);
+    let mut reader = LinearReader::new_with_options(options);
+    let (mut names, mut place) = (Names::default(), 0_u64);
+    while let Some(event) = reader.next_event() {
+        let read = names.take_event(event, &mut put);
+        let located = |error: io::Error| io::Error::new(error.kind(), format!("{error}, before byte {place}"));
+        if let Some(count) = read.map_err(located)? {
+            let count = file.read(reader.insert(count))?;
+            reader.notify_read(count);
+            place += count as u64;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the records of an uncompressed chunk fill it, and are of the types that chunks have.
+fn check_chunk(mut data: &[u8]) -> io::Result<()> {
+    while let Some((opcode, rest)) = data.split_first() {
+        if !matches!(*opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+            return Err(invalid(format!("a chunk has a record of type {opcode:#04x}")));
+        }
+        let record = rest.split_first_chunk().and_then(|(length, rest)| {
+            let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+            rest.split_at_checked(length)
+        });
+        data = record.ok_or_else(|| invalid("a record is longer than its chunk".to_owned()))?.1;
+    }
+    Ok(())
+}
+
+/// Schemas and channels so far.
+#[derive(Default)]
+struct Names {
+    schemas: HashMap<u16, String>,
+    channels: HashMap<u16, Channel>,
+}
+
+impl Names {
+    /// Takes the records of an event. Returns the number of bytes that the reader needs next.
+    fn take_event(
+        &mut self,
+        event: McapResult<LinearReadEvent<'_>>,
+        put: &mut impl FnMut(Message<'_>) -> Result<(), String>,
+    ) -> io::Result<Option<usize>> {
+        match event.map_err(error)? {
+            LinearReadEvent::ReadRequest(count) => return Ok(Some(count)),
+            LinearReadEvent::Record { opcode: op::CHUNK, data } => {
+                if let Record::Chunk { header, data } = parse_record(op::CHUNK, data).map_err(error)? {
+                    if header.compression.is_empty() {
+                        check_chunk(&data)?;
+                    }
+                    for record in ChunkReader::new(header, &data).map_err(error)? {
+                        self.take(record.map_err(error)?, put)?;
+                    }
+                }
+            }
+            LinearReadEvent::Record { opcode: opcode @ (op::SCHEMA | op::CHANNEL | op::MESSAGE), data } => {
+                self.take(parse_record(opcode, data).map_err(error)?, put)?;
+            }
+            LinearReadEvent::Record { .. } => (),
+        }
+        Ok(None)
+    }
+
+    /// Stores a schema or a channel, or passes a message on.
+    fn take(&mut self, record: Record<'_>, put: &mut impl FnMut(Message<'_>) -> Result<(), String>) -> io::Result<()> {
+        match record {
+            Record::Schema { header, .. } => _ = self.schemas.insert(header.id, header.name),
+            Record::Channel(channel) => _ = self.channels.insert(channel.id, channel),
+            Record::Message { header, data } => {
+                let Some(channel) = self.channels.get(&header.channel_id) else {
+                    return Err(invalid(format!("a message has the unknown channel {}", header.channel_id)));
+                };
+                let schema = self.schemas.get(&channel.schema_id).map_or("", |name| name);
+                let Channel { topic, message_encoding: encoding, .. } = channel;
+                let message = Message { topic, schema, encoding, sequence: header.sequence, data: &data };
+                put(message).map_err(|reason| {
+                    invalid(format!("message {} of the topic {} {reason}", header.sequence, channel.topic))
+                })?;
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+}
+
+fn invalid(reason: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, reason)
+}

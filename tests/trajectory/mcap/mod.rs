@@ -1,0 +1,7 @@
+//! MCAP files: logs and trajectories, read by this crate and by the official reader for Python, and
+//! damaged files.
+
+mod damaged;
+mod joint_states;
+mod logs;
+mod official_reader;
