@@ -125,7 +125,7 @@ fn triangles(model: &Model, geom: &Geom<'_>) -> Option<Triangles> {
 /// Returns the vertices of a height field, row by row.
 fn elevations(field: &HeightField<'_>) -> Vec<[f64; 3]> {
     let ([x, y, height, _], ncol) = (*field.size(), field.ncol());
-    let along = |half: f64, index: usize, count: usize| half * (2.0 * index as f64 / (count - 1) as f64 - 1.0);
+    let along = |half: f64, index: usize, count: usize| half * (2.0 * index as f64 / (count - 1).max(1) as f64 - 1.0);
     let vertex = |(index, &elevation): (usize, &f32)| {
         let (row, column) = (index / ncol, index % ncol);
         [along(x, column, ncol), along(y, row, field.nrow()), height * f64::from(elevation)]
