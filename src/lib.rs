@@ -78,10 +78,10 @@
 //! All features are off by default. `renderer`: rendering and animations, without a window or a
 //! display. `viewer`: the window. `mjz`: models and their files in one archive, as MuJoCo's `.mjz`.
 //! `npz`: trajectories, rollouts and other arrays as NumPy files. `mcap`: logs for Foxglove and
-//! Rerun. `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options,
-//! states, matrices and trajectories as plain data in the formats of serde. `bindgen`: bindings for
-//! an engine without committed ones. `download`: the build installs MuJoCo if it finds no engine
-//! (see [`guide::engines`]).
+//! Rerun. `html`: trajectories as web pages. `ndarray`: matrices as arrays of the crate `ndarray`,
+//! without a copy. `serde`: options, states, matrices and trajectories as plain data in the formats
+//! of serde. `bindgen`: bindings for an engine without committed ones. `download`: the build
+//! installs MuJoCo if it finds no engine (see [`guide::engines`]).
 //!
 //! # Units and conventions
 //!
@@ -128,6 +128,11 @@ mod file;
 #[doc(alias = "reproduce")]
 pub mod flight;
 pub mod guide;
+#[cfg(feature = "html")]
+#[doc(alias = "browser")]
+#[doc(alias = "web")]
+#[doc(alias = "replay")]
+pub mod html;
 pub mod id;
 pub mod kind;
 mod layout;

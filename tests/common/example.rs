@@ -40,6 +40,8 @@ pub fn build(name: &str) -> PathBuf {
             ("viewer", cfg!(feature = "viewer")),
             ("mjz", cfg!(feature = "mjz")),
             ("npz", cfg!(feature = "npz")),
+            ("mcap", cfg!(feature = "mcap")),
+            ("html", cfg!(feature = "html")),
             ("serde", cfg!(feature = "serde")),
         ];
         let mut cargo = Command::new(env!("CARGO"));

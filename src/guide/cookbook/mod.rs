@@ -32,6 +32,12 @@
 //! | `record` | a humanoid is pushed and recovers, as a GIF |
 //! | `trajectories` | several trajectories in one image |
 //!
+//! With `--features html`:
+//!
+//! | name | contents |
+//! |---|---|
+//! | `web_replay -- --model model.xml` | a motion as a page that a browser plays |
+//!
 //! With `--features viewer`:
 //!
 //! | name | contents |
@@ -88,3 +94,5 @@ pub mod threads;
 pub mod variations;
 #[doc(alias("save video", "mp4", "movie", "animation", "film"))]
 pub mod video;
+#[doc(alias("web", "browser", "html", "web viewer", "share"))]
+pub mod web_page;

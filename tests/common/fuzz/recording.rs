@@ -64,7 +64,7 @@ pub(super) fn recorded_calls(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
             assert_eq!(difference, None, "after {} calls", repeat.calls);
         }
         // Not all binary models are loaded with all engines.
-        Err(error) if error.to_string().contains("binary models") => (scene.log)(&error.to_string()),
+        Err(error) if error.to_string().contains("binary model") => (scene.log)(&error.to_string()),
         Err(error) => panic!("{error}"),
     }
     Verdict::Worked

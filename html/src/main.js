@@ -1,0 +1,251 @@
+// Player of a page.
+
+import { Raycaster, Vector2 } from 'three';
+import { Cameras } from './cameras.js';
+import { read } from './data.js';
+import { Track } from './motion.js';
+import { Plots } from './plots.js';
+import { Stage } from './stage.js';
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+const element = (id) => document.getElementById(id);
+
+class Player {
+  static async create(buffer) {
+    const player = new Player();
+    const data = read(buffer);
+    const { tracks, steps, frames, look, bodies, title, notes } = data.description;
+    player.data = data.description;
+    player.tracks = tracks.map((track) => new Track(data.binary, track, steps, frames));
+    player.start = Math.min(...player.tracks.map((track) => track.start));
+    player.end = Math.max(...player.tracks.map((track) => track.end));
+    player.canvas = element('canvas');
+    player.stage = await Stage.create(player.canvas, data, player.tracks);
+    player.cameras = new Cameras(player.canvas, look, player.stage.frames[0], () => (player.isDirty = true));
+    player.plots = new Plots(element('plots'), player.tracks[0], (time) => player.seek(time));
+    player.bodies = bodies;
+    player.notes = notes.slice().sort((a, b) => a[0] - b[0]);
+    player.speed = 1;
+    document.title = element('title').textContent = title || 'Simulation';
+    player.connect();
+    player.describe();
+    player.selectCamera(data.description.camera === null ? 0 : data.description.camera + 1);
+    const hash = /^#t=([\d.]+)$/.exec(location.hash);
+    player.seek(hash ? Number(hash[1]) : player.start);
+    const isStill = hash || player.start === player.end || matchMedia('(prefers-reduced-motion: reduce)').matches;
+    player.play(!isStill);
+    new ResizeObserver(() => player.resize()).observe(player.canvas.parentElement);
+    player.resize();
+    requestAnimationFrame((now) => player.frame(now));
+    return player;
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    this.stage.renderer.setPixelRatio(window.devicePixelRatio);
+    this.stage.renderer.setSize(width, height, false);
+    this.aspect = width / Math.max(height, 1);
+    this.draw();
+  }
+
+  frame(now) {
+    const elapsed = Math.min((now - (this.now ?? now)) / 1000, 0.1);
+    this.now = now;
+    if (this.isPlaying) this.advance(elapsed * this.speed);
+    if (this.isDirty) this.draw();
+    requestAnimationFrame((next) => this.frame(next));
+  }
+
+  advance(step) {
+    let time = this.time + step;
+    if (time > this.end) {
+      if (this.isLooping) time = this.start;
+      else this.play(false);
+    }
+    this.seek(time);
+  }
+
+  draw() {
+    this.isDirty = false;
+    const camera = this.cameras.get(this.aspect);
+    this.stage.draw(camera, this.cameras.target);
+    document.documentElement.dataset.state = 'ready';
+  }
+
+  seek(time) {
+    this.time = Math.min(Math.max(time, this.start), this.end);
+    const followed = this.followed?.position;
+    const before = followed?.clone();
+    this.stage.setTime(this.time);
+    if (followed) this.cameras.move(before, followed);
+    element('seek').value = this.time;
+    element('time').textContent = `${this.time.toFixed(2)} / ${this.end.toFixed(2)} s`;
+    const note = this.notes.filter(([at]) => at <= this.time && this.time < at + 2).pop();
+    element('note').textContent = note ? note[1] : '';
+    this.plots.draw(this.time);
+    this.showSelection();
+    this.isDirty = true;
+  }
+
+  /** Goes to the next or the previous recorded time of the first track. */
+  step(direction) {
+    this.play(false);
+    const { times } = this.tracks[0];
+    const index = this.tracks[0].index(this.time);
+    const isBetween = direction < 0 && this.time > times[index] + 1e-9;
+    this.seek(times[Math.min(Math.max(isBetween ? index : index + direction, 0), times.length - 1)]);
+  }
+
+  play(isPlaying) {
+    if (isPlaying && this.time >= this.end) this.seek(this.start);
+    this.isPlaying = isPlaying;
+    press('play', isPlaying);
+    element('play').setAttribute('aria-label', isPlaying ? 'Pause' : 'Play');
+  }
+
+  setSpeed(speed) {
+    this.speed = speed;
+    element('speed').value = speed;
+  }
+
+  loop(isLooping) {
+    this.isLooping = isLooping;
+    press('loop', isLooping);
+  }
+
+  /** Moves the free camera with the selected body, or with the first that moves. */
+  follow(isFollowing) {
+    const frames = this.stage.frames[0];
+    const moving = frames.findIndex((_, frame) => !this.tracks[0].isFixed(frame, this.tracks[0]));
+    const frame = this.selected?.userData.geom.frame || Math.max(moving, 0);
+    this.followed = isFollowing ? frames[frame] : null;
+    press('follow', isFollowing);
+  }
+
+  selectCamera(index) {
+    this.cameras.select(index);
+    element('camera').value = index;
+    this.isDirty = true;
+  }
+
+  pick(event) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const point = new Vector2(((event.clientX - left) / width) * 2 - 1, 1 - ((event.clientY - top) / height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(point, this.cameras.get(this.aspect));
+    this.select(ray.intersectObjects(this.stage.meshes, false)[0]?.object);
+  }
+
+  select(mesh) {
+    if (this.selected) this.selected.material.emissive.copy(this.emissive);
+    this.selected = mesh;
+    if (mesh) {
+      this.emissive = mesh.material.emissive.clone();
+      if (mesh.userData.geom.shape !== 'plane') mesh.material.emissive.addScalar(0.2);
+    }
+    this.showSelection();
+    this.isDirty = true;
+  }
+
+  showSelection() {
+    const box = element('selection');
+    box.hidden = !this.selected;
+    if (!this.selected) return;
+    const { geom, track } = this.selected.userData;
+    const name = geom.frame === 0 ? 'world' : (this.bodies[geom.frame] ?? `body ${geom.frame}`);
+    const { x, y, z } = this.stage.frames[track][geom.frame].position;
+    const label = this.tracks[track].label;
+    const lines = [
+      ['Body', name],
+      [geom.element === 'site' ? 'Site' : 'Geom', geom.name ?? `${geom.shape} without a name`],
+      ['Position', `${x.toFixed(3)}, ${y.toFixed(3)}, ${z.toFixed(3)} m`],
+    ];
+    if (label) lines.push(['Trajectory', label]);
+    box.replaceChildren(...lines.flatMap(([term, text]) => [tag('dt', term), tag('dd', text)]));
+  }
+
+  /** Fills the dialog: trajectories, what is not drawn, precision. */
+  describe() {
+    const { look, steps } = this.data;
+    const labels = this.tracks.map(({ label }) => label).filter(Boolean);
+    element('labels').textContent = labels.length > 0 ? `Trajectories: ${labels.join(', ')}` : '';
+    element('left-out').textContent = look.left_out.length > 0 ? `Not drawn: ${look.left_out.join(', ')}` : '';
+    const millimetres = ((steps.position * Math.sqrt(3)) / 2) * 1000;
+    const degrees = (2 * Math.asin(steps.rotation) * 180) / Math.PI;
+    element('precision').textContent =
+      `Poses are rounded by at most ${millimetres.toPrecision(2)} mm and ${degrees.toPrecision(2)}°, and interpolated between the records.`;
+    element('warning').hidden = look.left_out.length === 0;
+  }
+
+  connect() {
+    const seek = element('seek');
+    Object.assign(seek, { min: this.start, max: this.end });
+    seek.addEventListener('input', () => this.seek(Number(seek.value)));
+    for (const [time, text] of this.notes) {
+      const mark = tag('i', '');
+      mark.title = text;
+      mark.style.left = `${(100 * (time - this.start)) / (this.end - this.start || 1)}%`;
+      element('marks').append(mark);
+    }
+    element('play').addEventListener('click', () => this.play(!this.isPlaying));
+    element('loop').addEventListener('click', () => this.loop(!this.isLooping));
+    element('follow').addEventListener('click', () => this.follow(!this.followed));
+    for (const id of ['help', 'warning']) element(id).addEventListener('click', () => element('about').showModal());
+    options('speed', SPEEDS, (speed) => `${speed}×`, (speed) => speed);
+    element('speed').addEventListener('change', (event) => this.setSpeed(Number(event.target.value)));
+    options('camera', this.cameras.list, ({ name }) => name, (_, index) => index);
+    element('camera').addEventListener('change', (event) => this.selectCamera(Number(event.target.value)));
+    this.setSpeed(1);
+    this.loop(true);
+    let down = null;
+    this.canvas.addEventListener('pointerdown', (event) => (down = [event.clientX, event.clientY]));
+    this.canvas.addEventListener('pointerup', (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.pick(event);
+      down = null;
+    });
+    window.addEventListener('keydown', (event) => this.key(event));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.plots.draw(this.time));
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || element('about').open) return;
+    const isButton = event.target instanceof HTMLButtonElement;
+    if (event.target instanceof HTMLSelectElement || (isButton && [' ', 'Enter'].includes(event.key))) return;
+    const faster = (step) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + step, 0), SPEEDS.length - 1)];
+    const arrow = (direction) => (event.shiftKey ? this.seek(this.time + direction) : this.step(direction));
+    const actions = {
+      ' ': () => this.play(!this.isPlaying),
+      ArrowLeft: () => arrow(-1),
+      ArrowRight: () => arrow(1),
+      ArrowUp: () => this.setSpeed(faster(1)),
+      ArrowDown: () => this.setSpeed(faster(-1)),
+      Home: () => this.seek(this.start),
+      End: () => this.seek(this.end),
+      l: () => this.loop(!this.isLooping),
+      f: () => this.follow(!this.followed),
+      c: () => this.selectCamera((this.cameras.selected + 1) % this.cameras.list.length),
+      Escape: () => this.select(undefined),
+      '?': () => element('about').showModal(),
+    };
+    const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+}
+
+function tag(name, text) {
+  const result = document.createElement(name);
+  result.textContent = text;
+  return result;
+}
+
+function press(id, isPressed) {
+  element(id).setAttribute('aria-pressed', isPressed);
+}
+
+function options(id, items, text, value) {
+  items.forEach((item, index) => element(id).append(new Option(text(item), value(item, index))));
+}
+
+globalThis.replay(Player.create);

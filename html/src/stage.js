@@ -1,0 +1,145 @@
+// The scene of three.js: the geoms of all tracks, lights and sky.
+
+import { AmbientLight, BackSide, BoxGeometry, DirectionalLight, Mesh, Object3D, PCFShadowMap } from 'three';
+import { Scene, ShaderMaterial, SpotLight, Vector3, WebGLRenderer } from 'three';
+import { Shapes } from './geometry.js';
+import { useEngineLighting } from './shading.js';
+import { loadTextures, material, textured } from './surface.js';
+
+/** Opacity of the tracks after the first. */
+const GHOST = 0.3;
+const SHADOWS = 4;
+
+export class Stage {
+  static async create(canvas, { description, binary }, tracks) {
+    const stage = new Stage();
+    stage.look = description.look;
+    stage.tracks = tracks;
+    useEngineLighting(specularRatio(stage.look.lights));
+    stage.renderer = new WebGLRenderer({ canvas, antialias: true });
+    // Colours are not converted.
+    stage.renderer.outputColorSpace = 'srgb-linear';
+    stage.renderer.shadowMap.enabled = true;
+    stage.renderer.shadowMap.type = PCFShadowMap;
+    stage.scene = new Scene();
+    const textures = await loadTextures(binary, stage.look, stage.renderer.capabilities.getMaxAnisotropy());
+    stage.textures = textures;
+    stage.addGeoms(new Shapes(binary, stage.look), description.bodies.length);
+    stage.addLights(description.extent);
+    stage.addSky();
+    return stage;
+  }
+
+  /** Frames of each track, and their geoms, which `userData` describes. */
+  addGeoms(shapes) {
+    const count = this.tracks[0].poses.length / 7;
+    this.frames = this.tracks.map((track) =>
+      Array.from({ length: count }, () => {
+        const frame = new Object3D();
+        this.scene.add(frame);
+        return frame;
+      }),
+    );
+    this.meshes = [];
+    const fixed = Array.from({ length: count }, (_, frame) => this.tracks.every((t) => t.isFixed(frame, this.tracks[0])));
+    for (const geom of this.look.geoms) {
+      const texture = geom.texture === null ? null : this.textures.get(String(geom.texture));
+      const shape = shapes.get(geom);
+      const geometry = texture && !texture.isCubeTexture ? textured(shape, geom.map) : shape;
+      this.frames.forEach((frames, track) => {
+        if (track > 0 && fixed[geom.frame]) return;
+        const mesh = new Mesh(geometry, material(geom, texture, track > 0 ? GHOST : 1));
+        mesh.position.fromArray(geom.pos);
+        mesh.quaternion.set(geom.quat[1], geom.quat[2], geom.quat[3], geom.quat[0]);
+        mesh.castShadow = track === 0 && geom.shape !== 'plane';
+        mesh.receiveShadow = track === 0;
+        mesh.userData = { geom, track };
+        frames[geom.frame].add(mesh);
+        this.meshes.push(mesh);
+      });
+    }
+  }
+
+  addLights(extent) {
+    this.extent = extent;
+    this.lights = [];
+    const ambient = new AmbientLight(0);
+    this.scene.add(ambient);
+    let shadows = 0;
+    for (const light of this.look.lights) {
+      const angle = (Math.min(light.cutoff, 179) * Math.PI) / 180;
+      const object = light.directional
+        ? new DirectionalLight(0, 1)
+        : new SpotLight(0, 1, 0, angle, 0, light.exponent);
+      object.color.setRGB(...light.diffuse);
+      const [r, g, b] = light.ambient;
+      ambient.color.r += r;
+      ambient.color.g += g;
+      ambient.color.b += b;
+      if (light.castshadow && shadows < SHADOWS) {
+        shadows += 1;
+        object.castShadow = true;
+        object.shadow.mapSize.set(2048, 2048);
+        object.shadow.normalBias = 0.005 * extent;
+        const camera = object.shadow.camera;
+        Object.assign(camera, { near: 0.02 * extent, far: 20 * extent });
+        if (light.directional) Object.assign(camera, { left: -extent, right: extent, top: extent, bottom: -extent });
+        camera.updateProjectionMatrix();
+      }
+      this.scene.add(object, object.target);
+      this.lights.push({ light, object });
+    }
+  }
+
+  addSky() {
+    const texture = this.look.sky === null ? null : this.textures.get(String(this.look.sky));
+    if (!texture?.isCubeTexture) return;
+    // The z-axis of the world is the y-axis of the texture.
+    this.sky = new Mesh(
+      new BoxGeometry(1, 1, 1),
+      new ShaderMaterial({
+        uniforms: { sky: { value: texture } },
+        vertexShader: `varying vec3 vDirection;
+          void main() {
+            vDirection = vec3( position.x, position.z, - position.y );
+            gl_Position = projectionMatrix * mat4( mat3( viewMatrix ) ) * vec4( position, 1.0 );
+            gl_Position.z = 0.0; // between the near and the far plane
+          }`,
+        fragmentShader: `varying vec3 vDirection; uniform samplerCube sky;
+          void main() { gl_FragColor = vec4( texture( sky, vDirection ).rgb, 1.0 ); }`,
+        side: BackSide,
+        depthTest: false,
+        depthWrite: false,
+      }),
+    );
+    this.sky.frustumCulled = false;
+    // Before all others. The depth of a surface around the camera is not precise.
+    this.sky.renderOrder = -1;
+    this.scene.add(this.sky);
+  }
+
+  setTime(time) {
+    this.tracks.forEach((track, index) => track.pose(time, this.frames[index]));
+  }
+
+  /** Draws the scene; `center` is the centre of the region with shadows of directional lights. */
+  draw(camera, center) {
+    this.scene.updateMatrixWorld();
+    camera.updateMatrixWorld();
+    for (const { light, object } of this.lights) {
+      const frame = light.frame === null ? camera : this.frames[0][light.frame];
+      const position = new Vector3(...light.pos).applyMatrix4(frame.matrixWorld);
+      const direction = new Vector3(...light.dir).transformDirection(frame.matrixWorld);
+      if (light.directional) position.copy(center).addScaledVector(direction, -10 * this.extent);
+      object.position.copy(position);
+      object.target.position.copy(position).add(direction);
+    }
+    this.renderer.render(this.scene, camera);
+  }
+}
+
+function specularRatio(lights) {
+  const sum = (name) => lights.reduce((total, light) => total + light[name][0] + light[name][1] + light[name][2], 0);
+  const diffuse = sum('diffuse');
+  return diffuse > 0 ? sum('specular') / diffuse : 0;
+}

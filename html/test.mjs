@@ -1,0 +1,220 @@
+// Tests the pages in a folder in Chromium and Firefox, and stores screenshots there:
+// node test.mjs FOLDER [chromium|firefox]
+
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import assert from 'node:assert/strict';
+import { PNG } from 'pngjs';
+import { launch } from 'puppeteer-core';
+
+const BROWSERS = {
+  chromium: {
+    executablePath: '/usr/bin/chromium',
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-prefers-reduced-motion'],
+  },
+  firefox: {
+    browser: 'firefox',
+    // WebGL needs a display: scripts/try-html starts one.
+    headless: false,
+    executablePath: '/usr/bin/firefox-esr',
+    extraPrefsFirefox: { 'webgl.force-enabled': true, 'ui.prefersReducedMotion': 1 },
+  },
+};
+/**
+ * Largest mean difference of the colours of a page and of the renderer, of 255. The other scene has
+ * bright haze, which the page does not draw, and highlights of lights with different colours.
+ */
+const TOLERANCES = { humanoid: 2, shapes: 8 };
+
+const [folder, only] = process.argv.slice(2);
+
+async function open(browser, file, { width, height, scale = 1, touch = false, dark = false, hash = '' }) {
+  const page = await browser.newPage();
+  const problems = [];
+  page.on('console', (message) => ['error', 'warn'].includes(message.type()) && problems.push(message.text()));
+  page.on('pageerror', (error) => problems.push(String(error)));
+  page.on('dialog', (dialog) => problems.push(`a dialog: ${dialog.message()}`));
+  await page.setViewport({ width, height, deviceScaleFactor: scale, hasTouch: touch });
+  if (dark) await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }]);
+  const start = Date.now();
+  await page.goto(pathToFileURL(join(folder, file)).href + hash);
+  await page.waitForFunction(() => document.documentElement.dataset.state, { timeout: 60000 });
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.state), 'ready', problems.join('\n'));
+  return { page, problems, seconds: (Date.now() - start) / 1000 };
+}
+
+const text = (page, selector) => page.$eval(selector, (element) => element.textContent);
+const canvas = async (page) => PNG.sync.read(Buffer.from(await (await page.$('#canvas')).screenshot()));
+const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Mean difference of the colours of two pictures. */
+function difference(a, b) {
+  assert.deepEqual([a.width, a.height], [b.width, b.height]);
+  let sum = 0;
+  for (let i = 0; i < a.data.length; i++) sum += i % 4 < 3 ? Math.abs(a.data[i] - b.data[i]) : 0;
+  return sum / (a.width * a.height * 3);
+}
+
+/** Standard deviation of the colours of a picture. */
+function contrast({ data }) {
+  const values = data.filter((_, i) => i % 4 < 3);
+  const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+  return Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
+}
+
+async function time(page) {
+  return Number.parseFloat(await text(page, '#time'));
+}
+
+async function testControls(browser, name) {
+  const { page, problems, seconds } = await open(browser, 'humanoid.html', { width: 1280, height: 720 });
+  const before = await canvas(page);
+  assert.ok(contrast(before) > 10, 'the picture is not empty');
+  assert.equal(await text(page, '#play'), '');
+  assert.equal(await time(page), 0);
+
+  await page.keyboard.press('ArrowRight');
+  assert.ok((await time(page)) > 0.01, 'an arrow goes to the next record');
+  await page.keyboard.press('Home');
+  assert.equal(await time(page), 0);
+  const seek = await (await page.$('#seek')).boundingBox();
+  await page.mouse.click(seek.x + seek.width / 2, seek.y + seek.height / 2);
+  assert.ok(Math.abs((await time(page)) - 1.5) < 0.1, 'a click on the timeline seeks');
+  await settle(page);
+  assert.ok(difference(before, await canvas(page)) > 1, 'a seek changes the picture');
+  const plot = await (await page.$('#plots canvas')).boundingBox();
+  await page.mouse.click(plot.x + plot.width / 4, plot.y + plot.height / 2);
+  assert.ok(Math.abs((await time(page)) - 0.75) < 0.1, 'a click in a plot seeks');
+  assert.match(await text(page, '#note'), /falls/);
+
+  await page.keyboard.press('Home');
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press(' ');
+  await page.waitForFunction(() => Number.parseFloat(document.getElementById('time').textContent) > 0.2);
+  await page.click('#play');
+  const stopped = await time(page);
+  await settle(page);
+  assert.equal(await time(page), stopped, 'a second press pauses');
+  await page.keyboard.press('End');
+  await page.keyboard.press('l');
+  assert.equal(await page.$eval('#loop', (button) => button.getAttribute('aria-pressed')), 'false');
+  await page.select('#speed', '2');
+
+  await page.keyboard.press('Home');
+  const side = await canvas(page);
+  await page.select('#camera', '0');
+  await settle(page);
+  const free = await canvas(page);
+  assert.ok(difference(side, free) > 1, 'another camera has another picture');
+  const box = await (await page.$('#canvas')).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 150, y + 20, { steps: 4 });
+  await page.mouse.up();
+  await settle(page);
+  assert.ok(difference(free, await canvas(page)) > 1, 'a drag rotates the free camera');
+  await page.mouse.click(x, y);
+  assert.match(await text(page, '#selection'), /Body.+Position/, 'a click selects');
+  await page.screenshot({ path: join(folder, `${name}-selected.png`) });
+  const still = await canvas(page);
+  await page.keyboard.press('f');
+  assert.equal(await page.$eval('#follow', (button) => button.getAttribute('aria-pressed')), 'true');
+  await page.keyboard.press('End');
+  await settle(page);
+  assert.ok(difference(still, await canvas(page)) > 1, 'the free camera follows');
+  await page.keyboard.press('Home');
+  await settle(page);
+  assert.ok(difference(still, await canvas(page)) < 0.1, 'the free camera follows back');
+  await page.keyboard.press('Escape');
+  assert.ok(await page.$eval('#selection', (box) => box.hidden));
+  await page.keyboard.press('?');
+  await page.screenshot({ path: join(folder, `${name}-help.png`) });
+  assert.deepEqual(problems, []);
+  await page.close();
+  return seconds;
+}
+
+/** Compares the picture of a camera with that of the renderer. */
+async function testPicture(browser, name, model) {
+  const expected = PNG.sync.read(readFileSync(join(folder, `${model}.png`)));
+  const { page } = await open(browser, `${model}.html`, { width: 1280, height: 720 });
+  await page.evaluate(() => {
+    for (const id of ['plots', 'note']) document.getElementById(id).style.display = 'none';
+    const view = document.querySelector('main');
+    Object.assign(view.style, { width: '640px', height: '480px' });
+  });
+  await page.waitForFunction(() => document.getElementById('canvas').width === 640);
+  await settle(page);
+  const found = await canvas(page);
+  const value = difference(found, expected);
+  await page.screenshot({ path: join(folder, `${name}-${model}-picture.png`) });
+  assert.ok(value <= TOLERANCES[model], `the picture of ${model} differs by ${value} from the renderer's`);
+  await page.close();
+  return value;
+}
+
+async function testHostile(browser) {
+  const { page, problems } = await open(browser, 'hostile.html', { width: 1280, height: 720 });
+  const box = await (await page.$('#canvas')).boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('?');
+  await settle(page);
+  assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
+  assert.equal(await page.$$eval('img, [onerror], [onfocus]', (found) => found.length), 0);
+  assert.equal(await page.$$eval('script', (found) => found.length), 4, 'the page has only its own scripts');
+  assert.match(await text(page, '#title'), /<script>/, 'names are shown as they are');
+  assert.match(await text(page, '#selection'), /<img src=x/);
+  // The policy stops a script that comes into the page in another way.
+  await page.evaluate(() => {
+    const script = document.createElement('script');
+    script.textContent = 'globalThis.hacked = 2';
+    document.body.append(script);
+  });
+  assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
+  assert.ok(problems.every((problem) => /Content.Security.Policy/i.test(problem)), problems.join('\n'));
+  await page.close();
+}
+
+async function takeScreenshots(browser, name) {
+  const sizes = { laptop: { width: 1280, height: 720 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
+  for (const file of ['humanoid', 'ghosts', 'robot', 'hostile']) {
+    for (const [size, options] of Object.entries(sizes)) {
+      // WebDriver BiDi of Firefox cannot select a colour scheme or a touch screen.
+      const dark = file === 'ghosts' && name === 'chromium';
+      const { page, problems } = await open(browser, `${file}.html`, { ...options, dark, hash: '#t=0.6' });
+      await settle(page);
+      assert.ok(contrast(await canvas(page)) > 5, `${file} has a picture`);
+      const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+      assert.ok(overflow <= 0, `${file} fits into ${options.width} pixels`);
+      await page.screenshot({ path: join(folder, `${name}-${file}-${size}.png`) });
+      if (options.touch && name === 'chromium') {
+        await page.tap('#play');
+        await page.waitForFunction(() => Number.parseFloat(document.getElementById('time').textContent) !== 0.6);
+      }
+      assert.deepEqual(problems, []);
+      await page.close();
+    }
+  }
+}
+
+for (const [name, options] of Object.entries(BROWSERS)) {
+  if (only && only !== name) continue;
+  const browser = await launch({ headless: true, ...options });
+  try {
+    const seconds = await testControls(browser, name);
+    console.log(`${name}: controls, first picture of the humanoid after ${seconds.toFixed(2)} s`);
+    for (const model of Object.keys(TOLERANCES)) {
+      const value = await testPicture(browser, name, model);
+      console.log(`${name}: ${model} differs from the renderer by ${value.toFixed(2)} of 255`);
+    }
+    await testHostile(browser);
+    console.log(`${name}: hostile names run no script`);
+    await takeScreenshots(browser, name);
+    console.log(`${name}: screenshots`);
+  } finally {
+    await browser.close();
+  }
+}

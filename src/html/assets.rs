@@ -1,0 +1,133 @@
+//! Meshes, height fields and textures that the geoms of a page use.
+
+use serde::Serialize;
+
+use super::stream::{Binary, Interval, Part, Prediction};
+use crate::enums::TextureType;
+use crate::error::{Error, Result};
+use crate::id::{HeightFieldId, MeshId, TextureId};
+use crate::model::{Model, TexturePixels};
+
+/// Triangle mesh. The page computes its normals.
+#[derive(Debug, Serialize)]
+pub(super) struct Mesh {
+    /// Intervals of the coordinates x, y and z.
+    intervals: [Interval; 3],
+    /// Coordinates, three channels.
+    vertices: Part,
+    /// Number of vertices.
+    count: usize,
+    /// Indices of the vertices of each triangle, one channel.
+    faces: Part,
+    /// Texture coordinates.
+    texcoords: Option<Texcoords>,
+}
+
+/// Texture coordinates of a mesh.
+#[derive(Debug, Serialize)]
+struct Texcoords {
+    intervals: [Interval; 2],
+    /// Coordinates, two channels.
+    values: Part,
+    /// Number of pairs of coordinates.
+    count: usize,
+    /// Index of the coordinates of each corner, one channel.
+    faces: Part,
+}
+
+impl Mesh {
+    pub(super) fn new(binary: &mut Binary, model: &Model, id: MeshId, is_textured: bool) -> Self {
+        let mesh = model.mesh(id);
+        let (vert, texcoord) = (mesh.vert(), mesh.texcoord());
+        let (intervals, vertices) = points(binary, vert);
+        let faces = indices(binary, mesh.face(), vert.len());
+        let texcoords = (is_textured && !texcoord.is_empty()).then(|| {
+            let (intervals, values) = points(binary, texcoord);
+            let faces = indices(binary, mesh.facetexcoord(), texcoord.len());
+            Texcoords { intervals, values, count: texcoord.len(), faces }
+        });
+        Self { intervals, vertices, count: vert.len(), faces, texcoords }
+    }
+}
+
+/// Appends the coordinates of points, a channel for each axis.
+fn points<const N: usize>(binary: &mut Binary, points: &[[f32; N]]) -> ([Interval; N], Part) {
+    let axis = |axis: usize| points.iter().map(move |point| f64::from(point[axis]));
+    let intervals = std::array::from_fn(|index| Interval::of(axis(index)));
+    let part = binary.part(|binary| {
+        for (index, interval) in intervals.iter().enumerate() {
+            binary.channel(Prediction::Previous, axis(index).map(|value| Interval::number(*interval, value)));
+        }
+    });
+    (intervals, part)
+}
+
+/// Appends the indices of the corners of triangles. An index that is out of range, which only an
+/// edited model can have, becomes 0.
+fn indices(binary: &mut Binary, faces: &[[i32; 3]], count: usize) -> Part {
+    let valid = |&index: &i32| if usize::try_from(index).is_ok_and(|index| index < count) { index.into() } else { 0 };
+    binary.part(|binary| binary.channel(Prediction::Previous, faces.as_flattened().iter().map(valid)))
+}
+
+/// Height field.
+#[derive(Debug, Serialize)]
+pub(super) struct HeightField {
+    rows: usize,
+    columns: usize,
+    /// Half lengths along x and y, the height of elevation 1, the depth of the base, m.
+    size: [f64; 4],
+    interval: Interval,
+    /// Elevations, one channel.
+    elevations: Part,
+}
+
+impl HeightField {
+    pub(super) fn new(binary: &mut Binary, model: &Model, id: HeightFieldId) -> Self {
+        let field = model.height_field(id);
+        let values = || field.data().iter().map(|&value| f64::from(value));
+        let interval = Interval::of(values());
+        let numbers = values().map(|value| interval.number(value));
+        let elevations = binary.part(|binary| binary.channel(Prediction::Previous, numbers));
+        Self { rows: field.nrow(), columns: field.ncol(), size: *field.size(), interval, elevations }
+    }
+}
+
+/// Texture.
+#[derive(Debug, Serialize)]
+pub(super) struct Texture {
+    /// Cube texture: six square images one below the other, or one for all faces.
+    pub(super) cube: bool,
+    /// The pixels are in the sRGB colour space, and are drawn as linear colours.
+    srgb: bool,
+    /// PNG file.
+    png: Part,
+}
+
+impl Texture {
+    /// # Errors
+    ///
+    /// [`Error::Unsupported`] for textures that the engine's renderer draws white, and errors of
+    /// their files.
+    pub(super) fn new(binary: &mut Binary, model: &Model, id: TextureId) -> Result<Self> {
+        let cube = model.texture(id).texture_type() != TextureType::Flat;
+        let TexturePixels { width, height, channels, bytes, is_srgb } = model.texture_pixels(id)?;
+        // The engine reads the pixels of cubes as three channels, and without a colour space.
+        let (used, color) = match channels {
+            4 if !cube => (4, png::ColorType::Rgba),
+            3 | 4 => (3, png::ColorType::Rgb),
+            _ => return Err(Error::Unsupported(format!("a texture with {channels} channels instead of 3 or 4"))),
+        };
+        let is_divisible = !cube || width == height || height == 6 * width;
+        if width == 0 || height == 0 || !is_divisible {
+            return Err(Error::Unsupported(format!("a texture of {width} by {height} pixels")));
+        }
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
+        encoder.set_color(color);
+        encoder.set_compression(png::Compression::High);
+        let written =
+            encoder.write_header().and_then(|mut writer| writer.write_image_data(&bytes[..used * width * height]));
+        written.map_err(|error| Error::Unsupported(format!("a texture that cannot be encoded: {error}")))?;
+        Ok(Self { cube, srgb: is_srgb && !cube, png: binary.raw(&file) })
+    }
+}

@@ -1,0 +1,197 @@
+//! Trajectories as HTML pages: one file with the model, the motion and a player, which opens from
+//! disk, without a network.
+//!
+#![doc = include_str!("picture.html")]
+//!
+//! ```
+//! use mujoco_safe::html::{HtmlOptions, Signal};
+//! use mujoco_safe::{Data, RandomController, Trajectory, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let mut trajectory = Trajectory::new(data.model());
+//! trajectory.record(&mut data, &mut RandomController::new(1), 400)?;
+//!
+//! let path = std::env::temp_dir().join("mujoco_safe_fall.html");
+//! let options = HtmlOptions::default().with_signals([Signal::Qpos("left_knee".into())]);
+//! trajectory.save_html(data.model(), &path, &options)?;
+//! # std::fs::remove_file(path).ok();
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! The page plays, loops and seeks, shows the free camera and those of the model, names what is
+//! clicked, and plots signals. `?` lists its keys. It needs WebGL 2 and `DecompressionStream`,
+//! which Chrome and Edge have since version 80, Safari since 16.4 and Firefox since 113.
+//!
+//! # Contents
+//!
+//! The geoms and sites of the selected groups, with materials, textures, lights with shadows, and
+//! the sky. Poses have a stated error: [`HtmlOptions::position_error`] and
+//! [`HtmlOptions::rotation_error`]. Vertices of meshes and elevations of height fields are rounded
+//! to 1/131,070 of the extent along each axis, and signals to 1/131,070 of their range. Colours are
+//! those of the renderer except at specular highlights: a picture of the humanoid differs by less
+//! than 2 of 255 levels on average. Reflections, fog, haze and the attenuation of lights are not
+//! drawn.
+//!
+//! Skins, flexes, tendons, rangefinders and other decoration are not drawn yet. The page names
+//! what it does not draw, and [`save`] returns the names.
+//!
+//! A trajectory has no positions of mocap bodies and no changes of the model: mocap bodies are
+//! drawn where the model has them.
+//!
+//! # Names and texts
+//!
+//! All names and texts are in the compressed data, and the page inserts them as text. Its content
+//! security policy allows only the page's own program and no connection.
+//!
+//! The player is drawn by [three.js](https://threejs.org) (MIT licence, whose text is in the page's
+//! program). Its sources are in the folder `html/` of the repository.
+
+mod assets;
+mod frame;
+mod look;
+mod motion;
+mod options;
+mod page;
+mod stream;
+mod texture_map;
+mod view;
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use self::look::Look;
+use self::motion::{Motion, Steps, Track};
+pub use self::options::{HtmlOptions, Signal};
+use self::stream::Binary;
+use crate::data::Data;
+use crate::error::{Error, InvalidKind, Result};
+use crate::file;
+use crate::model::IntoModel;
+use crate::trajectory::Trajectory;
+
+/// Description of the data of a page. The binary data follows.
+#[derive(Serialize)]
+struct Description<'d> {
+    title: &'d str,
+    /// Names of the bodies.
+    bodies: Vec<Option<&'d str>>,
+    look: Look,
+    steps: Steps,
+    /// Number of moving frames, of which the bodies are the first.
+    frames: usize,
+    /// Extent of the model, m.
+    extent: f64,
+    tracks: Vec<Track>,
+    notes: &'d [(f64, String)],
+    /// Index of the camera at the start; `None` for the free camera.
+    camera: Option<usize>,
+}
+
+/// Writes trajectories of a model as one HTML page. Returns descriptions of what the page does not
+/// draw.
+///
+/// The page shows the first trajectory in full, with its signals. The others are transparent, and
+/// have the labels of their pairs.
+///
+/// # Errors
+///
+/// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
+/// [`Error::Shape`] or [`Error::Invalid`] for trajectories of another model, without records or
+/// with descending times, and for a signal with another number of values. [`Error::NoSuchName`] for
+/// signals and a camera that the model does not have. [`Error::Invalid`] for precisions and rates
+/// that are not positive. Errors of [`Data::forward`] in the recorded states.
+///
+/// ```
+/// use mujoco_safe::html::{self, HtmlOptions};
+/// use mujoco_safe::{Data, RandomController, Trajectory, sample};
+///
+/// let mut data = Data::new(sample::cartpole())?;
+/// let mut trajectories = Vec::new();
+/// for seed in 0..3 {
+///     data.reset()?;
+///     let mut trajectory = Trajectory::new(data.model());
+///     trajectory.record(&mut data, &mut RandomController::new(seed), 100)?;
+///     trajectories.push((format!("seed {seed}"), trajectory));
+/// }
+/// let path = std::env::temp_dir().join("mujoco_safe_seeds.html");
+/// let shown = trajectories.iter().map(|(label, trajectory)| (label.as_str(), trajectory));
+/// let left_out = html::save(&path, data.model(), shown, &HtmlOptions::default())?;
+/// assert!(left_out.is_empty(), "the page draws everything");
+/// # std::fs::remove_file(path).ok();
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+pub fn save<'t>(
+    path: impl AsRef<Path>,
+    model: impl IntoModel,
+    trajectories: impl IntoIterator<Item = (&'t str, &'t Trajectory)>,
+    options: &HtmlOptions,
+) -> Result<Vec<String>> {
+    let mut data = Data::new(model)?;
+    let model = data.model().clone();
+    let extent = model.statistics().extent;
+    let steps = Steps::new(options, extent)?;
+    let frames = frame::all(&model);
+    let camera = match &options.camera {
+        Some(name) => Some(model.camera(name)?.id().index()),
+        None => None,
+    };
+    let mut binary = Binary::default();
+    let (mut tracks, mut look) = (Vec::new(), None);
+    for (label, trajectory) in trajectories {
+        let signals = if tracks.is_empty() { &options.signals[..] } else { &[] };
+        let mut motion = Motion { data: &mut data, frames: &frames, steps, options };
+        tracks.push(motion.track(&mut binary, label, trajectory, signals)?);
+        if look.is_none() {
+            trajectory.apply(0, &mut data)?;
+            data.forward()?;
+            look = Some(Look::new(&mut binary, &mut data, &frames, options)?);
+        }
+    }
+    let Some(look) = look else {
+        return Err(Error::invalid(
+            InvalidKind::Unsuitable,
+            "the trajectories of a page",
+            "an empty list",
+            "at least one",
+        ));
+    };
+    let left_out: Vec<String> = look.left_out.iter().cloned().collect();
+    for element in &left_out {
+        log::warn!("an HTML page does not draw {element}");
+    }
+    let description = Description {
+        title: &options.title,
+        bodies: model.bodies().map(|body| body.name()).collect(),
+        look,
+        steps,
+        frames: frames.len(),
+        extent,
+        tracks,
+        notes: &options.notes,
+        camera,
+    };
+    let page = page::text(&description, binary.bytes()).map_err(Error::file(path.as_ref()))?;
+    file::replace(path.as_ref(), |out| out.write_all(page.as_bytes()))?;
+    Ok(left_out)
+}
+
+impl Trajectory {
+    /// Writes the records as one HTML page, which plays them in a browser without a network.
+    /// Returns descriptions of what the page does not draw. See the [module](crate::html).
+    ///
+    /// Requires the feature `html`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`html::save`](crate::html::save).
+    pub fn save_html(
+        &self,
+        model: impl IntoModel,
+        path: impl AsRef<Path>,
+        options: &HtmlOptions,
+    ) -> Result<Vec<String>> {
+        save(path, model, [("", self)], options)
+    }
+}

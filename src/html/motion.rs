@@ -1,0 +1,257 @@
+//! Motion of a trajectory: the poses of all frames, and the plotted signals.
+
+use serde::Serialize;
+
+use super::frame::{self, Frame, Pose};
+use super::options::{HtmlOptions, Signal};
+use super::stream::{Binary, Interval, LIMIT, Part, Prediction};
+use crate::data::Data;
+use crate::error::{Error, InvalidKind, Result};
+use crate::trajectory::Trajectory;
+
+/// Resolution of times, s.
+const TIME_STEP: f64 = 1e-6;
+
+/// Steps of the numbers in streams.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Steps {
+    /// Of times, s.
+    time: f64,
+    /// Of coordinates of positions, m.
+    position: f64,
+    /// Of components of quaternions.
+    rotation: f64,
+}
+
+impl Steps {
+    pub(super) fn new(options: &HtmlOptions, extent: f64) -> Result<Self> {
+        let check = |what: &str, error: f64, limit: f64| {
+            if error > 0.0 && error <= limit {
+                return Ok(error);
+            }
+            Err(Error::invalid(InvalidKind::OutOfRange, what, error, format!("above 0 and at most {limit}")))
+        };
+        let default = if extent > 0.0 { extent.min(1.0) * 1e-4 } else { 1e-4 };
+        let position = check("HtmlOptions::position_error", options.position_error.unwrap_or(default), f64::MAX)?;
+        let rotation = check("HtmlOptions::rotation_error", options.rotation_error, 0.1)?;
+        Ok(Self {
+            time: TIME_STEP,
+            // Half a step along each axis.
+            position: position * 2.0 / 3.0_f64.sqrt(),
+            // Half a step in each of four components moves a unit quaternion by at most one step
+            // s, and turns it by an angle of at most asin(s). Its rotation turns by 2 asin(s).
+            rotation: (0.5 * rotation).sin(),
+        })
+    }
+}
+
+/// A trajectory in the page.
+#[derive(Debug, Serialize)]
+pub(super) struct Track {
+    label: String,
+    /// Number of records.
+    count: usize,
+    /// Times, one channel.
+    times: Part,
+    /// Poses: for each frame seven channels, the position and the quaternion.
+    poses: Part,
+    /// Curves, empty for all but the first trajectory.
+    curves: Vec<Curve>,
+}
+
+/// A curve of a plot.
+#[derive(Debug, Serialize)]
+struct Curve {
+    name: String,
+    interval: Interval,
+    /// One channel, in which 0 is a value that is not finite, and 1 the number 0.
+    values: Part,
+}
+
+/// Simulates the poses of a trajectory.
+pub(super) struct Motion<'m> {
+    pub(super) data: &'m mut Data,
+    pub(super) frames: &'m [Frame],
+    pub(super) steps: Steps,
+    pub(super) options: &'m HtmlOptions,
+}
+
+impl Motion<'_> {
+    pub(super) fn track(
+        &mut self,
+        binary: &mut Binary,
+        label: &str,
+        trajectory: &Trajectory,
+        signals: &[Signal],
+    ) -> Result<Track> {
+        let records = records(trajectory.times(), self.options.frames_per_second)?;
+        let mut sources = Vec::new();
+        for signal in signals {
+            source(self.data, trajectory, signal, &mut sources)?;
+        }
+        let mut poses: Vec<Vec<Pose>> = vec![Vec::with_capacity(records.len()); self.frames.len()];
+        let mut values: Vec<Vec<f64>> = vec![Vec::with_capacity(records.len()); sources.len()];
+        for &record in &records {
+            trajectory.apply(record, self.data)?;
+            self.data.forward()?;
+            for (poses, frame) in poses.iter_mut().zip(self.frames) {
+                let before = poses.last().map(|pose: &Pose| pose.quat);
+                poses.push(frame::pose(self.data, *frame).near(before));
+            }
+            for (values, (_, source)) in values.iter_mut().zip(&sources) {
+                values.push(source.value(self.data, trajectory, record));
+            }
+        }
+        let Steps { time, position, rotation } = self.steps;
+        let times = rounded(records.iter().map(|&record| trajectory.times()[record]), time)?;
+        let times = binary.part(|binary| binary.channel(Prediction::Line, times));
+        let mut channels = Vec::with_capacity(7 * self.frames.len());
+        for poses in &poses {
+            for axis in 0..3 {
+                channels.push(rounded(poses.iter().map(|pose| pose.pos[axis]), position)?);
+            }
+            for part in 0..4 {
+                channels.push(rounded(poses.iter().map(|pose| pose.quat[part]), rotation)?);
+            }
+        }
+        let poses = binary.part(|binary| {
+            for channel in channels {
+                binary.channel(Prediction::Line, channel);
+            }
+        });
+        let curves = sources.into_iter().zip(values).map(|((name, _), values)| Curve::new(binary, name, &values));
+        let curves = curves.collect();
+        Ok(Track { label: label.to_owned(), count: records.len(), times, poses, curves })
+    }
+}
+
+/// Returns the multiples of a step that are nearest to values.
+fn rounded(values: impl Iterator<Item = f64>, step: f64) -> Result<Vec<i64>> {
+    let number = |value: f64| {
+        let number = (value / step).round();
+        // NaN is no number.
+        if number.abs() <= LIMIT {
+            return Ok(number as i64);
+        }
+        let expected = format!("within {:e} for this precision", LIMIT * step);
+        Err(Error::invalid(InvalidKind::OutOfRange, "a time or a coordinate in a page", value, expected))
+    };
+    values.map(number).collect()
+}
+
+/// Returns the first record in each period of the frame rate, and the last record.
+fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize>> {
+    if frames_per_second.is_nan() || frames_per_second <= 0.0 {
+        let what = "HtmlOptions::frames_per_second";
+        return Err(Error::invalid(InvalidKind::OutOfRange, what, frames_per_second, "above 0"));
+    }
+    let Some(&start) = times.first() else {
+        return Err(Error::invalid(
+            InvalidKind::Unsuitable,
+            "a trajectory in a page",
+            "empty",
+            "of at least one record",
+        ));
+    };
+    let descends = |&record: &usize| times[record].is_nan() || times[record] < times[record - 1];
+    if let Some(record) = (1..times.len()).find(descends) {
+        let (what, value) = (format!("the time of record {record} in a page"), times[record]);
+        return Err(Error::invalid(InvalidKind::OutOfRange, what, value, "at least the time before it"));
+    }
+    // Times are sums of steps: a tolerance, so that rounding does not delay a frame.
+    let period = |time: f64| ((time - start) * frames_per_second + 1e-6).floor();
+    let mut due = f64::NEG_INFINITY;
+    let mut records: Vec<usize> = (0..times.len())
+        .filter(|&record| {
+            let period = period(times[record]);
+            // The product with an infinite rate is infinite or NaN.
+            let is_due = !period.is_finite() || period > due;
+            due = if is_due { period } else { due };
+            is_due
+        })
+        .collect();
+    if records.last() != Some(&(times.len() - 1)) {
+        records.push(times.len() - 1);
+    }
+    Ok(records)
+}
+
+/// Source of a value in each record.
+#[derive(Debug)]
+enum Source<'s> {
+    Qpos(usize),
+    Qvel(usize),
+    Ctrl(usize),
+    Reading(usize),
+    Value(&'s [f64]),
+}
+
+impl Source<'_> {
+    fn value(&self, data: &Data, trajectory: &Trajectory, record: usize) -> f64 {
+        match *self {
+            Self::Qpos(index) => data.qpos()[index],
+            Self::Qvel(index) => data.qvel()[index],
+            Self::Ctrl(index) => data.ctrl()[index],
+            Self::Reading(index) => {
+                *trajectory.sensordata(record).get(index).unwrap_or_else(|| &data.sensordata()[index])
+            }
+            Self::Value(values) => values[record],
+        }
+    }
+}
+
+/// Appends the names and sources of the curves of a signal.
+fn source<'s>(
+    data: &Data,
+    trajectory: &Trajectory,
+    signal: &'s Signal,
+    sources: &mut Vec<(String, Source<'s>)>,
+) -> Result<()> {
+    let model = data.model();
+    let (name, range, source): (_, _, fn(usize) -> Source<'s>) = match signal {
+        Signal::Qpos(name) => (format!("qpos of {name}"), model.joint(name)?.qpos_range(), Source::Qpos),
+        Signal::Qvel(name) => (format!("qvel of {name}"), model.joint(name)?.dofs(), Source::Qvel),
+        Signal::Sensor(name) => (name.clone(), model.sensor(name)?.data_range(), Source::Reading),
+        Signal::Ctrl(name) => {
+            let index = model.actuator(name)?.id().index();
+            (format!("ctrl of {name}"), index..index + 1, Source::Ctrl)
+        }
+        Signal::Values { name, values } => {
+            Error::check_length("the values of a signal in a page", values.len(), trajectory.len())?;
+            sources.push((name.clone(), Source::Value(values)));
+            return Ok(());
+        }
+    };
+    let count = range.len();
+    sources.extend(range.enumerate().map(|(number, index)| {
+        let name = if count == 1 { name.clone() } else { format!("{name} [{number}]") };
+        (name, source(index))
+    }));
+    Ok(())
+}
+
+impl Curve {
+    fn new(binary: &mut Binary, name: String, values: &[f64]) -> Self {
+        let interval = Interval::of(values.iter().copied());
+        let number = |&value: &f64| if value.is_finite() { 1 + interval.number(value) } else { 0 };
+        let values = binary.part(|binary| binary.channel(Prediction::Line, values.iter().map(number)));
+        Self { name, interval, values }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::records;
+
+    #[test]
+    fn frames_are_the_first_records_of_their_periods_and_the_last_record() {
+        let times: Vec<f64> = (0..12).map(|step| 0.3 + 0.01 * f64::from(step)).collect();
+        assert_eq!(records(&times, 50.0).unwrap(), [0, 2, 4, 6, 8, 10, 11]);
+        assert_eq!(records(&times, 30.0).unwrap(), [0, 4, 7, 10, 11]);
+        assert_eq!(records(&times, f64::INFINITY).unwrap().len(), 12);
+        assert_eq!(records(&[2.0, 2.0], 60.0).unwrap(), [0, 1]);
+        for (times, rate) in [(&[][..], 60.0), (&[0.0, -1.0], 60.0), (&[0.0, f64::NAN], 60.0), (&[0.0], f64::NAN)] {
+            assert!(records(times, rate).is_err(), "{times:?} {rate}");
+        }
+    }
+}

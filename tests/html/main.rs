@@ -1,0 +1,11 @@
+//! HTML pages of trajectories: contents, precision, sizes and safety. `scripts/try-html` tests them
+//! in browsers.
+
+#![cfg(feature = "html")]
+
+mod contents;
+mod page;
+mod pages_for_browsers;
+mod poses;
+mod sizes;
+mod texts;
