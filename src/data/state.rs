@@ -58,7 +58,8 @@ bitflags! {
         /// bit. (A state does not contain which bodies sleep: all are awake in a simulation that is
         /// set to it. Neither does it contain which equalities are active, since engine 3.0, nor
         /// the `act_dot` with which earlier engines advance activations while actuation is
-        /// disabled.)
+        /// disabled, nor the readings that engines since 3.5 put into the buffers of delays while
+        /// sensors are disabled.)
         const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
     }
 }

@@ -44,18 +44,35 @@ impl Call {
     }
 }
 
-/// Returns the number of values: of the state, and of what else a step reads. These are since 3.0
-/// the active equalities, and before 3.0 the derivatives of the activations, with which a step
-/// advances the activations while actuation is disabled.
+/// Results of earlier calls that a step reads. Before 3.0, it advances the activations with their
+/// last derivatives while actuation is disabled. Since 3.5, it puts the last readings into the
+/// buffers of delays while sensors are disabled.
+macro_rules! earlier_results {
+    ($data:expr, $act_dot:ident, $sensordata:ident) => {
+        match $data.model() {
+            _ if cfg!(not(engine_since = "3.0.0")) => $data.$act_dot(),
+            model if model.history_len() > 0 => $data.$sensordata(),
+            _ => Default::default(),
+        }
+    };
+}
+
+/// Returns the number of values: of the state, of [`earlier_results`], and of the equalities, which
+/// can be active or not since 3.0.
 pub(super) fn count(model: &Model) -> usize {
-    let others = if cfg!(engine_since = "3.0.0") { model.neq() } else { model.na() };
+    let others = match model {
+        _ if cfg!(not(engine_since = "3.0.0")) => model.na(),
+        _ if model.history_len() > 0 => model.nsensordata() + model.neq(),
+        _ => model.neq(),
+    };
     model.state_size(StateSpec::INTEGRATION) + others
 }
 
-/// Bound of the number of [`parts`] with one word: the components of a state, and the last part.
+/// Bound of the number of [`parts`] with one word: the components of a state, earlier results, and
+/// the last block of equalities.
 pub(super) const SHORT_PARTS: usize = 16;
 
-const _: () = assert!(StateSpec::all().bits().count_ones() < SHORT_PARTS as u32);
+const _: () = assert!(StateSpec::all().bits().count_ones() + 2 <= SHORT_PARTS as u32);
 
 /// Calls `each` with the place of the first value, and the values, of each part of all values.
 #[inline]
@@ -65,8 +82,10 @@ pub(super) fn parts(data: &Data, mut each: impl FnMut(usize, &[f64])) {
         each(place, values);
         place += values.len();
     });
-    #[cfg(not(engine_since = "3.0.0"))]
-    each(place, data.act_dot());
+    let earlier = earlier_results!(data, act_dot, sensordata);
+    each(place, earlier);
+    #[cfg(engine_since = "3.0.0")]
+    let mut place = place + earlier.len();
     #[cfg(engine_since = "3.0.0")]
     for active in data.active_equalities().chunks(BLOCK) {
         let mut values = [0.0; BLOCK];
@@ -102,8 +121,7 @@ pub(super) fn read_results(data: &Data, has_closures: bool, values: &mut Vec<f64
         rest = after;
     };
     data.for_each_part(StateSpec::INTEGRATION, |part, results| add(!StateSpec::USER.contains(part), results));
-    #[cfg(not(engine_since = "3.0.0"))]
-    add(true, data.act_dot());
+    add(true, earlier_results!(data, act_dot, sensordata));
     checksum.finish()
 }
 
@@ -111,9 +129,10 @@ pub(super) fn read_results(data: &Data, has_closures: bool, values: &mut Vec<f64
 pub(super) fn write(data: &mut Data, values: &[f64]) -> Result<()> {
     let (state, others) = values.split_at(data.model().state_size(StateSpec::INTEGRATION));
     data.set_state(StateSpec::INTEGRATION, state)?;
+    let earlier: &mut [f64] = earlier_results!(data, act_dot_mut, sensordata_mut);
+    let (results, _equalities) = others.split_at(earlier.len());
+    earlier.copy_from_slice(results);
     #[cfg(engine_since = "3.0.0")]
-    data.set_active_equalities(others.iter().map(|&value| value != 0.0));
-    #[cfg(not(engine_since = "3.0.0"))]
-    data.act_dot_mut().copy_from_slice(others);
+    data.set_active_equalities(_equalities.iter().map(|&value| value != 0.0));
     Ok(())
 }

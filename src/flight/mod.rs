@@ -40,12 +40,13 @@
 //! time, the start of the solver, controls, applied forces, mocap poses, user data, states of
 //! plugins and delays. Since engine 3.0 it also depends on which equality constraints are active.
 //! Before 3.0, a step with disabled actuation advances activations with the
-//! [`act_dot`](crate::Data::act_dot) of an earlier call. Before each call the recorder compares
-//! these values with those that the previous call left, and stores the words that differ. So it
-//! records writes by the program, resets, keyframes, jumps to other states and calls that it did
-//! not make, without a hook in each method. It stores the model again if it was edited, and a
-//! checksum of the results of each call: of the values that only the engine changes, or of all
-//! values if closures act in the simulation.
+//! [`act_dot`](crate::Data::act_dot) of an earlier call; since 3.5, a step with disabled sensors
+//! puts earlier readings into the buffers of delays. Before each call the recorder compares these
+//! values with those that the previous call left, and stores the words that differ. So it records
+//! writes by the program, resets, keyframes, jumps to other states and calls that it did not make,
+//! without a hook in each method. It stores the model again if it was edited, and a checksum of the
+//! results of each call: of the values that only the engine changes, or of all values if closures
+//! act in the simulation.
 //!
 //! The calls and their inputs are in a ring of [bytes](FlightRecorder::with_memory), allocated at
 //! the start. It consists of segments, of which each begins with all values, so the oldest can be
