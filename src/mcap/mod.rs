@@ -164,7 +164,7 @@ impl Log {
         let (qpos, qvel) = &self.before;
         let state = is_displayed.then_some((&qpos[..], &qvel[..]));
         let written = Self::write_results(&mut self.channels, time, state, data);
-        written.map_err(Error::file(&self.path))
+        written.map_err(|error| Error::file(&self.path)(error))
     }
 
     /// Writes the present state and controls. Also writes the sensors, poses and contacts if they
@@ -200,7 +200,7 @@ impl Log {
         }
         let state = is_displayed.then_some((data.qpos(), data.qvel()));
         let written = Self::write_results(&mut self.channels, data.time(), state, data);
-        written.map_err(Error::file(&self.path))
+        written.map_err(|error| Error::file(&self.path)(error))
     }
 
     /// Writes the end of the file.
@@ -230,7 +230,7 @@ impl Log {
             }
             self.channels.write_state(time, [data.qpos(), data.qvel(), data.act(), data.ctrl()])
         };
-        write().map_err(Error::file(&self.path))?;
+        write().map_err(|error| Error::file(&self.path)(error))?;
         Ok(self.clock.is_due(time))
     }
 

@@ -1,4 +1,4 @@
-//! A log allocates for chunks of the file, not for steps.
+//! The steps of a log do not allocate.
 #![forbid(unsafe_code)]
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -10,14 +10,14 @@ use crate::allocator::allocations;
 use crate::lock_process;
 
 #[test]
-fn a_log_allocates_for_chunks_only() {
+fn a_step_of_a_log_does_not_allocate() {
     let _lock = lock_process();
     let folder = tempfile::tempdir().unwrap();
     let mut data = squatting();
     let mut log = Log::create(folder.path().join("t.mcap"), data.model()).unwrap().with_display_rate(0.0);
     let mut steps = |data: &mut Data| (0..1000).for_each(|_| log.step(data).unwrap());
     steps(&mut data);
-    // The thread that writes allocates for each of three or four chunks, whose indices grow.
+    // The standard library can allocate when a step waits for the thread that writes.
     let (number, ()) = allocations(|| steps(&mut data));
-    assert!(number < 200, "{number} allocations in 1000 steps");
+    assert!(number < 10, "{number} allocations in 1000 steps");
 }
