@@ -53,7 +53,7 @@ pub fn large_robot() -> Model {
         let tone = part as f64 / PARTS as f64;
         write!(
             bodies,
-            "<body name='link{part}' pos='{} 0 .2'><joint axis='{} {} 0' damping='.05' armature='.02'/>
+            "<body name='link{part}' pos='{} 0 .2'><joint axis='{} {} 0' damping='1' armature='.1'/>
              <geom type='mesh' mesh='part{part}' contype='0' conaffinity='0' rgba='{tone:.2} .5 {:.2} 1'/>",
             if part == 0 { 0.0 } else { 0.02 },
             part % 2,
