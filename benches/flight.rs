@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::models::Episode;
+use common::episode::Episode;
 use mujoco_safe::flight::FlightRecorder;
 use mujoco_safe::{Data, Result, sample};
 

@@ -8,7 +8,7 @@
 
 mod common;
 
-use common::models::Episode;
+use common::episode::Episode;
 use mujoco_safe::mcap::Log;
 use mujoco_safe::{Data, Result, sample};
 

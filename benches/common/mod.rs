@@ -14,6 +14,7 @@
 
 #![allow(dead_code, reason = "each benchmark uses a part of it")]
 
+pub(crate) mod episode;
 pub(crate) mod models;
 
 use std::hint::black_box;

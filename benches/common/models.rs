@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use mujoco_safe::{
-    Controller, Data, Differences, Lqr, LqrWeights, Matrix, RandomController, Result, StateSpace, StateSpec, sample,
-};
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Result, StateSpace, sample};
 use nalgebra::{DMatrix, DVector};
 
 /// Simulation at a set-point, including controls, with the cost weights of deviations.
@@ -84,38 +82,4 @@ impl Balance {
 pub(crate) fn many_humanoids() -> Option<&'static Path> {
     let path = Path::new("/usr/share/mujoco/model/humanoid/22_humanoids.xml");
     path.exists().then_some(path)
-}
-
-/// Simulation of the standing humanoid from one state under the same random controls, with an
-/// observer of its steps.
-pub(crate) struct Episode<O> {
-    data: Data,
-    observer: O,
-    start: Vec<f64>,
-    controls: Vec<Vec<f64>>,
-}
-
-impl<O> Episode<O> {
-    /// Prepares this number of steps.
-    pub(crate) fn new(mut data: Data, steps: u32, observer: impl FnOnce(&Data) -> Result<O>) -> Result<Self> {
-        data.reset_to_key("stand")?;
-        let start = data.state(StateSpec::INTEGRATION);
-        let mut random = RandomController::new(1);
-        let mut control = || {
-            random.control(&mut data)?;
-            Ok(data.ctrl().iter().map(|ctrl| 0.1 * ctrl).collect())
-        };
-        let controls = (0..steps).map(|_| control()).collect::<Result<_>>()?;
-        let observer = observer(&data)?;
-        Ok(Self { data, observer, start, controls })
-    }
-
-    pub(crate) fn run(&mut self, step: impl Fn(&mut O, &mut Data) -> Result<()>) {
-        let Self { data, observer, start, controls } = self;
-        data.set_state(StateSpec::INTEGRATION, start).expect("the state has the right length");
-        for controls in controls {
-            data.ctrl_mut().copy_from_slice(controls);
-            step(observer, data).expect("the simulation is stable");
-        }
-    }
 }
