@@ -134,8 +134,12 @@ pub mod guide;
 #[doc(alias = "replay")]
 pub mod html;
 pub mod id;
+#[doc(alias("system identification", "sysid", "parameter estimation", "calibration"))]
+pub mod identification;
 pub mod kind;
 mod layout;
+#[doc(alias("levenberg-marquardt", "gauss-newton", "curve fit", "minimize"))]
+pub mod least_squares;
 mod macros;
 pub mod math;
 pub mod matrix;

@@ -50,6 +50,7 @@ pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve_outcomes};
 pub use self::workers::Workers;
 pub(crate) use self::workers::restart;
+pub(crate) use self::workers::restore;
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Outcome, Result};

@@ -87,7 +87,7 @@ impl fmt::Debug for Workers {
 }
 
 /// Undoes all edits. Copies only the parts of the model that an edit can change.
-pub(super) fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
+pub(crate) fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
     model.restore_arrays(pristine);
     model.forget_loose_bounds();
     let (to, from) = (model.raw_mut(), pristine.raw());

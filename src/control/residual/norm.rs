@@ -78,6 +78,12 @@ impl Norm {
         }
     }
 
+    /// Returns the factor `ρ′(r)/r` of the squares whose slope is that of the norm, for iteratively
+    /// reweighted least squares.
+    pub(crate) fn weight(self, residual: f64) -> f64 {
+        if residual == 0.0 { self.curvature(0.0) } else { self.slope(residual) / residual }
+    }
+
     /// Returns the width, if the norm has one.
     pub(super) fn width(self) -> Option<f64> {
         match self {

@@ -183,8 +183,19 @@ impl Parameter {
         }
     }
 
+    /// Returns the least and the largest valid value.
+    pub(crate) fn bounds(self) -> [f64; 2] {
+        match self.valid() {
+            Valid::Finite => [f64::NEG_INFINITY, f64::INFINITY],
+            Valid::Single => [-f64::from(f32::MAX), f64::from(f32::MAX)],
+            Valid::NotNegative => [0.0, f64::INFINITY],
+            Valid::Positive => [f64::MIN_POSITIVE, f64::INFINITY],
+            Valid::Factor => [1e-6, 1e6],
+        }
+    }
+
     /// Returns `true` if other quantities of the model are derived from this one.
-    pub(super) fn has_derived_constants(self) -> bool {
+    pub(crate) fn has_derived_constants(self) -> bool {
         match self {
             Self::MassFactor(_)
             | Self::CentreOfMass(..)
@@ -222,7 +233,7 @@ impl Parameter {
     /// # Panics
     ///
     /// If the element belongs to another model.
-    pub(super) fn name(self, model: &Model) -> Result<String> {
+    pub(crate) fn name(self, model: &Model) -> Result<String> {
         if let Self::Field(FieldNumber { array, row, column, lineage, .. }) = self {
             assert!(lineage == model.lineage(), "the parameter {array}[{row}] belongs to another model");
             return Ok(model.find_number(array, row, column)?.described(model, row, column));
@@ -296,7 +307,7 @@ impl Parameter {
     }
 
     /// Returns the value in the model of the batch.
-    pub(super) fn nominal(self, model: &Model) -> f64 {
+    pub(crate) fn nominal(self, model: &Model) -> f64 {
         match self {
             Self::Gravity(axis) => model.options().gravity[axis],
             Self::MassFactor(_) => 1.0,
@@ -315,7 +326,7 @@ impl Parameter {
     }
 
     /// Writes a valid value to a copy of the model of the batch.
-    pub(super) fn write(self, value: f64, model: &Model, copy: &mut ModelMut<'_>) -> Result<()> {
+    pub(crate) fn write(self, value: f64, model: &Model, copy: &mut ModelMut<'_>) -> Result<()> {
         match self {
             Self::Gravity(axis) => copy.edit_options(|options| options.gravity[axis] = value)?,
             Self::MassFactor(body) => {

@@ -1,0 +1,128 @@
+//! The steps, segments and samples of an experiment.
+
+use super::experiment::Source;
+use super::unknown::{Kind, Unknown};
+use super::{Experiment, Measurement};
+use crate::error::{Error, InvalidKind, Result};
+
+/// Difference of times that counts as rounding, relative to a time step.
+const SAME: f64 = 1e-6;
+
+/// Experiment with the layout of its simulation.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) experiment: Experiment,
+    /// Steps at which segments start, and the number of all steps.
+    pub(super) nodes: Vec<usize>,
+    /// Coordinates of the state at the start that are identified.
+    pub(super) free: Vec<usize>,
+    pub(super) channels: Vec<Channel>,
+    /// Number of values of a simulated reading of all measurements.
+    pub(super) width: usize,
+}
+
+/// Layout of a measurement.
+#[derive(Debug)]
+pub(super) struct Channel {
+    /// Place of its first value in a simulated reading.
+    pub(super) first: usize,
+    pub(super) width: usize,
+    /// Samples that the simulation reaches with all delays between the bounds.
+    pub(super) samples: std::ops::Range<usize>,
+    /// Unknowns that correct the measurement.
+    pub(super) delay: Option<usize>,
+    pub(super) gain: Option<usize>,
+    pub(super) bias: Option<usize>,
+}
+
+impl Plan {
+    pub(super) fn new(experiment: Experiment, unknowns: &[Unknown]) -> Result<Self> {
+        experiment.check()?;
+        let h = experiment.model.timestep();
+        let start = experiment.start_time;
+        let mut channels = Vec::new();
+        let (mut width, mut end) = (0, start);
+        for measurement in &experiment.measurements {
+            let [delay, gain, bias] = corrections(measurement, unknowns);
+            let [least, largest] = match delay {
+                Some(index) => [unknowns[index].lower, unknowns[index].upper],
+                None => [measurement.delay; 2],
+            };
+            let times = measurement.signal.times();
+            let first = times.partition_point(|time| time - largest < start - SAME * h);
+            if first == times.len() {
+                return Err(Error::invalid(
+                    InvalidKind::OutOfRange,
+                    format!("the last reading of {} in {}", measurement.name, experiment.name),
+                    format!("at {} s", times[times.len() - 1]),
+                    format!("at least {largest} s, the largest delay, after the start at {start} s"),
+                ));
+            }
+            end = end.max(times[times.len() - 1] - least);
+            let count = measurement.signal.width();
+            channels.push(Channel { first: width, width: count, samples: first..times.len(), delay, gain, bias });
+            width += count;
+        }
+        let steps = ((end - start) / h - SAME).ceil().max(1.0);
+        if steps > 1e9 {
+            let what = format!("the number of steps of the experiment {}", experiment.name);
+            return Err(Error::out_of_range(what, steps, "at most 1e9"));
+        }
+        let steps = steps as usize;
+        let length = (experiment.segment / h).round().clamp(1.0, steps as f64) as usize;
+        // A short rest belongs to the segment before it.
+        let mut nodes: Vec<usize> = (0..steps).step_by(length).filter(|node| steps - node > length / 2).collect();
+        if nodes.is_empty() {
+            nodes.push(0);
+        }
+        nodes.push(steps);
+        let free = (0..experiment.uncertainty.len()).filter(|&index| experiment.uncertainty[index] > 0.0).collect();
+        Ok(Self { experiment, nodes, free, channels, width })
+    }
+
+    pub(super) fn segments(&self) -> usize {
+        self.nodes.len() - 1
+    }
+
+    /// Returns the number of steps of a segment.
+    pub(super) fn steps(&self, segment: usize) -> usize {
+        self.nodes[segment + 1] - self.nodes[segment]
+    }
+
+    /// Returns the number of coordinates of the state at the start of a segment.
+    pub(super) fn state_columns(&self, segment: usize) -> usize {
+        if segment == 0 { self.free.len() } else { self.experiment.uncertainty.len() }
+    }
+
+    /// Returns the time of a step.
+    pub(super) fn time(&self, step: usize) -> f64 {
+        self.experiment.start_time + step as f64 * self.experiment.model.timestep()
+    }
+
+    /// Returns the samples of a measurement, with this delay, that belong to a segment.
+    pub(super) fn samples(&self, segment: usize, channel: usize, delay: f64) -> std::ops::Range<usize> {
+        let samples = self.channels[channel].samples.clone();
+        let times = &self.experiment.measurements[channel].signal.times()[samples.clone()];
+        let before = |step: usize| samples.start + times.partition_point(|time| time - delay < self.time(step));
+        let first = if segment == 0 { samples.start } else { before(self.nodes[segment]) };
+        let last = if segment + 1 == self.segments() { samples.end } else { before(self.nodes[segment + 1]) };
+        first..last
+    }
+
+    /// Returns `true` if a measurement needs the results of [`forward`](crate::Data::forward).
+    pub(super) fn needs_forward(&self) -> bool {
+        self.experiment.measurements.iter().any(|measurement| matches!(measurement.source, Source::Read(_)))
+    }
+}
+
+/// Returns the unknown delay, gain and bias of a measurement.
+fn corrections(measurement: &Measurement, unknowns: &[Unknown]) -> [Option<usize>; 3] {
+    let find = |is_it: fn(&Kind) -> Option<&String>| {
+        unknowns.iter().position(|unknown| is_it(&unknown.kind).is_some_and(|name| *name == measurement.name))
+    };
+    [
+        find(|kind| if let Kind::Delay(name) = kind { Some(name) } else { None }),
+        find(|kind| if let Kind::Gain(name) = kind { Some(name) } else { None }),
+        find(|kind| if let Kind::Bias(name) = kind { Some(name) } else { None }),
+    ]
+}

@@ -1,0 +1,406 @@
+//! Multiple shooting as a least squares problem.
+//!
+//! The coordinates of a step are the unknowns. The states at the starts of segments, and the
+//! uncertain coordinates of the first states, are eliminated ([`Chain`]). The cost has a penalty
+//! for the gaps between the end of a segment and the start of the next one, whose weight grows
+//! until they are negligible. States that are variables of their own keep the problem
+//! well-conditioned for unstable motions, where a method that eliminates them forwards in time
+//! (condensing) would not.
+
+use nalgebra::DMatrix;
+
+use super::chain::Chain;
+use super::measurement_error::{MeasurementError, errors_of};
+use super::plan::Plan;
+use super::segment::{self, Quadratic};
+use super::simulate::{Column, Simulated, Values, Worker};
+use super::states::{difference, first_errors, first_state, move_state};
+use super::unknown::Unknown;
+use crate::error::Result;
+use crate::least_squares::{Problem, damp};
+use crate::matrix::Matrix;
+use crate::parallel::for_each_item;
+
+/// Number of simulated columns that are kept at a time, for each thread.
+const COLUMNS_PER_THREAD: usize = 64;
+
+/// Point of the search, and the model of the cost there.
+pub(super) struct Shooting<'p> {
+    pub(super) unknowns: &'p [Unknown],
+    pub(super) plans: Vec<Plan>,
+    workers: Vec<Worker>,
+    version: u64,
+    pub(super) present: Point,
+    candidate: Point,
+    /// States of each experiment, and the unknowns with the gradient: `(n + 1, n + 1)`.
+    chains: Vec<Chain>,
+    total: DMatrix<f64>,
+    /// Weight of the gaps relative to that of the readings.
+    penalty: f64,
+    /// Weights of the coordinates of each gap, by the node before it. Empty before the first
+    /// linearisation with a penalty.
+    weights: Vec<Vec<f64>>,
+    pub(super) residuals: Residuals,
+}
+
+/// Unknowns, and physics states at the starts of all segments of all experiments.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) coordinates: Vec<f64>,
+    pub(super) nodes: Vec<Vec<f64>>,
+}
+
+/// Residuals at the last linearisation.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Residuals {
+    pub(super) count: usize,
+    /// Sum of squares in units of the standard deviations.
+    pub(super) squares: f64,
+    /// Largest gap between two segments.
+    pub(super) gap: f64,
+}
+
+/// Segment of an experiment. The node is its index among those of all experiments.
+#[derive(Clone, Copy)]
+struct Place {
+    plan: usize,
+    segment: usize,
+    node: usize,
+}
+
+/// Simulation of one column of a segment.
+struct Job {
+    place: Place,
+    column: Column,
+    result: Simulated,
+    is_stable: bool,
+}
+
+impl Job {
+    fn new(place: Place, column: Column) -> Self {
+        Self { place, column, result: Simulated::default(), is_stable: false }
+    }
+}
+
+impl<'p> Shooting<'p> {
+    pub(super) fn new(unknowns: &'p [Unknown], plans: Vec<Plan>) -> Result<Self> {
+        let mut nodes = Vec::new();
+        for plan in &plans {
+            for segment in 0..plan.segments() {
+                nodes.push(first_state(plan, segment)?);
+            }
+        }
+        let coordinates = unknowns.iter().map(|unknown| unknown.coordinate(unknown.first)).collect();
+        let present = Point { coordinates, nodes };
+        let n = unknowns.len();
+        Ok(Self {
+            unknowns,
+            plans,
+            workers: (0..rayon::current_num_threads()).map(|_| Worker::default()).collect(),
+            version: 0,
+            candidate: present.clone(),
+            present,
+            chains: Vec::new(),
+            total: DMatrix::zeros(n + 1, n + 1),
+            penalty: 1.0,
+            weights: Vec::new(),
+            residuals: Residuals::default(),
+        })
+    }
+
+    /// Sets the weight of the gaps relative to that of the readings.
+    pub(super) fn set_penalty(&mut self, penalty: f64) {
+        self.penalty = penalty;
+        self.weights.clear();
+    }
+
+    /// Returns `true` if an experiment has several segments.
+    pub(super) fn has_gaps(&self) -> bool {
+        self.plans.iter().any(|plan| plan.segments() > 1)
+    }
+
+    fn places(&self) -> Vec<Place> {
+        let all = self.plans.iter().enumerate();
+        let all = all.flat_map(|(index, plan)| (0..plan.segments()).map(move |segment| (index, segment)));
+        all.enumerate().map(|(node, (plan, segment))| Place { plan, segment, node }).collect()
+    }
+
+    fn is_last(&self, place: Place) -> bool {
+        place.segment + 1 == self.plans[place.plan].segments()
+    }
+
+    /// Returns the columns of a segment that need a simulation: first none, then those of the
+    /// state.
+    fn columns(&self, place: Place) -> impl Iterator<Item = Column> {
+        let plan = &self.plans[place.plan];
+        let states: Vec<usize> = match place.segment {
+            0 => plan.free.clone(),
+            _ => (0..plan.state_columns(1)).collect(),
+        };
+        let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
+        [Column::Nothing].into_iter().chain(states.into_iter().map(Column::State)).chain(unknowns.map(Column::Unknown))
+    }
+
+    /// Simulates jobs from a point. Returns `false` if one of them becomes unstable.
+    fn run(&mut self, jobs: &mut [Job], is_candidate: bool) -> Result<bool> {
+        let Self { unknowns, plans, workers, present, candidate, version, .. } = self;
+        let point = if is_candidate { candidate } else { present };
+        let values = Values { unknowns, coordinates: &point.coordinates, version: *version };
+        for_each_item(workers, jobs, |worker, _, job| {
+            let Job { place: Place { plan, segment, node }, column, result, .. } = job;
+            let state = &point.nodes[*node];
+            job.is_stable = worker.simulate(&plans[*plan], *segment, state, *column, &values, result)?;
+            Ok(())
+        })?;
+        Ok(jobs.iter().all(|job| job.is_stable))
+    }
+
+    /// Simulates all segments from a point.
+    fn run_all(&mut self, is_candidate: bool) -> Result<(Vec<Job>, bool)> {
+        self.version += 1;
+        let mut jobs: Vec<Job> = self.places().iter().map(|&place| Job::new(place, Column::Nothing)).collect();
+        let is_stable = self.run(&mut jobs, is_candidate)?;
+        Ok((jobs, is_stable))
+    }
+
+    fn values<'v>(&'v self, point: &'v Point) -> Values<'v> {
+        Values { unknowns: self.unknowns, coordinates: &point.coordinates, version: 0 }
+    }
+
+    /// Returns the errors of all measurements at the present point. A simulation that becomes
+    /// unstable has no readings.
+    pub(super) fn errors(&mut self) -> Result<Vec<MeasurementError>> {
+        let (jobs, _) = self.run_all(false)?;
+        let mut errors = Vec::new();
+        for (index, plan) in self.plans.iter().enumerate() {
+            let segments = jobs.iter().filter(|job| job.place.plan == index && job.is_stable);
+            let segments: Vec<_> = segments.map(|job| (job.place.segment, &job.result.readings[..])).collect();
+            errors.extend(errors_of(plan, &segments, &self.values(&self.present))?);
+        }
+        Ok(errors)
+    }
+
+    /// Returns the penalty of the gap after a segment, given the state at its end.
+    fn gap_cost(&self, place: Place, end: &[f64], point: &Point) -> Result<f64> {
+        if self.is_last(place) {
+            return Ok(0.0);
+        }
+        let model = &self.plans[place.plan].experiment.model;
+        let mut gap = vec![0.0; self.plans[place.plan].experiment.uncertainty.len()];
+        difference(model, &point.nodes[place.node + 1], end, &mut gap)?;
+        Ok(gap.iter().zip(&self.weights[place.node]).map(|(gap, weight)| 0.5 * (gap * weight).powi(2)).sum())
+    }
+
+    /// Returns the cost of priors: of unknowns, and of first states.
+    fn prior_cost(&self, point: &Point) -> Result<f64> {
+        let mut sum = 0.0;
+        let values = self.values(point);
+        for (index, unknown) in self.unknowns.iter().enumerate() {
+            if let Some((mean, deviation)) = unknown.prior {
+                sum += 0.5 * ((values.value(index) - mean) / deviation).powi(2);
+            }
+        }
+        for place in self.places().into_iter().filter(|place| place.segment == 0) {
+            for (_, error, deviation) in first_errors(&self.plans[place.plan], &point.nodes[place.node])? {
+                sum += 0.5 * (error / deviation).powi(2);
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Adds the priors to the model of the cost.
+    fn add_priors(&mut self) -> Result<()> {
+        let n = self.unknowns.len();
+        for (index, unknown) in self.unknowns.iter().enumerate() {
+            if let Some((mean, deviation)) = unknown.prior {
+                let values = self.values(&self.present);
+                let (value, slope) = (values.value(index), values.slope(index) / deviation);
+                self.total[(index, index)] += slope * slope;
+                self.total[(index, n)] += slope * (value - mean) / deviation;
+            }
+        }
+        for place in self.places().into_iter().filter(|place| place.segment == 0) {
+            let errors = first_errors(&self.plans[place.plan], &self.present.nodes[place.node])?;
+            for (coordinate, error, deviation) in errors {
+                self.chains[place.plan].add_prior(coordinate, error, deviation);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the
+    /// start of the next one.
+    fn end(&self, place: Place, jobs: &[Job]) -> Result<DMatrix<f64>> {
+        let plan = &self.plans[place.plan];
+        let (model, size) = (&plan.experiment.model, plan.experiment.uncertainty.len());
+        let (states, unknowns) = (plan.state_columns(place.segment), self.unknowns.len());
+        let values = self.values(&self.present);
+        let base = &jobs[0].result.end;
+        let mut end = DMatrix::zeros(size, states + unknowns + 1);
+        let mut change = vec![0.0; size];
+        for (index, job) in jobs.iter().enumerate() {
+            let column = match job.column {
+                Column::Nothing => {
+                    difference(model, &self.present.nodes[place.node + 1], base, &mut change)?;
+                    states + unknowns
+                }
+                Column::State(_) => {
+                    difference(model, base, &job.result.end, &mut change)?;
+                    index - 1
+                }
+                Column::Unknown(unknown) => {
+                    difference(model, base, &job.result.end, &mut change)?;
+                    states + unknown
+                }
+            };
+            let step = values.step(job.column);
+            change.iter().enumerate().for_each(|(row, value)| end[(row, column)] = value / step);
+        }
+        Ok(end)
+    }
+
+    /// Adds a segment to the model of the cost.
+    fn add_segment(&mut self, place: Place, jobs: &[Job]) -> Quadratic {
+        let moved: Vec<_> = jobs[1..].iter().map(|job| (job.column, &job.result)).collect();
+        let values = self.values(&self.present);
+        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, &jobs[0].result, &moved, &values);
+        let matrix = quadratic.matrix.to_nalgebra();
+        self.chains[place.plan].add(place.segment, &matrix, &mut self.total);
+        quadratic
+    }
+}
+
+impl Problem for Shooting<'_> {
+    fn len(&self) -> usize {
+        self.unknowns.len()
+    }
+
+    fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        for (index, unknown) in self.unknowns.iter().enumerate() {
+            let (bounds, coordinate) = (unknown.bounds(), self.present.coordinates[index]);
+            // Rounding may have moved a coordinate beyond its bound.
+            lower[index] = (bounds[0] - coordinate).min(0.0);
+            upper[index] = (bounds[1] - coordinate).max(0.0);
+        }
+    }
+
+    fn linearise(&mut self) -> Result<f64> {
+        self.version += 1;
+        let n = self.unknowns.len();
+        self.chains = self
+            .plans
+            .iter()
+            .map(|plan| {
+                let sizes: Vec<usize> = (0..plan.segments()).map(|segment| plan.state_columns(segment)).collect();
+                Chain::new(&sizes, n)
+            })
+            .collect();
+        self.total.fill(0.0);
+        self.residuals = Residuals::default();
+        let places = self.places();
+        // Ends of all segments but the last, with the weights of the states after them.
+        let mut ends: Vec<(Place, DMatrix<f64>)> = Vec::new();
+        let mut weights = vec![Vec::new(); places.len()];
+        let mut cost = 0.0;
+        let mut rest = &places[..];
+        while !rest.is_empty() {
+            // As many segments as fill the memory, and at least one.
+            let (mut jobs, mut counts) = (Vec::new(), Vec::new());
+            while let Some((&place, others)) = rest.split_first()
+                && (jobs.is_empty() || jobs.len() < COLUMNS_PER_THREAD * self.workers.len())
+            {
+                let first = jobs.len();
+                jobs.extend(self.columns(place).map(|column| Job::new(place, column)));
+                counts.push((place, first..jobs.len()));
+                rest = others;
+            }
+            if !self.run(&mut jobs, false)? {
+                return Ok(f64::NAN);
+            }
+            for (place, range) in counts {
+                let jobs = &jobs[range];
+                let quadratic = self.add_segment(place, jobs);
+                cost += quadratic.cost;
+                self.residuals.count += quadratic.count;
+                self.residuals.squares += quadratic.squares;
+                if place.segment > 0 {
+                    let size = self.plans[place.plan].state_columns(1);
+                    let information = (0..size).map(|i| self.penalty * (1.0 + quadratic.matrix[(i, i)]).sqrt());
+                    weights[place.node - 1] = information.collect();
+                }
+                if !self.is_last(place) {
+                    ends.push((place, self.end(place, jobs)?));
+                }
+            }
+        }
+        if self.weights.is_empty() {
+            self.weights = weights;
+        }
+        for (place, end) in ends {
+            let gap = end.column(end.ncols() - 1);
+            self.residuals.gap = self.residuals.gap.max(gap.amax());
+            cost += gap.iter().zip(&self.weights[place.node]).map(|(gap, w)| 0.5 * (gap * w).powi(2)).sum::<f64>();
+            self.chains[place.plan].add_gap(place.segment, &end, &self.weights[place.node], &mut self.total);
+        }
+        self.add_priors()?;
+        Ok(cost + self.prior_cost(&self.present)?)
+    }
+
+    fn damped(&mut self, damping: f64, hessian: &mut Matrix, gradient: &mut [f64]) -> Option<f64> {
+        let n = self.unknowns.len();
+        let mut total = self.total.clone();
+        for chain in &mut self.chains {
+            if !chain.eliminate(damping, &mut total) {
+                return None;
+            }
+        }
+        // The damping of the unknowns is that of the whole matrix, not of what remains.
+        for row in 0..n {
+            gradient[row] = total[(row, n)];
+            hessian.row_mut(row).iter_mut().enumerate().for_each(|(column, entry)| *entry = self.total[(row, column)]);
+        }
+        damp(damping, hessian);
+        for row in 0..n {
+            for column in 0..n {
+                hessian[(row, column)] += total[(row, column)] - self.total[(row, column)];
+            }
+        }
+        Some(0.5 * (self.total[(n, n)] - total[(n, n)]))
+    }
+
+    fn evaluate(&mut self, step: &[f64]) -> Result<f64> {
+        let Self { candidate, present, chains, plans, .. } = self;
+        for ((candidate, present), step) in candidate.coordinates.iter_mut().zip(&present.coordinates).zip(step) {
+            *candidate = present + step;
+        }
+        let mut node = 0;
+        for (plan, chain) in plans.iter().zip(chains) {
+            for (segment, change) in chain.states(step).into_iter().enumerate() {
+                candidate.nodes[node].copy_from_slice(&present.nodes[node]);
+                let mut all = vec![0.0; plan.experiment.uncertainty.len()];
+                match segment {
+                    0 => plan.free.iter().zip(change.iter()).for_each(|(&place, &value)| all[place] = value),
+                    _ => all.copy_from_slice(change.as_slice()),
+                }
+                move_state(&plan.experiment.model, &mut candidate.nodes[node], &all)?;
+                node += 1;
+            }
+        }
+        let (jobs, is_stable) = self.run_all(true)?;
+        if !is_stable {
+            return Ok(f64::INFINITY);
+        }
+        let mut cost = self.prior_cost(&self.candidate)?;
+        for job in &jobs {
+            let Place { plan, segment, .. } = job.place;
+            let values = self.values(&self.candidate);
+            cost += segment::cost(&self.plans[plan], segment, &job.result.readings, &values);
+            cost += self.gap_cost(job.place, &job.result.end, &self.candidate)?;
+        }
+        Ok(cost)
+    }
+
+    fn accept(&mut self) {
+        std::mem::swap(&mut self.present, &mut self.candidate);
+    }
+}

@@ -1,0 +1,216 @@
+//! Numbers to identify.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::model::{Model, ModelMut};
+use crate::rollout::Parameter;
+
+type Edit = dyn Fn(f64, &mut ModelMut<'_>) -> Result<()> + Send + Sync;
+
+/// Number to identify: a parameter of the model, or the delay, gain or bias of a
+/// [`Measurement`](super::Measurement), with a first value, bounds and what is known about it.
+#[derive(Clone)]
+#[must_use]
+pub struct Unknown {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    pub(super) first: f64,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// Mean and standard deviation.
+    pub(super) prior: Option<(f64, f64)>,
+    pub(super) scale: Option<f64>,
+    pub(super) is_logarithmic: bool,
+}
+
+#[derive(Clone)]
+pub(super) enum Kind {
+    Parameter(Parameter),
+    Edit(Arc<Edit>),
+    /// Names of measurements.
+    Delay(String),
+    Gain(String),
+    Bias(String),
+}
+
+impl Unknown {
+    /// A parameter of the model, with its value in the model as the first one, and between the
+    /// bounds of all valid values.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] for a component that the element does not have.
+    ///
+    /// # Panics
+    ///
+    /// If the element belongs to another model.
+    pub fn parameter(model: &Model, parameter: Parameter) -> Result<Self> {
+        let name = parameter.name(model)?;
+        let [lower, upper] = parameter.bounds();
+        Ok(Self { lower, upper, ..Self::new(name, Kind::Parameter(parameter), parameter.nominal(model)) })
+    }
+
+    /// A number that a closure writes to a model, for example one that several elements share. The
+    /// closure also updates derived quantities
+    /// ([`update_constants`](crate::ModelMut::update_constants)). It is called with an unchanged
+    /// model and, if there are several, in the order in which they were added.
+    ///
+    /// ```
+    /// use mujoco_safe::identification::Unknown;
+    ///
+    /// // One damping for all joints.
+    /// let damping = Unknown::edit("damping", 0.1, |value, model| {
+    ///     model.dof_damping_mut().fill(value);
+    ///     Ok(())
+    /// })
+    /// .between(0.0, 10.0);
+    /// ```
+    pub fn edit(
+        name: impl Into<String>,
+        first: f64,
+        edit: impl Fn(f64, &mut ModelMut<'_>) -> Result<()> + Send + Sync + 'static,
+    ) -> Self {
+        Self::new(name.into(), Kind::Edit(Arc::new(edit)), first)
+    }
+
+    /// The time by which the measurement of this name lags behind the simulation, s. By default
+    /// from 0 to 0.1; its bounds must be finite. Readings that the simulation does not reach with
+    /// all delays between the bounds are not used.
+    pub fn delay(measurement: &str) -> Self {
+        let (lower, upper, scale) = (0.0, 0.1, Some(1e-3));
+        Self {
+            lower,
+            upper,
+            scale,
+            ..Self::new(format!("delay of {measurement}"), Kind::Delay(measurement.to_owned()), 0.0)
+        }
+    }
+
+    /// The factor of the measurement of this name: `measured = gain · simulated + bias`.
+    pub fn gain(measurement: &str) -> Self {
+        Self::new(format!("gain of {measurement}"), Kind::Gain(measurement.to_owned()), 1.0)
+    }
+
+    /// The constant in the measurement of this name, equal for all its components.
+    pub fn bias(measurement: &str) -> Self {
+        Self::new(format!("bias of {measurement}"), Kind::Bias(measurement.to_owned()), 0.0)
+    }
+
+    fn new(name: String, kind: Kind, first: f64) -> Self {
+        let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { name, kind, first, lower, upper, prior: None, scale: None, is_logarithmic: false }
+    }
+
+    /// Sets the value to start from.
+    pub fn starting_at(mut self, value: f64) -> Self {
+        self.first = value;
+        self
+    }
+
+    /// Sets the bounds.
+    pub fn between(mut self, lower: f64, upper: f64) -> Self {
+        (self.lower, self.upper) = (lower, upper);
+        self
+    }
+
+    /// Adds what is known: the value is normally distributed with this mean and standard deviation.
+    pub fn with_prior(mut self, mean: f64, deviation: f64) -> Self {
+        self.prior = Some((mean, deviation));
+        self
+    }
+
+    /// Sets the size of a change that matters. It decides the step of differences (1e-6 of it) and
+    /// the units in which combinations of parameters are compared. By default the magnitude of the
+    /// first value, or 1 if that is zero.
+    pub fn with_scale(mut self, scale: f64) -> Self {
+        self.scale = Some(scale);
+        self
+    }
+
+    /// Searches for the logarithm. The value stays positive, and the confidence interval is that of
+    /// a factor: for masses and inertias.
+    pub fn logarithmic(mut self) -> Self {
+        self.is_logarithmic = true;
+        self
+    }
+
+    /// Returns the name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Checks the numbers.
+    pub(super) fn check(&self) -> Result<()> {
+        let name = &self.name;
+        if !matches!(self.lower.partial_cmp(&self.upper), Some(order) if order.is_le()) {
+            let expected = format!("at most the upper one, {}", self.upper);
+            return Err(Error::out_of_range(format!("the lower bound of {name}"), self.lower, expected));
+        }
+        if !(self.lower..=self.upper).contains(&self.first) || !self.first.is_finite() {
+            let expected = format!("finite and from {} to {}", self.lower, self.upper);
+            return Err(Error::out_of_range(format!("the first value of {name}"), self.first, expected));
+        }
+        if matches!(self.kind, Kind::Delay(_)) && !(self.lower.is_finite() && self.upper.is_finite()) {
+            let bound = if self.lower.is_finite() { self.upper } else { self.lower };
+            return Err(Error::not_finite(format!("a bound of the {name}"), bound));
+        }
+        if self.is_logarithmic && self.first <= 0.0 {
+            return Err(Error::out_of_range(
+                format!("the first value of {name}"),
+                self.first,
+                "positive, for its logarithm",
+            ));
+        }
+        if let Some((mean, deviation)) = self.prior {
+            if !mean.is_finite() {
+                return Err(Error::not_finite(format!("the mean of {name}"), mean));
+            }
+            check_deviation(&format!("the standard deviation of {name}"), deviation)?;
+        }
+        self.scale.map_or(Ok(()), |scale| check_deviation(&format!("the scale of {name}"), scale))
+    }
+
+    /// Returns the coordinate of a value in the search.
+    pub(super) fn coordinate(&self, value: f64) -> f64 {
+        if self.is_logarithmic { value.ln() } else { value }
+    }
+
+    /// Returns the value of a coordinate, between the bounds in spite of rounding.
+    pub(super) fn value(&self, coordinate: f64) -> f64 {
+        let value = if self.is_logarithmic { coordinate.exp() } else { coordinate };
+        value.max(self.lower).min(self.upper)
+    }
+
+    /// Returns the bounds of the coordinate.
+    pub(super) fn bounds(&self) -> [f64; 2] {
+        [self.lower.max(if self.is_logarithmic { 0.0 } else { f64::NEG_INFINITY }), self.upper]
+            .map(|value| self.coordinate(value))
+    }
+
+    /// Returns the size of a change of the coordinate that matters.
+    pub(super) fn coordinate_scale(&self) -> f64 {
+        let scale = self.scale.unwrap_or(if self.first == 0.0 { 1.0 } else { self.first.abs() });
+        if self.is_logarithmic { scale / self.first } else { scale }
+    }
+
+    /// Returns `true` if the value changes the model and is not known.
+    pub(super) fn has_column(&self) -> bool {
+        matches!(self.kind, Kind::Parameter(_) | Kind::Edit(_)) && self.lower < self.upper
+    }
+}
+
+/// Checks that a number is finite and positive.
+pub(super) fn check_deviation(what: &str, deviation: f64) -> Result<()> {
+    if deviation.is_finite() && deviation > 0.0 {
+        return Ok(());
+    }
+    Err(Error::out_of_range(what, deviation, "finite and positive"))
+}
+
+impl fmt::Debug for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Unknown {} = {} in [{}, {}]", self.name, self.first, self.lower, self.upper)
+    }
+}
