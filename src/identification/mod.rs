@@ -55,7 +55,9 @@
 //! By default the simulation runs from the start of an experiment to its end (single shooting). A
 //! search from wrong values then often stops at a local minimum, and with contacts or unstable
 //! motions it does not converge. [`Experiment::with_segments`] divides an experiment into segments
-//! that start in states of their own, which the search joins.
+//! that start in states of their own, which the search joins. Impacts remain difficult: a first
+//! guess of a velocity on the wrong side of one can hold the search, so let a robot move without
+//! hitting anything, with its contacts closed or open throughout.
 //!
 //! # What the data determine
 //!

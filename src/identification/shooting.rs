@@ -32,6 +32,10 @@ pub(super) struct Shooting<'p> {
     version: u64,
     pub(super) present: Point,
     candidate: Point,
+    /// Simulations of all segments from the present point, if it was a candidate, and from the
+    /// candidate.
+    present_base: Vec<Simulated>,
+    candidate_base: Vec<Simulated>,
     /// States of each experiment, and the unknowns with the gradient: `(n + 1, n + 1)`.
     chains: Vec<Chain>,
     total: DMatrix<f64>,
@@ -100,6 +104,8 @@ impl<'p> Shooting<'p> {
             version: 0,
             candidate: present.clone(),
             present,
+            present_base: Vec::new(),
+            candidate_base: Vec::new(),
             chains: Vec::new(),
             total: DMatrix::zeros(n + 1, n + 1),
             penalty: 1.0,
@@ -138,7 +144,7 @@ impl<'p> Shooting<'p> {
             _ => (0..plan.state_columns(1)).collect(),
         };
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
-        [Column::Nothing].into_iter().chain(states.into_iter().map(Column::State)).chain(unknowns.map(Column::Unknown))
+        states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown))
     }
 
     /// Simulates jobs from a point. Returns `false` if one of them becomes unstable.
@@ -155,12 +161,20 @@ impl<'p> Shooting<'p> {
         Ok(jobs.iter().all(|job| job.is_stable))
     }
 
-    /// Simulates all segments from a point.
-    fn run_all(&mut self, is_candidate: bool) -> Result<(Vec<Job>, bool)> {
+    /// Simulates all segments from a point. A segment that becomes unstable has no readings.
+    fn run_all(&mut self, is_candidate: bool) -> Result<Vec<Simulated>> {
         self.version += 1;
         let mut jobs: Vec<Job> = self.places().iter().map(|&place| Job::new(place, Column::Nothing)).collect();
-        let is_stable = self.run(&mut jobs, is_candidate)?;
-        Ok((jobs, is_stable))
+        self.run(&mut jobs, is_candidate)?;
+        Ok(jobs.into_iter().map(|job| if job.is_stable { job.result } else { Simulated::default() }).collect())
+    }
+
+    /// Simulates all segments from the present point unless that is done.
+    fn simulate_present(&mut self) -> Result<()> {
+        if self.present_base.is_empty() {
+            self.present_base = self.run_all(false)?;
+        }
+        Ok(())
     }
 
     fn values<'v>(&'v self, point: &'v Point) -> Values<'v> {
@@ -170,11 +184,12 @@ impl<'p> Shooting<'p> {
     /// Returns the errors of all measurements at the present point. A simulation that becomes
     /// unstable has no readings.
     pub(super) fn errors(&mut self) -> Result<Vec<MeasurementError>> {
-        let (jobs, _) = self.run_all(false)?;
+        self.simulate_present()?;
         let mut errors = Vec::new();
-        for (index, plan) in self.plans.iter().enumerate() {
-            let segments = jobs.iter().filter(|job| job.place.plan == index && job.is_stable);
-            let segments: Vec<_> = segments.map(|job| (job.place.segment, &job.result.readings[..])).collect();
+        let mut bases = self.present_base.iter();
+        for plan in &self.plans {
+            let segments = bases.by_ref().take(plan.segments()).enumerate().filter(|(_, base)| base.is_stable());
+            let segments: Vec<_> = segments.map(|(segment, base)| (segment, &base.readings[..])).collect();
             errors.extend(errors_of(plan, &segments, &self.values(&self.present))?);
         }
         Ok(errors)
@@ -235,24 +250,14 @@ impl<'p> Shooting<'p> {
         let (model, size) = (&plan.experiment.model, plan.experiment.uncertainty.len());
         let (states, unknowns) = (plan.state_columns(place.segment), self.unknowns.len());
         let values = self.values(&self.present);
-        let base = &jobs[0].result.end;
+        let base = &self.present_base[place.node].end;
         let mut end = DMatrix::zeros(size, states + unknowns + 1);
         let mut change = vec![0.0; size];
+        difference(model, &self.present.nodes[place.node + 1], base, &mut change)?;
+        end.column_mut(states + unknowns).copy_from_slice(&change);
         for (index, job) in jobs.iter().enumerate() {
-            let column = match job.column {
-                Column::Nothing => {
-                    difference(model, &self.present.nodes[place.node + 1], base, &mut change)?;
-                    states + unknowns
-                }
-                Column::State(_) => {
-                    difference(model, base, &job.result.end, &mut change)?;
-                    index - 1
-                }
-                Column::Unknown(unknown) => {
-                    difference(model, base, &job.result.end, &mut change)?;
-                    states + unknown
-                }
-            };
+            let column = if let Column::Unknown(unknown) = job.column { states + unknown } else { index };
+            difference(model, base, &job.result.end, &mut change)?;
             let step = values.step(job.column);
             change.iter().enumerate().for_each(|(row, value)| end[(row, column)] = value / step);
         }
@@ -261,9 +266,10 @@ impl<'p> Shooting<'p> {
 
     /// Adds a segment to the model of the cost.
     fn add_segment(&mut self, place: Place, jobs: &[Job]) -> Quadratic {
-        let moved: Vec<_> = jobs[1..].iter().map(|job| (job.column, &job.result)).collect();
+        let moved: Vec<_> = jobs.iter().map(|job| (job.column, &job.result)).collect();
         let values = self.values(&self.present);
-        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, &jobs[0].result, &moved, &values);
+        let base = &self.present_base[place.node];
+        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, base, &moved, &values);
         let matrix = quadratic.matrix.to_nalgebra();
         self.chains[place.plan].add(place.segment, &matrix, &mut self.total);
         quadratic
@@ -285,6 +291,10 @@ impl Problem for Shooting<'_> {
     }
 
     fn linearise(&mut self) -> Result<f64> {
+        self.simulate_present()?;
+        if !self.present_base.iter().all(Simulated::is_stable) {
+            return Ok(f64::NAN);
+        }
         self.version += 1;
         let n = self.unknowns.len();
         self.chains = self
@@ -386,21 +396,21 @@ impl Problem for Shooting<'_> {
                 node += 1;
             }
         }
-        let (jobs, is_stable) = self.run_all(true)?;
-        if !is_stable {
+        self.candidate_base = self.run_all(true)?;
+        if !self.candidate_base.iter().all(Simulated::is_stable) {
             return Ok(f64::INFINITY);
         }
         let mut cost = self.prior_cost(&self.candidate)?;
-        for job in &jobs {
-            let Place { plan, segment, .. } = job.place;
+        for (place, base) in self.places().into_iter().zip(&self.candidate_base) {
             let values = self.values(&self.candidate);
-            cost += segment::cost(&self.plans[plan], segment, &job.result.readings, &values);
-            cost += self.gap_cost(job.place, &job.result.end, &self.candidate)?;
+            cost += segment::cost(&self.plans[place.plan], place.segment, &base.readings, &values);
+            cost += self.gap_cost(place, &base.end, &self.candidate)?;
         }
         Ok(cost)
     }
 
     fn accept(&mut self) {
         std::mem::swap(&mut self.present, &mut self.candidate);
+        std::mem::swap(&mut self.present_base, &mut self.candidate_base);
     }
 }

@@ -27,9 +27,16 @@ pub(super) enum Column {
 /// Readings of all steps of a segment, and the physics state after them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Simulated {
-    /// `(steps + 1, width)`.
+    /// `(steps + 1, width)`. Both are empty if the simulation has become unstable.
     pub(super) readings: Vec<f64>,
     pub(super) end: Vec<f64>,
+}
+
+impl Simulated {
+    /// Returns `true` if the simulation reached the end.
+    pub(super) fn is_stable(&self) -> bool {
+        !self.end.is_empty()
+    }
 }
 
 /// Simulations of one thread: for the present point, and for a change of each unknown.

@@ -3,6 +3,7 @@
 mod errors;
 mod least_squares;
 mod problems;
+mod robots;
 mod shooting;
 mod statistics;
 

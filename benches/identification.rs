@@ -1,0 +1,230 @@
+//! Identification of a mass on a spring (one unknown, 1,500 steps) and of the armatures of an arm
+//! (five unknowns, 1,000 steps): the problems of the tests of `mujoco.sysid`.
+//!
+//! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]`, both solve the
+//! same problems alternately, and the ratio of the times and both errors are printed.
+//!
+//! ```text
+//! MUJOCO_PYTHON=python3 cargo bench --bench identification
+//! ```
+
+mod common;
+
+use std::env;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::Instant;
+
+use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Signal, Unknown};
+use mujoco_safe::rollout::Parameter;
+use mujoco_safe::{Data, Matrix, Model, Result};
+
+const PAIRS: usize = 15;
+
+/// Program that reads the model, the names of the joints whose armature is unknown (or of the body
+/// whose mass is), the truth, the first value, the bounds, the times, the controls and the readings,
+/// and solves the problem once per input line.
+const SYSID: &str = r#"
+import sys, time
+import mujoco, numpy as np
+from mujoco import sysid
+
+def numbers():
+    return np.array([float(number) for number in sys.stdin.readline().split()])
+
+xml = sys.stdin.readline()
+kind, *names = sys.stdin.readline().split()
+truth = numbers()
+first, low, high = numbers()
+times = numbers()
+spec = mujoco.MjSpec.from_string(xml)
+model = spec.compile()
+data = mujoco.MjData(model)
+controls = numbers().reshape(len(times), model.nu)
+readings = numbers().reshape(len(times), model.nsensordata)
+start = sysid.create_initial_state(model, data.qpos, data.qvel, data.act)
+# Its readings of a step carry the time after the step.
+late = sysid.TimeSeries.from_names(times[:-1] + model.opt.timestep, readings[:-1], model)
+sequence = sysid.ModelSequences("problem", spec, "log", start, sysid.TimeSeries(times, controls), late)
+residual = sysid.build_residual_fn(models_sequences=[sequence])
+
+def write(kind, name):
+    if kind == "mass":
+        return lambda s, p: setattr(s.body(name), "mass", p.value[0])
+    return lambda s, p: setattr(s.joint(name), "armature", p.value[0])
+
+print("ready", flush=True)
+for _ in sys.stdin:
+    params = sysid.ParameterDict()
+    for name, value in zip(names, truth):
+        params.add(sysid.Parameter(name, nominal=value, min_value=low, max_value=high, modifier=write(kind, name)))
+        params[name].value[:] = first
+    begin = time.perf_counter()
+    found, _ = sysid.optimize(initial_params=params, residual_fn=residual, optimizer="mujoco", verbose=False)
+    seconds = time.perf_counter() - begin
+    error = max(abs(found[name].value[0] - value) for name, value in zip(names, truth))
+    print(repr(seconds), repr(float(error)), file=sys.__stdout__, flush=True)
+"#;
+
+struct Problem {
+    xml: String,
+    kind: &'static str,
+    names: Vec<String>,
+    truth: Vec<f64>,
+    /// First value, and bounds.
+    range: [f64; 3],
+    times: Vec<f64>,
+    controls: Matrix,
+    readings: Matrix,
+    identification: Identification,
+}
+
+fn spring() -> Result<Problem> {
+    let xml = r#"<mujoco><option timestep="0.002"><flag contact="disable"/></option><worldbody><body name="mass">
+        <inertial pos="0 0 0" mass="1" diaginertia="0.001 0.001 0.001"/>
+        <joint name="slide" type="slide" axis="1 0 0" stiffness="100" damping="5"/><geom size="0.05"/></body></worldbody>
+        <actuator><motor name="push" joint="slide"/></actuator>
+        <sensor><jointpos name="position" joint="slide"/><jointvel name="velocity" joint="slide"/></sensor></mujoco>"#;
+    let push = |time: f64| vec![5.0 * (TAU * 1.5 * time).sin() + 3.0 * (TAU * 3.7 * time).sin()];
+    Problem::new(xml, "mass", vec!["mass".into()], vec![1.0], [2.0, 0.3, 3.0], 1500, push)
+}
+
+fn arm() -> Result<Problem> {
+    let truth = vec![0.5, 0.4, 0.3, 0.2, 0.1];
+    let (mut bodies, mut motors, mut sensors) = (String::new(), String::new(), String::new());
+    for (i, armature) in truth.iter().enumerate() {
+        let (mass, axis) = ([1.0, 0.8, 0.6, 0.4, 0.2][i], ["0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0"][i]);
+        let _ = write!(
+            bodies,
+            r#"<body pos="0 0 .1"><inertial pos="0 0 .05" mass="{mass}" diaginertia="{0} {0} {1}"/>
+            <joint name="j{i}" axis="{axis}" armature="{armature}" damping="{2}"/><geom size=".03"/>"#,
+            0.01 * mass,
+            0.005 * mass,
+            2.0 * armature
+        );
+        let _ = write!(motors, r#"<motor name="m{i}" joint="j{i}"/>"#);
+        let _ = write!(sensors, r#"<jointpos name="q{i}" joint="j{i}"/><jointvel name="v{i}" joint="j{i}"/>"#);
+    }
+    let xml = format!(
+        r#"<mujoco><option timestep="0.002" integrator="implicit"><flag contact="disable"/></option><worldbody>{bodies}{}</worldbody>
+        <actuator>{motors}</actuator><sensor>{sensors}</sensor></mujoco>"#,
+        "</body>".repeat(5)
+    );
+    let control = |time: f64| {
+        let rates = [0.5, 0.7, 0.4, 0.9, 0.6];
+        (0..5).map(|i| (5 - i) as f64 * (TAU * rates[i] * time + 0.5 * i as f64).sin()).collect()
+    };
+    let names = (0..5).map(|i| format!("j{i}")).collect();
+    Problem::new(&xml, "armature", names, truth, [0.01, 0.001, 1.0], 1000, control)
+}
+
+impl Problem {
+    fn new(
+        xml: &str,
+        kind: &'static str,
+        names: Vec<String>,
+        truth: Vec<f64>,
+        range: [f64; 3],
+        steps: usize,
+        control: impl Fn(f64) -> Vec<f64>,
+    ) -> Result<Self> {
+        let xml = xml.replace('\n', " ");
+        let model = Arc::new(Model::from_xml_str(&xml)?);
+        let mut data = Data::new(&model)?;
+        let start = data.clone();
+        let (mut times, mut controls, mut readings) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..steps {
+            times.push(data.time());
+            let control = control(data.time());
+            data.ctrl_mut().copy_from_slice(&control);
+            data.step()?;
+            controls.extend(control);
+            readings.extend_from_slice(data.sensordata());
+        }
+        let controls = Matrix::from_row_major(steps, model.nu(), controls);
+        let readings = Matrix::from_row_major(steps, model.nsensordata(), readings);
+        let mut experiment =
+            Experiment::new("log", &start).with_controls(Signal::new(times.clone(), controls.clone())?);
+        for sensor in model.sensors() {
+            let place = sensor.data_range().start;
+            let values = readings.rows().map(|row| row[place]).collect();
+            let signal = Signal::scalar(times.clone(), values)?;
+            experiment = experiment.with_measurement(Measurement::of_sensor(&model, sensor.id(), signal)?);
+        }
+        let unknowns = names.iter().map(|name| {
+            let unknown = match kind {
+                "mass" => Unknown::parameter(&model, Parameter::MassFactor(model.body(name)?.id())),
+                _ => Unknown::parameter(&model, Parameter::JointArmature(model.joint(name)?.id())),
+            };
+            Ok(unknown?.starting_at(range[0]).between(range[1], range[2]))
+        });
+        let identification = Identification::new(unknowns.collect::<Result<_>>()?)?.with_experiment(experiment)?;
+        Ok(Self { xml, kind, names, truth, range, times, controls, readings, identification })
+    }
+
+    /// Returns the seconds and the largest error.
+    fn solve(&self) -> (f64, f64) {
+        let start = Instant::now();
+        let fit = self.identification.solve(Options::default()).expect("a search");
+        let seconds = start.elapsed().as_secs_f64();
+        let errors = fit.estimates().iter().zip(&self.truth).map(|(estimate, truth)| (estimate.value - truth).abs());
+        (seconds, errors.fold(0.0, f64::max))
+    }
+
+    /// Solves the problem alternately with `mujoco.sysid`.
+    fn beside_sysid(&self, python: &str, name: &str) -> std::io::Result<()> {
+        let mut child =
+            Command::new(python).args(["-c", SYSID]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let mut input = child.stdin.take().expect("the stream is piped");
+        let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
+        let text = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:e}")).collect::<Vec<_>>().join(" ");
+        writeln!(input, "{}\n{} {}", self.xml, self.kind, self.names.join(" "))?;
+        for numbers in [&self.truth, &self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()] {
+            writeln!(input, "{}", text(numbers))?;
+        }
+        let mut line = || loop {
+            let line = output.next().unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()))?;
+            // The search prints a report.
+            if line == "ready" || line.split(' ').all(|word| word.parse::<f64>().is_ok()) {
+                return Ok::<_, std::io::Error>(line);
+            }
+        };
+        line()?;
+        let (mut ratios, mut ours, mut theirs) = (Vec::new(), (0.0, 0.0), (0.0, 0.0));
+        for _ in 0..PAIRS {
+            ours = self.solve();
+            writeln!(input)?;
+            let answer = line()?;
+            let (seconds, error) = answer.split_once(' ').unwrap_or((&answer, "nan"));
+            theirs = (seconds.parse().unwrap_or(f64::NAN), error.parse().unwrap_or(f64::NAN));
+            ratios.push(theirs.0 / ours.0);
+        }
+        ratios.sort_unstable_by(f64::total_cmp);
+        println!(
+            "{name}: mujoco.sysid {:.1} ms (error {:.1e}), this library {:.1} ms (error {:.1e}), ratio {:.1} [{:.1}, {:.1}]",
+            1e3 * theirs.0,
+            theirs.1,
+            1e3 * ours.0,
+            ours.1,
+            common::median(ratios.clone()),
+            ratios[PAIRS / 5],
+            ratios[PAIRS - 1 - PAIRS / 5]
+        );
+        Ok(())
+    }
+}
+
+fn main() -> Result<()> {
+    for (name, problem) in [("mass on a spring", spring()?), ("armatures of an arm", arm()?)] {
+        common::bench(name, 1, &mut || _ = problem.solve());
+        if let Some(python) = env::var_os("MUJOCO_PYTHON")
+            && let Err(error) = problem.beside_sysid(&python.to_string_lossy(), name)
+        {
+            println!("{name}: mujoco.sysid cannot be compared: {error}");
+        }
+    }
+    Ok(())
+}
