@@ -25,8 +25,8 @@ use mujoco_safe::{Data, Matrix, Model, Result};
 const PAIRS: usize = 15;
 
 /// Program that reads the model, the names of the joints whose armature is unknown (or of the body
-/// whose mass is), the truth, the first value, the bounds, the times, the controls and the readings,
-/// and solves the problem once per input line.
+/// whose mass is), the truth, the first value, the bounds, the times, the controls and the
+/// readings, and solves the problem once per input line.
 const SYSID: &str = r#"
 import sys, time
 import mujoco, numpy as np

@@ -339,8 +339,15 @@ impl fmt::Display for Fit {
         writeln!(f, "{status:?} after {iterations} iterations, cost {first_cost:.4e} → {cost:.4e}")?;
         let width = self.estimates.iter().map(|estimate| estimate.name.chars().count()).max().unwrap_or(0);
         for Estimate { name, first, value, interval: [low, high], is_at_bound, .. } in &self.estimates {
-            write!(f, "{name:width$}  {first:>11.5} → {value:>11.5}  ")?;
-            if *is_at_bound { writeln!(f, "at a bound")? } else { writeln!(f, "95 % [{low:.5}, {high:.5}]")? }
+            // Two digits of the interval's width.
+            let digits = (1.0 - (high - low).log10().floor()).clamp(0.0, 12.0) as usize;
+            let digits = if (high - low).is_finite() && high > low { digits } else { 6 };
+            write!(f, "{name:width$}  {first} → {value:.digits$}  ")?;
+            if *is_at_bound {
+                writeln!(f, "at a bound")?;
+            } else {
+                writeln!(f, "95 % [{low:.digits$}, {high:.digits$}]")?;
+            }
         }
         for combination in &self.undetermined {
             writeln!(f, "not determined: {combination}")?;

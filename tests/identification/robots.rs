@@ -47,7 +47,8 @@ fn check(fit: &Fit, values: &[(Parameter, f64)], tolerance: f64) {
     }
 }
 
-/// Returns a measurement of positions from `first` on, by encoders with noise, every `stride` steps.
+/// Returns a measurement of positions from `first` on, by encoders with noise, every `stride`
+/// steps.
 fn encoders(log: &Log, nq: usize, first: usize, stride: usize) -> Measurement {
     const NOISE: f64 = 1e-4;
     let mut noise = Noise(7);
@@ -136,8 +137,8 @@ fn humanoid() {
     walk(&start, &log, &values, 5e-2);
 }
 
-/// Searches in segments of a tenth of a second, whose first states come from the log's positions and
-/// their differences.
+/// Searches in segments of a tenth of a second, whose first states come from the log's positions
+/// and their differences.
 fn walk(start: &Data, log: &Log, values: &[(Parameter, f64)], tolerance: f64) {
     let model = start.model();
     let (nq, nv) = (model.nq(), model.nv());

@@ -1,15 +1,17 @@
 //! Identification of parameters from measurements.
 //!
-//! The Gauss–Newton method fits the damping and the relative mass of a pendulum to readings of its
-//! sensor. One rollout has the nominal parameters, and one more per parameter gives the
-//! differences. Row k of `sensordata` is the reading in the state before step k + 1, which
-//! `d.sensordata` holds after that step.
+//! A log has the motor's torque and the readings of an encoder, of a pendulum whose damping and
+//! mass are unknown. The encoder reports 4 ms late, which is unknown too. [`identification`] finds
+//! all three, with confidence intervals. The example `find_load` finds and compensates the load of
+//! an arm.
 //!
 //! ```
 //! use std::sync::Arc;
 //!
-//! use mujoco_safe::nalgebra::{DMatrix, DVector};
-//! use mujoco_safe::{Model, Result, Rollout};
+//! use mujoco_safe::identification::{Experiment, Identification, Measurement};
+//! use mujoco_safe::identification::{Options, Signal, Unknown};
+//! use mujoco_safe::rollout::Parameter;
+//! use mujoco_safe::{Data, Model};
 //!
 //! let model = Arc::new(Model::from_xml_str(
 //!     r#"<mujoco>
@@ -20,40 +22,52 @@
 //!            </body>
 //!          </worldbody>
 //!          <actuator><motor joint="hinge"/></actuator>
-//!          <sensor><jointpos joint="hinge"/></sensor>
+//!          <sensor><jointpos name="encoder" joint="hinge"/></sensor>
 //!        </mujoco>"#,
 //! )?);
 //! let (arm, hinge) = (model.body("arm")?.id(), model.joint("hinge")?.id());
-//! let controls: Vec<f64> = (0..400).map(|k| 0.5 * (0.03 * f64::from(k)).sin()).collect();
-//! let nstep = controls.len();
-//! // One column of readings for each column [damping, relative mass].
-//! let simulate = |parameters: &DMatrix<f64>| -> Result<DMatrix<f64>> {
-//!     let nroll = parameters.ncols();
-//!     let result = Rollout::new(&model, nroll, nstep)
-//!         .with_model_edits(|roll, edit| {
-//!             edit.joint_mut(hinge).damping_mut()[0] = parameters[(0, roll)];
-//!             edit.body_mut(arm).scale_mass(parameters[(1, roll)])?;
-//!             edit.update_constants()
-//!         })
-//!         .with_shared_controls(&controls)
-//!         .run()?;
-//!     Ok(DMatrix::from_column_slice(nstep, nroll, result.sensordata()))
-//! };
-//! let truth = DMatrix::from_column_slice(2, 1, &[0.25, 1.3]);
-//! let measured: DVector<f64> = simulate(&truth)?.column(0).into();
 //!
-//! let mut estimate = DVector::from_column_slice(&[0.1, 1.0]);
-//! for _ in 0..10 {
-//!     let eps = 1e-6;
-//!     let mut parameters = DMatrix::from_fn(2, 3, |i, _| estimate[i]);
-//!     (0..2).for_each(|i| parameters[(i, i + 1)] += eps);
-//!     let readings = simulate(&parameters)?;
-//!     let nominal: DVector<f64> = readings.column(0).into();
-//!     let difference = |row, i| (readings[(row, i + 1)] - nominal[row]) / eps;
-//!     let jacobian = DMatrix::from_fn(nstep, 2, difference);
-//!     let normal = jacobian.tr_mul(&jacobian).cholesky().expect("identifiable parameters");
-//!     estimate += normal.solve(&jacobian.tr_mul(&(&measured - nominal)));
+//! // The log, of a simulation with other values: usually Signal::load_csv reads it.
+//! let mut real = Data::new(&model)?;
+//! real.edit_model(|model| {
+//!     model.joint_mut(hinge).damping_mut()[0] = 0.25;
+//!     model.body_mut(arm).scale_mass(1.3)?;
+//!     model.update_constants()
+//! })?;
+//! let (mut times, mut torques, mut angles) = (Vec::new(), Vec::new(), Vec::new());
+//! for k in 0..800 {
+//!     real.ctrl_mut()[0] = 0.5 * (0.03 * f64::from(k)).sin();
+//!     times.push(real.time());
+//!     torques.push(real.ctrl()[0]);
+//!     angles.push(real.qpos()[0]);
+//!     real.step()?;
 //! }
-//! assert!((&estimate - truth.column(0)).norm() < 1e-6, "{estimate}");
+//! let late: Vec<f64> = times.iter().map(|time| time + 0.004).collect();
+//!
+//! let start = Data::new(&model)?; // the state in which the log starts
+//! let encoder = Measurement::of_sensor(&model, "encoder", Signal::scalar(late, angles)?)?;
+//! let log = Experiment::new("log", &start)
+//!     .with_controls(Signal::scalar(times, torques)?)
+//!     .with_measurement(encoder.with_deviation(1e-3));
+//! let unknowns = vec![
+//!     Unknown::parameter(&model, Parameter::JointDamping(hinge))?,
+//!     Unknown::parameter(&model, Parameter::MassFactor(arm))?.logarithmic(),
+//!     Unknown::delay("encoder").between(0.0, 0.02),
+//! ];
+//! let fit = Identification::new(unknowns)?.with_experiment(log)?.solve(Options::default())?;
+//! println!("{fit}"); // a table with confidence intervals
+//! for (estimate, truth) in fit.estimates().iter().zip([0.25, 1.3, 0.004]) {
+//!     assert!((estimate.value - truth).abs() < 1e-4 * truth, "{fit}");
+//! }
+//! assert!(fit.undetermined().is_empty()); // the log determines all three
+//! let identified = fit.model(&model)?;
+//! # assert!((identified.body_mass()[1] - 1.3).abs() < 1e-3);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
+//!
+//! Unknowns can also be gains and biases of sensors, any array of the model
+//! ([`Parameter::field`](crate::rollout::Parameter::field)), and numbers that a closure writes
+//! ([`Unknown::edit`](crate::identification::Unknown::edit)). For long or unstable motions, divide
+//! a log into [segments](crate::identification::Experiment::with_segments).
+//!
+//! [`identification`]: crate::identification

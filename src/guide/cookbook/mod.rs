@@ -19,6 +19,7 @@
 //! | `cartpole_swing_up` | iLQR within the motor's range, tracked by a table of gains |
 //! | `humanoid_predictive` | predictive sampling recovers from pushes under which the LQR falls |
 //! | `humanoid_stand_up`, `arm_tracking` | predictive control: from a squat to standing; an arm follows a target |
+//! | `find_load` | the load of an arm is identified from a log, and compensated |
 //! | `replay -- repeat FILE` | repeats and searches files of the flight recorder |
 //! | `learn_gait` | a half cheetah learns to run in minutes, by random search |
 //!
