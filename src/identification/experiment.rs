@@ -7,6 +7,7 @@ use super::Signal;
 use super::unknown::check_deviation;
 use crate::control::residual::Norm;
 use crate::data::{Data, StateSpec};
+use crate::enums::SensorDataType;
 use crate::error::{Error, InvalidKind, Result};
 use crate::id::IntoId;
 use crate::kind;
@@ -27,6 +28,7 @@ pub struct Measurement {
     pub(super) deviation: f64,
     pub(super) norm: Norm,
     pub(super) delay: f64,
+    pub(super) is_quaternion: bool,
 }
 
 #[derive(Clone)]
@@ -37,7 +39,8 @@ pub(super) enum Source {
 }
 
 impl Measurement {
-    /// Readings of a sensor of the model, by name or id. A NaN is a missing reading.
+    /// Readings of a sensor of the model, by name or id. A NaN is a missing reading. The sign of a
+    /// quaternion does not matter.
     ///
     /// # Errors
     ///
@@ -52,7 +55,8 @@ impl Measurement {
         let view = model.sensor(sensor);
         Error::check_length("the readings of a sensor", signal.width(), view.dim())?;
         let name = view.name().map_or_else(|| format!("sensor {}", sensor.index()), str::to_owned);
-        Ok(Self::new(name, Source::Sensor(view.data_range()), signal))
+        let is_quaternion = view.datatype() == SensorDataType::Quaternion;
+        Ok(Self { is_quaternion, ..Self::new(name, Source::Sensor(view.data_range()), signal) })
     }
 
     /// Readings of anything that a closure computes from a simulation, after
@@ -67,7 +71,7 @@ impl Measurement {
     }
 
     fn new(name: String, source: Source, signal: Signal) -> Self {
-        Self { name, source, signal, deviation: 1.0, norm: Norm::Quadratic, delay: 0.0 }
+        Self { name, source, signal, deviation: 1.0, norm: Norm::Quadratic, delay: 0.0, is_quaternion: false }
     }
 
     /// Sets the standard deviation of the noise, in the unit of the readings. 1 by default. With

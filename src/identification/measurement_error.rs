@@ -39,12 +39,16 @@ pub(super) fn errors_of(
         let (mut count, mut squares) = (0, 0.0);
         for &(segment, readings) in segments {
             for sample in plan.samples(segment, index, corrections.delay) {
-                let place = Between::new(plan, segment, measurement.signal.times()[sample] - corrections.delay);
+                let row = measurement.signal.values().row(sample);
+                let mut place = Between::new(plan, segment, measurement.signal.times()[sample] - corrections.delay);
+                if measurement.is_quaternion {
+                    place = place.align(readings, plan.width, channel.first, row);
+                }
                 for component in 0..channel.width {
                     let reading = place.reading(readings, plan.width, channel.first + component);
                     let reading = corrections.gain * reading + corrections.bias;
                     simulated[(sample - samples.start, component)] = reading;
-                    let error = reading - measurement.signal.values()[(sample, component)];
+                    let error = reading - row[component];
                     if !error.is_nan() {
                         count += 1;
                         squares += error * error;

@@ -79,6 +79,7 @@ mod experiment;
 mod fit;
 mod measurement_error;
 mod plan;
+mod recorded;
 mod segment;
 mod shooting;
 mod signal;

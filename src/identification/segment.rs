@@ -20,6 +20,8 @@ pub(super) struct Quadratic {
 pub(super) struct Between {
     step: usize,
     part: f64,
+    /// Signs of the readings of both steps. A quaternion and its negative are the same rotation.
+    signs: [f64; 2],
 }
 
 impl Between {
@@ -28,7 +30,7 @@ impl Between {
         let h = plan.experiment.model.timestep();
         let place = ((time - plan.time(plan.nodes[segment])) / h).clamp(0.0, steps as f64);
         let step = (place as usize).min(steps - 1);
-        Self { step, part: place - step as f64 }
+        Self { step, part: place - step as f64, signs: [1.0; 2] }
     }
 
     pub(super) fn reading(&self, readings: &[f64], width: usize, component: usize) -> f64 {
@@ -37,7 +39,18 @@ impl Between {
     }
 
     fn both(&self, readings: &[f64], width: usize, component: usize) -> [f64; 2] {
-        [self.step, self.step + 1].map(|step| readings[step * width + component])
+        [0, 1].map(|at| self.signs[at] * readings[(self.step + at) * width + component])
+    }
+
+    /// Chooses the signs of quaternions, which begin at `first`, such that they are near the
+    /// measured one.
+    pub(super) fn align(mut self, readings: &[f64], width: usize, first: usize, measured: &[f64]) -> Self {
+        for at in [0, 1] {
+            let simulated = &readings[(self.step + at) * width + first..];
+            let product: f64 = simulated.iter().zip(measured).map(|(simulated, measured)| simulated * measured).sum();
+            self.signs[at] = if product < 0.0 { -1.0 } else { 1.0 };
+        }
+        self
     }
 }
 
@@ -53,8 +66,12 @@ fn residuals(
     for (index, (channel, measurement)) in plan.channels.iter().zip(&plan.experiment.measurements).enumerate() {
         let Corrections { delay, gain, bias } = Corrections::of(channel, measurement.delay, values);
         for sample in plan.samples(segment, index, delay) {
-            let place = Between::new(plan, segment, measurement.signal.times()[sample] - delay);
-            for (component, measured) in measurement.signal.values().row(sample).iter().enumerate() {
+            let row = measurement.signal.values().row(sample);
+            let mut place = Between::new(plan, segment, measurement.signal.times()[sample] - delay);
+            if measurement.is_quaternion {
+                place = place.align(readings, plan.width, channel.first, row);
+            }
+            for (component, measured) in row.iter().enumerate() {
                 // A missing reading.
                 if measured.is_nan() {
                     continue;

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Unknown};
+use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Signal, Unknown};
 use mujoco_safe::least_squares::LeastSquaresStatus;
 use mujoco_safe::rollout::Parameter;
 use mujoco_safe::{Data, Model};
@@ -90,7 +90,7 @@ fn delay_gain_and_bias_of_a_sensor() {
         exact.interpolate_into(time - delay, &mut value);
         gain * value[0] + bias
     });
-    let signal = mujoco_safe::identification::Signal::scalar(times.clone(), readings.collect()).unwrap();
+    let signal = Signal::scalar(times.clone(), readings.collect()).unwrap();
     let experiment = Experiment::new("log", &start)
         .with_controls(log.controls())
         .with_measurement(Measurement::of_sensor(&model, "position", signal).unwrap());
@@ -163,4 +163,32 @@ fn what_the_data_do_not_determine() {
     assert!(fit.undetermined().is_empty(), "{fit}");
     let value = |name: &str| fit.value(name).unwrap();
     assert!((value("mass") - 2.0).abs() < 1e-5 && (value(gear) - 3.0).abs() < 1e-5, "{fit}");
+}
+
+/// A spinning plate with an orientation sensor, whose readings have random signs.
+#[test]
+fn the_sign_of_a_quaternion_does_not_matter() {
+    let model = model(
+        r#"<mujoco><option gravity="0 0 0"/>
+           <worldbody><body name="plate"><joint name="ball" type="ball" damping=".02"/>
+             <geom type="box" size=".3 .2 .05"/></body></worldbody>
+           <sensor><ballquat name="orientation" joint="ball"/></sensor></mujoco>"#,
+    );
+    let mut start = Data::new(&model).unwrap();
+    start.qvel_mut().copy_from_slice(&[3.0, 5.0, 1.0]);
+    let log = record(start.clone(), 1000, |_| Vec::new());
+    let exact = log.sensor(&model, "orientation", 10);
+    let mut values = exact.values().clone();
+    for row in (0..values.nrows()).step_by(3) {
+        values.row_mut(row).iter_mut().for_each(|value| *value = -*value);
+    }
+    let signal = Signal::new(exact.times().to_vec(), values).unwrap();
+    let experiment = Experiment::new("spin", &start)
+        .with_measurement(Measurement::of_sensor(&model, "orientation", signal).unwrap());
+    let joint = model.joint("ball").unwrap().id();
+    let damping = Unknown::parameter(&model, Parameter::JointDamping(joint)).unwrap().starting_at(0.1);
+    let fit = Identification::new(vec![damping]).unwrap().with_experiment(experiment).unwrap();
+    let fit = fit.solve(Options::default()).unwrap();
+    assert!((fit.estimates()[0].value - 0.02).abs() < 1e-7, "{fit}");
+    assert!(fit.errors()[0].rms < 1e-7, "{fit}");
 }
