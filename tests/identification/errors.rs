@@ -5,7 +5,8 @@ use mujoco_safe::least_squares::LeastSquaresStatus;
 use mujoco_safe::rollout::Parameter;
 use mujoco_safe::{Data, Error, Matrix, Model, sample};
 
-use crate::{SPRING, model};
+use crate::cases::cases;
+use crate::{Noise, SPRING, model};
 
 fn data() -> Data {
     Data::new(model(SPRING)).unwrap()
@@ -123,4 +124,53 @@ fn simulations_that_fail() {
     let idle = run(Unknown::edit("idle", 1.0, |_, _| Ok(()))).unwrap();
     assert_eq!(idle.undetermined().len(), 1, "{idle}");
     assert!(idle.estimates()[0].deviation.is_infinite());
+}
+
+/// Numbers of any kind lead to errors or statuses, never to a panic or an endless search.
+#[test]
+fn hostile_numbers() {
+    let extreme = [0.0, -0.0, 1.0, -1.0, 1e-310, 1e-9, 1e9, 1e160, -1e300, f64::MAX, f64::INFINITY, f64::NAN];
+    let mut noise = Noise(11);
+    let mut pick = |usual: f64| match noise.uniform() {
+        odd if odd > 0.75 => extreme[((odd - 0.75) * 47.9) as usize],
+        _ => usual,
+    };
+    let (mut solved, mut refused) = (0, 0);
+    for case in 0..cases(300, 5000) {
+        let mut start = data();
+        start.qpos_mut()[0] = pick(0.1);
+        start.qvel_mut()[0] = pick(0.0);
+        start.set_time(pick(0.0));
+        let mut run = || -> Result<_, Error> {
+            let model = start.model().clone();
+            let times = (0..6).map(|i| pick(0.02 * f64::from(i))).collect();
+            let signal = Signal::scalar(times, (0..6).map(|_| pick(0.05)).collect())?;
+            let controls = Signal::scalar(vec![pick(0.0), pick(0.05)], vec![pick(1.0), pick(-1.0)])?;
+            let measurement =
+                Measurement::of_sensor(&model, "position", signal)?.with_deviation(pick(0.01)).with_delay(pick(0.0));
+            let mut experiment = Experiment::new("log", &start).with_controls(controls).with_measurement(measurement);
+            if case % 2 == 0 {
+                experiment = experiment.with_uncertain_start(&[pick(0.1), pick(0.0)]);
+            }
+            if case % 3 == 0 {
+                let states = Matrix::from_rows(&[[pick(0.1), pick(0.0)], [pick(0.1), pick(0.0)]]);
+                experiment = experiment.with_segments(pick(0.04), Signal::new(vec![0.0, 0.1], states)?);
+            }
+            let mut unknowns = vec![damping(&model).starting_at(pick(5.0)).between(pick(0.0), pick(10.0))];
+            unknowns.push(Unknown::delay("position").between(pick(0.0), pick(0.01)).with_scale(pick(1e-3)));
+            unknowns.push(Unknown::gain("position").with_prior(pick(1.0), pick(0.1)).starting_at(pick(1.0)));
+            if case % 5 == 0 {
+                unknowns.push(Unknown::bias("position").starting_at(pick(1.0)).logarithmic());
+            }
+            Identification::new(unknowns)?.with_experiment(experiment)?.solve(Options::default())
+        };
+        match run() {
+            Ok(fit) => {
+                assert!(!fit.to_string().is_empty());
+                solved += 1;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(solved > 5 && refused > 5, "{solved} solved, {refused} refused");
 }

@@ -1,5 +1,7 @@
 //! Identification of parameters from measurements.
 
+#[path = "../common/cases.rs"]
+mod cases;
 mod errors;
 mod least_squares;
 mod problems;
