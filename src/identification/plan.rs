@@ -1,6 +1,7 @@
 //! The steps, segments and samples of an experiment.
 
 use super::experiment::Source;
+use super::simulate::Column;
 use super::unknown::{Kind, Unknown};
 use super::{Experiment, Measurement};
 use crate::error::{Error, InvalidKind, Result};
@@ -92,6 +93,18 @@ impl Plan {
     /// Returns the number of coordinates of the state at the start of a segment.
     pub(super) fn state_columns(&self, segment: usize) -> usize {
         if segment == 0 { self.free.len() } else { self.experiment.uncertainty.len() }
+    }
+
+    /// Returns the place of a column among those of a segment: first the state, then the unknowns.
+    pub(super) fn column(&self, segment: usize, column: Column) -> usize {
+        match column {
+            Column::State(coordinate) if segment == 0 => {
+                self.free.iter().position(|&free| free == coordinate).expect("Bug: a column of a known coordinate")
+            }
+            Column::State(coordinate) => coordinate,
+            Column::Unknown(index) => self.state_columns(segment) + index,
+            Column::Nothing => unreachable!("Bug: a derivative by nothing"),
+        }
     }
 
     /// Returns the time of a step.

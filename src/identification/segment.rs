@@ -1,7 +1,7 @@
 //! The residuals of a segment, and their quadratic model.
 
 use super::plan::{Channel, Plan};
-use super::simulate::{Column, Simulated, Values};
+use super::simulate::{Derivative, Simulated, Values};
 use crate::matrix::Matrix;
 use crate::numerics::linear_algebra::add;
 
@@ -106,13 +106,13 @@ pub(super) fn cost(plan: &Plan, segment: usize, readings: &[f64], values: &Value
     sum
 }
 
-/// Returns the quadratic model of the cost. `moved` has the simulation of each column of the state
-/// and the model; the columns of the unknowns come last.
+/// Returns the quadratic model of the cost, given the derivatives by the columns of the state and of
+/// the unknowns that change the model.
 pub(super) fn quadratic(
     plan: &Plan,
     segment: usize,
     base: &Simulated,
-    moved: &[(Column, &Simulated)],
+    derivatives: &[Derivative],
     values: &Values<'_>,
 ) -> Quadratic {
     let (states, unknowns) = (plan.state_columns(segment), values.unknowns.len());
@@ -121,18 +121,7 @@ pub(super) fn quadratic(
     let mut row = vec![0.0; columns + 1];
     let mut cost = 0.0;
     let (mut count, mut squares) = (0, 0.0);
-    let place_of = |column: Column| match column {
-        Column::Nothing => columns,
-        Column::State(coordinate) if segment == 0 => {
-            plan.free.iter().position(|&free| free == coordinate).expect("Bug: a column of a known coordinate")
-        }
-        Column::State(coordinate) => coordinate,
-        Column::Unknown(index) => states + index,
-    };
-    let moved: Vec<(usize, f64, &[f64])> = moved
-        .iter()
-        .map(|(column, simulated)| (place_of(*column), values.step(*column), &simulated.readings[..]))
-        .collect();
+    let places: Vec<usize> = derivatives.iter().map(|derivative| plan.column(segment, derivative.column)).collect();
     let h = plan.experiment.model.timestep();
     residuals(plan, segment, &base.readings, values, |index, place, component, residual| {
         let (channel, measurement) = (&plan.channels[index], &plan.experiment.measurements[index]);
@@ -140,9 +129,8 @@ pub(super) fn quadratic(
         let component = channel.first + component;
         let simulated = place.reading(&base.readings, plan.width, component);
         row.fill(0.0);
-        for (column, step, readings) in &moved {
-            let change = place.reading(readings, plan.width, component) - simulated;
-            row[*column] = gain * change / step;
+        for (&column, derivative) in places.iter().zip(derivatives) {
+            row[column] = gain * place.reading(&derivative.readings, plan.width, component);
         }
         let mut correct = |unknown: Option<usize>, by: f64| {
             if let Some(unknown) = unknown {

@@ -13,7 +13,7 @@ use super::chain::Chain;
 use super::measurement_error::{MeasurementError, errors_of};
 use super::plan::Plan;
 use super::segment::{self, Quadratic};
-use super::simulate::{Column, Simulated, Values, Worker};
+use super::simulate::{Column, Derivative, Simulated, Values, Worker};
 use super::states::{difference, first_errors, first_state, move_state};
 use super::unknown::Unknown;
 use crate::error::Result;
@@ -72,18 +72,11 @@ struct Place {
     node: usize,
 }
 
-/// Simulation of one column of a segment.
+/// Derivatives of the simulation of a segment by one column, or by several with formulas.
 struct Job {
     place: Place,
-    column: Column,
-    result: Simulated,
-    is_stable: bool,
-}
-
-impl Job {
-    fn new(place: Place, column: Column) -> Self {
-        Self { place, column, result: Simulated::default(), is_stable: false }
-    }
+    columns: Vec<Column>,
+    derivatives: Vec<Derivative>,
 }
 
 impl<'p> Shooting<'p> {
@@ -135,38 +128,50 @@ impl<'p> Shooting<'p> {
         place.segment + 1 == self.plans[place.plan].segments()
     }
 
-    /// Returns the columns of a segment that need a simulation: first none, then those of the
-    /// state.
-    fn columns(&self, place: Place) -> impl Iterator<Item = Column> {
+    /// Returns the jobs of a segment.
+    fn jobs(&self, place: Place) -> Vec<Job> {
         let plan = &self.plans[place.plan];
         let states: Vec<usize> = match place.segment {
             0 => plan.free.clone(),
             _ => (0..plan.state_columns(1)).collect(),
         };
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
-        states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown))
+        let columns = states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown));
+        columns.map(|column| Job { place, columns: vec![column], derivatives: Vec::new() }).collect()
     }
 
-    /// Simulates jobs from a point. Returns `false` if one of them becomes unstable.
-    fn run(&mut self, jobs: &mut [Job], is_candidate: bool) -> Result<bool> {
-        let Self { unknowns, plans, workers, present, candidate, version, .. } = self;
-        let point = if is_candidate { candidate } else { present };
-        let values = Values { unknowns, coordinates: &point.coordinates, version: *version };
+    /// Computes the derivatives of jobs at the present point. Returns `false` if a simulation
+    /// becomes unstable.
+    fn differentiate(&mut self, jobs: &mut [Job]) -> Result<bool> {
+        let Self { unknowns, plans, workers, present, present_base, version, .. } = self;
+        let values = Values { unknowns, coordinates: &present.coordinates, version: *version };
         for_each_item(workers, jobs, |worker, _, job| {
-            let Job { place: Place { plan, segment, node }, column, result, .. } = job;
-            let state = &point.nodes[*node];
-            job.is_stable = worker.simulate(&plans[*plan], *segment, state, *column, &values, result)?;
+            let Place { plan, segment, node } = job.place;
+            let (plan, state, base) = (&plans[plan], &present.nodes[node], &present_base[node]);
+            for &column in &job.columns {
+                job.derivatives.extend(worker.difference(plan, segment, state, column, &values, base)?);
+            }
             Ok(())
         })?;
-        Ok(jobs.iter().all(|job| job.is_stable))
+        Ok(jobs.iter().all(|job| job.derivatives.len() == job.columns.len()))
     }
 
     /// Simulates all segments from a point. A segment that becomes unstable has no readings.
     fn run_all(&mut self, is_candidate: bool) -> Result<Vec<Simulated>> {
         self.version += 1;
-        let mut jobs: Vec<Job> = self.places().iter().map(|&place| Job::new(place, Column::Nothing)).collect();
-        self.run(&mut jobs, is_candidate)?;
-        Ok(jobs.into_iter().map(|job| if job.is_stable { job.result } else { Simulated::default() }).collect())
+        let mut jobs: Vec<(Place, Simulated)> =
+            self.places().into_iter().map(|place| (place, Simulated::default())).collect();
+        let Self { unknowns, plans, workers, present, candidate, version, .. } = self;
+        let point = if is_candidate { candidate } else { present };
+        let values = Values { unknowns, coordinates: &point.coordinates, version: *version };
+        for_each_item(workers, &mut jobs, |worker, _, (Place { plan, segment, node }, result)| {
+            let state = &point.nodes[*node];
+            if !worker.simulate(&plans[*plan], *segment, state, Column::Nothing, &values, result)? {
+                *result = Simulated::default();
+            }
+            Ok(())
+        })?;
+        Ok(jobs.into_iter().map(|(_, result)| result).collect())
     }
 
     /// Simulates all segments from the present point unless that is done.
@@ -243,33 +248,25 @@ impl<'p> Shooting<'p> {
         Ok(())
     }
 
-    /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the
-    /// start of the next one.
-    fn end(&self, place: Place, jobs: &[Job]) -> Result<DMatrix<f64>> {
+    /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the start
+    /// of the next one.
+    fn end(&self, place: Place, derivatives: &[Derivative]) -> Result<DMatrix<f64>> {
         let plan = &self.plans[place.plan];
-        let (model, size) = (&plan.experiment.model, plan.experiment.uncertainty.len());
-        let (states, unknowns) = (plan.state_columns(place.segment), self.unknowns.len());
-        let values = self.values(&self.present);
-        let base = &self.present_base[place.node].end;
-        let mut end = DMatrix::zeros(size, states + unknowns + 1);
-        let mut change = vec![0.0; size];
-        difference(model, &self.present.nodes[place.node + 1], base, &mut change)?;
-        end.column_mut(states + unknowns).copy_from_slice(&change);
-        for (index, job) in jobs.iter().enumerate() {
-            let column = if let Column::Unknown(unknown) = job.column { states + unknown } else { index };
-            difference(model, base, &job.result.end, &mut change)?;
-            let step = values.step(job.column);
-            change.iter().enumerate().for_each(|(row, value)| end[(row, column)] = value / step);
+        let columns = plan.state_columns(place.segment) + self.unknowns.len();
+        let mut end = DMatrix::zeros(plan.experiment.uncertainty.len(), columns + 1);
+        let (next, base) = (&self.present.nodes[place.node + 1], &self.present_base[place.node].end);
+        difference(&plan.experiment.model, next, base, end.column_mut(columns).as_mut_slice())?;
+        for derivative in derivatives {
+            end.column_mut(plan.column(place.segment, derivative.column)).copy_from_slice(&derivative.end);
         }
         Ok(end)
     }
 
     /// Adds a segment to the model of the cost.
-    fn add_segment(&mut self, place: Place, jobs: &[Job]) -> Quadratic {
-        let moved: Vec<_> = jobs.iter().map(|job| (job.column, &job.result)).collect();
+    fn add_segment(&mut self, place: Place, derivatives: &[Derivative]) -> Quadratic {
         let values = self.values(&self.present);
         let base = &self.present_base[place.node];
-        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, base, &moved, &values);
+        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, base, derivatives, &values);
         let matrix = quadratic.matrix.to_nalgebra();
         self.chains[place.plan].add(place.segment, &matrix, &mut self.total);
         quadratic
@@ -315,21 +312,23 @@ impl Problem for Shooting<'_> {
         let mut rest = &places[..];
         while !rest.is_empty() {
             // As many segments as fill the memory, and at least one.
-            let (mut jobs, mut counts) = (Vec::new(), Vec::new());
+            let (mut jobs, mut counts, mut columns) = (Vec::new(), Vec::new(), 0);
             while let Some((&place, others)) = rest.split_first()
-                && (jobs.is_empty() || jobs.len() < COLUMNS_PER_THREAD * self.workers.len())
+                && (jobs.is_empty() || columns < COLUMNS_PER_THREAD * self.workers.len())
             {
-                let first = jobs.len();
-                jobs.extend(self.columns(place).map(|column| Job::new(place, column)));
-                counts.push((place, first..jobs.len()));
+                let new = self.jobs(place);
+                counts.push((place, new.len()));
+                columns += new.iter().map(|job| job.columns.len()).sum::<usize>();
+                jobs.extend(new);
                 rest = others;
             }
-            if !self.run(&mut jobs, false)? {
+            if !self.differentiate(&mut jobs)? {
                 return Ok(f64::NAN);
             }
-            for (place, range) in counts {
-                let jobs = &jobs[range];
-                let quadratic = self.add_segment(place, jobs);
+            let mut jobs = jobs.into_iter();
+            for (place, count) in counts {
+                let derivatives: Vec<_> = jobs.by_ref().take(count).flat_map(|job| job.derivatives).collect();
+                let quadratic = self.add_segment(place, &derivatives);
                 cost += quadratic.cost;
                 self.residuals.count += quadratic.count;
                 self.residuals.squares += quadratic.squares;
@@ -339,7 +338,7 @@ impl Problem for Shooting<'_> {
                     weights[place.node - 1] = information.collect();
                 }
                 if !self.is_last(place) {
-                    ends.push((place, self.end(place, jobs)?));
+                    ends.push((place, self.end(place, &derivatives)?));
                 }
             }
         }

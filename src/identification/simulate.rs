@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::experiment::Source;
 use super::plan::Plan;
+use super::states::difference;
 use super::unknown::{Kind, Unknown};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
@@ -37,6 +38,15 @@ impl Simulated {
     pub(super) fn is_stable(&self) -> bool {
         !self.end.is_empty()
     }
+}
+
+/// Derivatives of a [`Simulated`] by a column: of the readings, and of the state at the end in
+/// tangent coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Derivative {
+    pub(super) column: Column,
+    pub(super) readings: Vec<f64>,
+    pub(super) end: Vec<f64>,
 }
 
 /// Simulations of one thread: for the present point, and for a change of each unknown.
@@ -110,6 +120,33 @@ impl Values<'_> {
 }
 
 impl Worker {
+    /// Differences the simulation of a segment by a column. Returns `None` if it becomes unstable.
+    pub(super) fn difference(
+        &mut self,
+        plan: &Plan,
+        segment: usize,
+        state: &[f64],
+        column: Column,
+        values: &Values<'_>,
+        base: &Simulated,
+    ) -> Result<Option<Derivative>> {
+        let mut moved = Simulated::default();
+        if !self.simulate(plan, segment, state, column, values, &mut moved)? {
+            return Ok(None);
+        }
+        let step = values.step(column);
+        let mut end = vec![0.0; plan.experiment.uncertainty.len()];
+        difference(&plan.experiment.model, &base.end, &moved.end, &mut end)?;
+        for value in &mut end {
+            *value /= step;
+        }
+        let mut readings = moved.readings;
+        for (value, base) in readings.iter_mut().zip(&base.readings) {
+            *value = (*value - base) / step;
+        }
+        Ok(Some(Derivative { column, readings, end }))
+    }
+
     /// Simulates a segment that starts in a physics state. Returns `false` if it becomes unstable.
     pub(super) fn simulate(
         &mut self,

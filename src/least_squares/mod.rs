@@ -288,7 +288,7 @@ impl Damping {
     /// Changes the damping after a step, given the reduction of the cost relative to the promised
     /// one.
     fn succeed(&mut self, ratio: f64) {
-        let factor = (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
+        let factor = (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
         self.value = (self.value * factor).max(LEAST_DAMPING);
         self.growth = 2.0;
     }
