@@ -4,6 +4,7 @@ use super::experiment::Source;
 use super::simulate::Column;
 use super::unknown::{Kind, Unknown};
 use super::{Experiment, Measurement};
+use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 
 /// Difference of times that counts as rounding, relative to a time step.
@@ -120,6 +121,16 @@ impl Plan {
         let first = if segment == 0 { samples.start } else { before(self.nodes[segment]) };
         let last = if segment + 1 == self.segments() { samples.end } else { before(self.nodes[segment + 1]) };
         first..last
+    }
+
+    /// Sets the time and the controls of a step.
+    pub(super) fn set_inputs(&self, step: usize, data: &mut Data) {
+        data.set_time(self.time(step));
+        if let Some(controls) = &self.experiment.controls {
+            // Half a step later, so that rounding does not choose the control.
+            let time = self.time(step) + 0.5 * data.model().timestep();
+            data.ctrl_mut().copy_from_slice(controls.held(time));
+        }
     }
 
     /// Returns `true` if a measurement needs the results of [`forward`](crate::Data::forward).

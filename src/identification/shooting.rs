@@ -10,6 +10,7 @@
 use nalgebra::DMatrix;
 
 use super::chain::Chain;
+use super::formulas::Formulas;
 use super::measurement_error::{MeasurementError, errors_of};
 use super::plan::Plan;
 use super::segment::{self, Quadratic};
@@ -28,6 +29,8 @@ const COLUMNS_PER_THREAD: usize = 64;
 pub(super) struct Shooting<'p> {
     pub(super) unknowns: &'p [Unknown],
     pub(super) plans: Vec<Plan>,
+    /// For each experiment: `true` if derivatives by the state come from formulas.
+    has_formulas: Vec<bool>,
     workers: Vec<Worker>,
     version: u64,
     pub(super) present: Point,
@@ -90,9 +93,15 @@ impl<'p> Shooting<'p> {
         let coordinates = unknowns.iter().map(|unknown| unknown.coordinate(unknown.first)).collect();
         let present = Point { coordinates, nodes };
         let n = unknowns.len();
+        let has_formulas = plans.iter().map(|plan| {
+            let columns = (0..plan.segments()).map(|segment| plan.state_columns(segment)).max().unwrap_or(0);
+            Formulas::apply(plan, columns)
+        });
+        let has_formulas = has_formulas.collect::<Result<_>>()?;
         Ok(Self {
             unknowns,
             plans,
+            has_formulas,
             workers: (0..rayon::current_num_threads()).map(|_| Worker::default()).collect(),
             version: 0,
             candidate: present.clone(),
@@ -136,20 +145,30 @@ impl<'p> Shooting<'p> {
             _ => (0..plan.state_columns(1)).collect(),
         };
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
-        let columns = states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown));
-        columns.map(|column| Job { place, columns: vec![column], derivatives: Vec::new() }).collect()
+        let (by_formulas, by_differences): (Vec<Column>, Vec<Column>) = states
+            .into_iter()
+            .map(Column::State)
+            .chain(unknowns.map(Column::Unknown))
+            .partition(|column| self.has_formulas[place.plan] && matches!(column, Column::State(_)));
+        let one = |columns| Job { place, columns, derivatives: Vec::new() };
+        let differences = by_differences.into_iter().map(|column| one(vec![column]));
+        (!by_formulas.is_empty()).then(|| one(by_formulas.clone())).into_iter().chain(differences).collect()
     }
 
     /// Computes the derivatives of jobs at the present point. Returns `false` if a simulation
     /// becomes unstable.
     fn differentiate(&mut self, jobs: &mut [Job]) -> Result<bool> {
-        let Self { unknowns, plans, workers, present, present_base, version, .. } = self;
+        let Self { unknowns, plans, workers, present, present_base, version, has_formulas, .. } = self;
         let values = Values { unknowns, coordinates: &present.coordinates, version: *version };
         for_each_item(workers, jobs, |worker, _, job| {
-            let Place { plan, segment, node } = job.place;
-            let (plan, state, base) = (&plans[plan], &present.nodes[node], &present_base[node]);
-            for &column in &job.columns {
-                job.derivatives.extend(worker.difference(plan, segment, state, column, &values, base)?);
+            let Job { place: Place { plan: index, segment, node }, columns, derivatives } = job;
+            let (plan, state, base) = (&plans[*index], &present.nodes[*node], &present_base[*node]);
+            if has_formulas[*index] && matches!(columns[0], Column::State(_)) {
+                *derivatives = worker.by_formulas(plan, *segment, state, columns, &values)?;
+                return Ok(());
+            }
+            for &column in &*columns {
+                derivatives.extend(worker.difference(plan, *segment, state, column, &values, base)?);
             }
             Ok(())
         })?;

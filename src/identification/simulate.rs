@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::experiment::Source;
+use super::formulas::Formulas;
 use super::plan::Plan;
 use super::states::difference;
 use super::unknown::{Kind, Unknown};
@@ -53,6 +54,7 @@ pub(super) struct Derivative {
 #[derive(Default)]
 pub(super) struct Worker {
     simulations: Vec<Option<Prepared>>,
+    formulas: Option<Formulas>,
     /// Memory for tangent vectors.
     tangent: Vec<f64>,
 }
@@ -147,6 +149,30 @@ impl Worker {
         Ok(Some(Derivative { column, readings, end }))
     }
 
+    /// Computes the derivatives of a segment by formulas. Returns none if it becomes unstable.
+    pub(super) fn by_formulas(
+        &mut self,
+        plan: &Plan,
+        segment: usize,
+        state: &[f64],
+        columns: &[Column],
+        values: &Values<'_>,
+    ) -> Result<Vec<Derivative>> {
+        let Self { simulations, formulas, .. } = self;
+        simulations.resize_with(simulations.len().max(1), || None);
+        let data = prepare(&mut simulations[0], plan, None, values)?;
+        data.set_state(StateSpec::INTEGRATION, &plan.experiment.start)?;
+        data.set_physics_state(state)?;
+        if formulas.is_none() {
+            *formulas = Some(Formulas::new(plan)?);
+        }
+        let formulas = formulas.as_mut().expect("Bug: the place has been filled");
+        match formulas.differentiate(plan, segment, columns, data) {
+            Err(Error::Unstable(_)) => Ok(Vec::new()),
+            result => result,
+        }
+    }
+
     /// Simulates a segment that starts in a physics state. Returns `false` if it becomes unstable.
     pub(super) fn simulate(
         &mut self,
@@ -157,7 +183,7 @@ impl Worker {
         values: &Values<'_>,
         result: &mut Simulated,
     ) -> Result<bool> {
-        let Self { simulations, tangent } = self;
+        let Self { simulations, tangent, .. } = self;
         let place = if let Column::Unknown(index) = column { index + 1 } else { 0 };
         simulations.resize_with(simulations.len().max(place + 1), || None);
         let data = prepare(&mut simulations[place], plan, place.checked_sub(1), values)?;
@@ -224,12 +250,7 @@ fn steps(plan: &Plan, segment: usize, data: &mut Data, readings: &mut Vec<f64>) 
     let (first, last) = (plan.nodes[segment], plan.nodes[segment + 1]);
     let needs_forward = plan.needs_forward();
     for step in first..=last {
-        data.set_time(plan.time(step));
-        if let Some(controls) = &plan.experiment.controls {
-            // Half a step later, so that rounding does not choose the control.
-            let time = plan.time(step) + 0.5 * data.model().timestep();
-            data.ctrl_mut().copy_from_slice(controls.held(time));
-        }
+        plan.set_inputs(step, data);
         if step == last || needs_forward {
             data.forward()?;
             read(plan, data, readings)?;

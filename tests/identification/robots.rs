@@ -47,23 +47,16 @@ fn check(fit: &Fit, values: &[(Parameter, f64)], tolerance: f64) {
     }
 }
 
-/// Returns a measurement of positions from `first` on, by encoders with noise, every `stride`
-/// steps.
-fn encoders(log: &Log, nq: usize, first: usize, stride: usize) -> Measurement {
-    const NOISE: f64 = 1e-4;
+/// Standard deviation of the readings' noise, m and rad.
+const NOISE: f64 = 1e-4;
+
+/// Returns a measurement of all positions, by encoders with noise.
+fn encoders(log: &Log, nq: usize) -> Measurement {
     let mut noise = Noise(7);
-    let rows = (0..log.times.len()).step_by(stride);
-    let values: Vec<f64> = rows
-        .clone()
-        .flat_map(|row| log.states.row(row)[first..nq].to_vec())
-        .map(|it| it + NOISE * noise.normal())
-        .collect();
-    let signal = Signal::new(
-        rows.clone().map(|row| log.times[row]).collect(),
-        Matrix::from_row_major(rows.count(), nq - first, values),
-    );
-    Measurement::of("encoders", signal.unwrap(), move |data, output| {
-        output.copy_from_slice(&data.qpos()[first..]);
+    let values = log.states.rows().flat_map(|row| row[..nq].to_vec()).map(|it| it + NOISE * noise.normal());
+    let values = Matrix::from_row_major(log.times.len(), nq, values.collect());
+    Measurement::of("encoders", Signal::new(log.times.clone(), values).unwrap(), |data, output| {
+        output.copy_from_slice(data.qpos());
         Ok(())
     })
     .with_deviation(NOISE)
@@ -88,7 +81,7 @@ fn arm() {
     let log = record(truth(&start, &values), 400, |time| {
         (0..nu).map(|i| [0.15, 0.15, 0.1, 0.05, 0.05, 0.05][i] * ((2.0 + i as f64) * time + i as f64).sin()).collect()
     });
-    walk(&start, &log, &values, 2e-2);
+    walk(&start, &log, vec![encoders(&log, model.nq())], &values, 2e-2);
 }
 
 /// The mass of the trunk, gears and damping of a quadruped that sways,
@@ -112,14 +105,27 @@ fn quadruped() {
         (Parameter::JointDamping(damping), 1.2),
     ];
     let log = record(truth(&start, &values), 60, control);
-    walk(&start, &log, &values, 2e-2);
+    walk(&start, &log, vec![encoders(&log, model.nq())], &values, 2e-2);
 }
 
-/// Masses, damping and gears of a humanoid that moves on one leg, from encoders and the pose of its
-/// pelvis, in segments.
+/// Masses and a gear of a humanoid that moves on one leg, from sensors of its joints and the pose of
+/// its torso, in segments: with derivatives in closed form.
 #[test]
 fn humanoid() {
-    let model = Arc::new(sample::humanoid());
+    let bare = sample::humanoid();
+    let hinges = bare.joints().skip(1).map(|joint| joint.name().unwrap().to_owned());
+    let sensors: Vec<String> = hinges.map(|name| format!(r#"<jointpos joint="{name}"/>"#)).collect();
+    let model = Arc::new(
+        Model::from_xml_str(&sample::HUMANOID_XML.replace(
+            "</mujoco>",
+            &format!(
+                r#"<sensor><framepos objtype="xbody" objname="torso"/>
+                   <framequat objtype="xbody" objname="torso"/>{}</sensor></mujoco>"#,
+                sensors.concat()
+            ),
+        ))
+        .unwrap(),
+    );
     let mut start = Data::new(&model).unwrap();
     start.reset_to_key("stand_on_left_leg").unwrap();
     let body = |name: &str| model.body(name).unwrap().id();
@@ -134,12 +140,22 @@ fn humanoid() {
     let log = record(truth(&start, &values), 60, |time| {
         (0..nu).map(|i| 0.3 * ((8.0 + i as f64) * time + i as f64).sin()).collect()
     });
-    walk(&start, &log, &values, 5e-2);
+    let mut noise = Noise(3);
+    // Without those of accelerations and rates.
+    let measurements = model.sensors().skip(bare.nsensor()).map(|sensor| {
+        let range = sensor.data_range();
+        let values =
+            log.readings.rows().flat_map(|row| row[range.clone()].to_vec()).map(|it| it + NOISE * noise.normal());
+        let values = Matrix::from_row_major(log.times.len(), range.len(), values.collect());
+        let signal = Signal::new(log.times.clone(), values).unwrap();
+        Measurement::of_sensor(&model, sensor.id(), signal).unwrap().with_deviation(NOISE)
+    });
+    walk(&start, &log, measurements.collect(), &values, 5e-2);
 }
 
 /// Searches in segments of a tenth of a second, whose first states come from the log's positions
 /// and their differences.
-fn walk(start: &Data, log: &Log, values: &[(Parameter, f64)], tolerance: f64) {
+fn walk(start: &Data, log: &Log, measurements: Vec<Measurement>, values: &[(Parameter, f64)], tolerance: f64) {
     let model = start.model();
     let (nq, nv) = (model.nq(), model.nv());
     let mut states = Matrix::zeros(log.times.len(), nq + nv);
@@ -151,9 +167,10 @@ fn walk(start: &Data, log: &Log, values: &[(Parameter, f64)], tolerance: f64) {
         states.row_mut(row)[..nq].copy_from_slice(&log.states.row(row)[..nq]);
         states.row_mut(row)[nq..].copy_from_slice(&velocity);
     }
-    let experiment = Experiment::new("walk", start)
+    let experiment = measurements
+        .into_iter()
+        .fold(Experiment::new("walk", start), Experiment::with_measurement)
         .with_controls(log.controls())
-        .with_measurement(encoders(log, nq, 0, 1))
         .with_segments(0.1, Signal::new(log.times.clone(), states).unwrap());
     check(&search(start, values, experiment), values, tolerance);
 }
