@@ -195,7 +195,7 @@ pub(super) fn next_activations(model: &Model, data: &Data, next: &mut [f64]) {
 }
 
 /// Returns an activation after the step.
-fn next_activation(model: &Model, data: &Data, actuator: usize, activation: usize) -> f64 {
+pub(super) fn next_activation(model: &Model, data: &Data, actuator: usize, activation: usize) -> f64 {
     let next = unclamped_activation(model, data, actuator, activation);
     let [low, high] = model.actuator_actrange()[actuator];
     let is_clamped = model.actuator_actlimited()[actuator] != 0 && !freezes_activations(model);

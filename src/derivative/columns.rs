@@ -178,7 +178,8 @@ fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
     data.step2_for_differences()
 }
 
-fn sample(data: &Data, sample: &mut [f64]) {
+/// Copies `[qpos; qvel; act; sensordata]`.
+pub(super) fn sample(data: &Data, sample: &mut [f64]) {
     let (nq, nv, na) = (data.model().nq(), data.model().nv(), data.model().na());
     let (qpos, rest) = sample.split_at_mut(nq);
     let (qvel, rest) = rest.split_at_mut(nv);

@@ -1,8 +1,10 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
+use super::adjoint::Adjoint;
 use super::analytic;
 use super::kinks;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use super::parameter::ParameterBuffers;
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::support::Obstacles;
 use super::worker::{Worker, linearise};
@@ -48,12 +50,16 @@ const MAX_THREADS: usize = 1024;
 /// [`Kinks`](super::Kinks).
 #[derive(Debug)]
 pub struct Lineariser {
-    options: TransitionOptions,
+    pub(super) options: TransitionOptions,
     pub(super) workers: Vec<Worker>,
     /// Buffer for the base point: [`StateSpec::INTEGRATION`].
     pub(super) base: Vec<f64>,
     /// Obstacles for the model of the workers, which is never changed in place while they share it.
     pub(super) obstacles: Obstacles,
+    /// Parameters of the last derivative by parameters.
+    pub(super) parameters: ParameterBuffers,
+    /// Created when a gradient along a trajectory is first computed.
+    pub(super) adjoint: Option<Box<Adjoint>>,
 }
 
 impl Lineariser {
@@ -75,7 +81,8 @@ impl Lineariser {
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
         let base = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
-        Ok(Self { options, workers, base, obstacles: Obstacles::of(&model) })
+        let (obstacles, parameters) = (Obstacles::of(&model), ParameterBuffers::default());
+        Ok(Self { options, workers, base, obstacles, parameters, adjoint: None })
     }
 
     /// Returns the options that the lineariser was created with.

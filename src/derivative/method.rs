@@ -214,6 +214,10 @@ bitflags! {
         /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by
         /// differences of their collision function.
         const CONTACTS = 1 << 1;
+        /// Derivatives by parameters without a formula: by differences of the equations of motion
+        /// at constant accelerations, or of steps. These are the
+        /// [`differenced_parameters`](super::Lineariser::differenced_parameters) of the lineariser.
+        const PARAMETERS = 1 << 2;
     }
 }
 

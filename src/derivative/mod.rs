@@ -19,6 +19,7 @@
 //! [`math`](crate::math::sub_quat_derivative).
 
 mod actuation;
+mod adjoint;
 mod analytic;
 mod columns;
 mod convergence;
@@ -29,6 +30,7 @@ mod kinks;
 mod lineariser;
 mod method;
 mod newton;
+mod parameter;
 mod perturbation;
 mod residual;
 mod rotation;
@@ -36,9 +38,11 @@ mod support;
 mod transition;
 mod worker;
 
+pub use self::adjoint::{CostGradient, CostSlopes};
 pub use self::inverse::{InverseJacobians, InverseOutputs};
 pub use self::lineariser::Lineariser;
 pub use self::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod, TransitionOptions};
+pub use self::parameter::{InertialParameters, ModelParameter, ParameterJacobian, ParameterOutputs};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
 use crate::error::{Error, Result};

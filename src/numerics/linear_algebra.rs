@@ -117,6 +117,20 @@ pub(crate) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
     }
 }
 
+/// Computes `(L U)⁻ᵀ x` in place, with the factors of [`factor_lu`].
+pub(crate) fn solve_lu_transposed(factor: &Matrix, vector: &mut [f64]) {
+    let n = vector.len();
+    for row in 0..n {
+        vector[row] /= factor[(row, row)];
+        let (done, rest) = vector.split_at_mut(row + 1);
+        add(rest, &factor.row(row)[row + 1..], -done[row]);
+    }
+    for row in (1..n).rev() {
+        let (above, rest) = vector.split_at_mut(row);
+        add(above, &factor.row(row)[..row], -rest[0]);
+    }
+}
+
 /// Subtracts a multiple of each row of `rows` from `result`.
 #[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
 #[inline(always)]

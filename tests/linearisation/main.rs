@@ -8,6 +8,7 @@ mod fields;
 
 mod differential;
 mod inverse_fd;
+mod parameters;
 #[path = "../common/schema_models/mod.rs"]
 mod schema_models;
 mod support;

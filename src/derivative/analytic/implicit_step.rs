@@ -40,12 +40,12 @@ use crate::numerics::linear_algebra::{add, add_product, factor_lu, solve_lu};
 #[derive(Debug)]
 pub(super) struct ImplicitStep {
     /// `(nv, nv)`: Q, and the LU factors of W.
-    forces: Matrix,
-    factor: Matrix,
+    pub(super) forces: Matrix,
+    pub(super) factor: Matrix,
     /// `(nv, 1)`: w
-    spread: Matrix,
+    pub(super) spread: Matrix,
     /// `(nv)`: s, a velocity, and zeros.
-    acceleration: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
     velocity: Vec<f64>,
     zeros: Vec<f64>,
     /// `(nv, 2 nv)`: derivatives of inverse dynamics.
@@ -60,7 +60,7 @@ pub(super) fn is_used(model: &Model) -> bool {
 }
 
 /// Returns the damping of a tendon in Q. 2.2.2 does not have a negative one there.
-fn tendon_damping(model: &Model, tendon: usize) -> f64 {
+pub(super) fn tendon_damping(model: &Model, tendon: usize) -> f64 {
     let damping = model.tendon_damping()[tendon];
     if cfg!(engine_since = "3.5.0") { damping } else { damping.max(0.0) }
 }
@@ -111,24 +111,10 @@ impl ImplicitStep {
         derivative: &mut Matrix,
         rotations: &mut Vec<Rotation>,
     ) -> Result<()> {
+        self.prepare(data, tree, bodies)?;
         let model = data.model();
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
-        self.bias.as_mut_slice().fill(0.0);
-        bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), &self.zeros), &mut self.bias);
-        self.assemble(data, tree);
-        data.full_m_into(&mut self.factor)?;
-        add(self.factor.as_mut_slice(), self.forces.as_slice(), -h);
-        factor_lu(&mut self.factor);
-
         let Self { forces, factor, spread, acceleration, velocity, zeros, bias, sum } = self;
-        for (dof, spread) in spread.as_mut_slice().iter_mut().enumerate() {
-            let product: f64 = forces.row(dof).iter().zip(data.qacc()).map(|(force, qacc)| force * qacc).sum();
-            *spread = -h * product;
-        }
-        solve_lu(factor, spread);
-        let values = acceleration.iter_mut().zip(data.qacc()).zip(spread.as_slice());
-        values.for_each(|((acceleration, qacc), spread)| *acceleration = qacc - spread);
-
         sum.as_mut_slice().fill(0.0);
         bodies.differentiate_inertia(data, tree, spread.as_slice(), sum);
         for dof in 0..nv {
@@ -154,6 +140,27 @@ impl ImplicitStep {
         values.for_each(|(value, sum)| *value = h * (sum - *value));
         (0..nv).for_each(|dof| derivative[(dof, nv + dof)] += 1.0);
         rotation::differentiate(model, |dof| data.qvel()[dof] + h * acceleration[dof], rotations);
+        Ok(())
+    }
+
+    /// Computes Q, the factors of W, w and s.
+    pub(super) fn prepare(&mut self, data: &Data, tree: &Tree, bodies: &mut RigidBodies) -> Result<()> {
+        let h = data.model().raw().opt.timestep;
+        self.bias.as_mut_slice().fill(0.0);
+        bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), &self.zeros), &mut self.bias);
+        self.assemble(data, tree);
+        data.full_m_into(&mut self.factor)?;
+        add(self.factor.as_mut_slice(), self.forces.as_slice(), -h);
+        factor_lu(&mut self.factor);
+
+        let Self { forces, factor, spread, acceleration, .. } = self;
+        for (dof, spread) in spread.as_mut_slice().iter_mut().enumerate() {
+            let product: f64 = forces.row(dof).iter().zip(data.qacc()).map(|(force, qacc)| force * qacc).sum();
+            *spread = -h * product;
+        }
+        solve_lu(factor, spread);
+        let values = acceleration.iter_mut().zip(data.qacc()).zip(spread.as_slice());
+        values.for_each(|((acceleration, qacc), spread)| *acceleration = qacc - spread);
         Ok(())
     }
 

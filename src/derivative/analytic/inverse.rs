@@ -11,8 +11,12 @@
 //! is solved: `∂f/∂q` and `∂f/∂v` are sums of the same terms, and `∂f/∂a = M + Jᵀ 𝒦 J` is the
 //! matrix H of `newton.rs`. Sensors have the derivatives of `sensors/` with a as a third input.
 
+use super::constraint::Constraints;
 use super::inertia;
+use super::rigid_body::RigidBodies;
 use super::sensors::{Point, Sensors};
+use super::tendon::Tendons;
+use super::tree::Tree;
 use super::{Analytic, Fallback, Outcome};
 use crate::data::{Data, SensorUpdate, Stage};
 use crate::derivative::{InverseForce, InverseOutputs};
@@ -30,11 +34,43 @@ pub(super) struct Inverse {
 }
 
 impl Inverse {
-    fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
         let mut deceleration = Matrix::zeros(nv, 3 * nv);
         (0..nv).for_each(|dof| deceleration[(dof, 2 * nv + dof)] = -1.0);
         Self { sensors: Sensors::new(model, 3 * nv), deceleration }
+    }
+
+    /// Differentiates the sensors by positions, velocities and accelerations, after the derivatives
+    /// of the forces were computed.
+    pub(super) fn differentiate(
+        &mut self,
+        data: &Data,
+        tree: &Tree,
+        bodies: &RigidBodies,
+        tendons: &Tendons,
+        constraints: &Constraints,
+    ) {
+        self.sensors.differentiate(Point {
+            data,
+            tree,
+            bodies,
+            tendons,
+            forces: &constraints.force_sensors,
+            interactions: &constraints.interactions,
+            deceleration: &self.deceleration,
+            has_actuators: false,
+        });
+    }
+
+    /// Returns the derivatives of a reading by positions, velocities and accelerations.
+    pub(super) fn row(&self, address: usize) -> &[f64] {
+        self.sensors.row(address)
+    }
+
+    /// Returns the flags of the readings in closed form, `(nsensordata)`.
+    pub(super) fn in_closed_form(&self) -> &[bool] {
+        self.sensors.in_closed_form()
     }
 }
 
@@ -62,16 +98,7 @@ impl Analytic {
         }
         if wants_sensors {
             let inverse = inverse.get_or_insert_with(|| Inverse::new(data.model()));
-            inverse.sensors.differentiate(Point {
-                data,
-                tree,
-                bodies,
-                tendons,
-                forces: &constraints.force_sensors,
-                interactions: &constraints.interactions,
-                deceleration: &inverse.deceleration,
-                has_actuators: false,
-            });
+            inverse.differentiate(data, tree, bodies, tendons, constraints);
         }
         Ok(Ok(differenced))
     }

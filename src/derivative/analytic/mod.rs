@@ -20,7 +20,8 @@
 //! | step of the integrator | `euler.rs`, `damped_inertia.rs`, `implicit_step.rs` |
 //! | inertia matrix | `inertia.rs` |
 //!
-//! The derivatives of inverse dynamics (`inverse.rs`) consist of the same terms.
+//! The derivatives of inverse dynamics (`inverse.rs`) consist of the same terms, and those by
+//! parameters of the model (`parameters/`) have the same matrices.
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j
 //! displaces all bodies that it moves by the twist `cdof[j]`. This holds for all joints: for a free
@@ -39,6 +40,7 @@ mod fluid;
 mod implicit_step;
 mod inertia;
 mod inverse;
+mod parameters;
 mod passive;
 mod rigid_body;
 mod sensors;
@@ -53,6 +55,7 @@ pub(super) use self::fluid::is_obstacle as has_fluid_obstacle;
 use self::implicit_step::ImplicitStep;
 pub(super) use self::implicit_step::is_obstacle as has_implicit_step_obstacle;
 use self::inverse::Inverse;
+use self::parameters::Parameters;
 use self::rigid_body::RigidBodies;
 pub(super) use self::sensors::reads_tendons;
 use self::sensors::{Point, Sensors};
@@ -84,6 +87,8 @@ pub(super) struct Analytic {
     sensors: Sensors,
     /// Created when inverse dynamics is first differentiated.
     inverse: Option<Inverse>,
+    /// Created when a parameter is first differentiated.
+    parameters: Option<Parameters>,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
     /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions,
@@ -126,6 +131,7 @@ impl Analytic {
             implicit_step: None,
             sensors: Sensors::new(model, nx + nu),
             inverse: None,
+            parameters: None,
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],

@@ -192,6 +192,24 @@ impl RigidBodies {
         }
     }
 
+    /// Computes the velocity and the acceleration of each body, `(nbody)`, at other velocities,
+    /// without accelerations and gravity.
+    pub(super) fn motions(
+        &mut self,
+        data: &Data,
+        tree: &Tree,
+        (qvel, zeros): (&[f64], &[f64]),
+        motions: &mut [[Spatial; 2]],
+    ) {
+        self.sweep(tree, data.cdof(), Some(qvel), zeros, [0.0; 3]);
+        for (motion, last) in motions.iter_mut().zip(&tree.last) {
+            *motion = last.map_or([[0.0; 6]; 2], |dof| {
+                let Motion { velocity, acceleration } = self.after[tree.group[dof]];
+                [velocity, acceleration]
+            });
+        }
+    }
+
     /// Computes the motion before and after each group, from the root to the leaves. Velocities are
     /// zero without `qvel`.
     fn sweep(&mut self, tree: &Tree, axes: &[Spatial], qvel: Option<&[f64]>, qacc: &[f64], gravity: [f64; 3]) {

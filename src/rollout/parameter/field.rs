@@ -80,7 +80,7 @@ pub struct FieldNumber {
 
 /// Set of valid values.
 #[derive(Clone, Copy)]
-pub(super) enum Valid {
+pub(crate) enum Valid {
     Finite,
     /// A number that is finite as `f32`, too.
     Single,
@@ -90,7 +90,7 @@ pub(super) enum Valid {
 }
 
 impl Valid {
-    pub(super) fn contains(self, value: f64) -> bool {
+    pub(crate) fn contains(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Self::Finite => true,
@@ -101,7 +101,7 @@ impl Valid {
             }
     }
 
-    pub(super) fn text(self) -> &'static str {
+    pub(crate) fn text(self) -> &'static str {
         match self {
             Self::Finite => "finite",
             Self::Single => "finite and at most 3.4e38 in magnitude",
@@ -165,7 +165,7 @@ impl Parameter {
         Ok(Self::Field(FieldNumber { array, row, column, has_derived, lineage }))
     }
 
-    pub(super) fn valid(self) -> Valid {
+    pub(crate) fn valid(self) -> Valid {
         match self {
             Self::Gravity(_)
             | Self::CentreOfMass(..)
@@ -304,6 +304,22 @@ impl Parameter {
             Self::ActuatorBias(actuator, _) => model.actuator_biasprm()[actuator.index()].len(),
             _ => 3,
         }
+    }
+
+    /// Returns the name of the array, the row and the column of the number that a parameter is, if
+    /// it is one number.
+    pub(crate) fn place(self, model: &Model) -> Option<(&'static str, usize, usize)> {
+        Some(match self {
+            Self::CentreOfMass(body, axis) => ("body_ipos", body.index(), axis),
+            Self::JointStiffness(joint) => ("jnt_stiffness", joint.index(), 0),
+            Self::GeomFriction(geom, at) => ("geom_friction", geom.index(), at),
+            Self::GeomSize(geom, at) => ("geom_size", geom.index(), at),
+            Self::ActuatorGain(actuator, at) => ("actuator_gainprm", actuator.index(), at),
+            Self::ActuatorBias(actuator, at) => ("actuator_biasprm", actuator.index(), at),
+            Self::ActuatorGear(actuator) => ("actuator_gear", model.first_output(actuator.index()), 0),
+            Self::Field(FieldNumber { array, row, column, .. }) => (array, row, column),
+            _ => return None,
+        })
     }
 
     /// Returns the value in the model of the batch.

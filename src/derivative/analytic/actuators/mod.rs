@@ -47,7 +47,7 @@ pub(in crate::derivative) fn obstacle(model: &Model) -> Option<Fallback> {
     (stale || !(0..model.nactuator()).all(is_covered)).then_some(Fallback::Actuator)
 }
 
-fn actuation_is_disabled(model: &Model) -> bool {
+pub(super) fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
 }
 
@@ -127,9 +127,11 @@ impl Curve {
 /// Derivatives of the force of an actuator by its length and velocity, and by its control or
 /// activation.
 #[derive(Clone, Copy, Debug)]
-struct ForceSlopes {
-    by_length: f64,
-    by_velocity: f64,
+pub(super) struct ForceSlopes {
+    /// Control after clamping, or activation.
+    pub(super) input: f64,
+    pub(super) by_length: f64,
+    pub(super) by_velocity: f64,
     by_input: f64,
     /// Column of the control or the activation among positions, velocities, activations and
     /// controls.
@@ -140,7 +142,7 @@ struct ForceSlopes {
 
 impl ForceSlopes {
     /// Returns the derivatives, or `None` for a force beyond its range.
-    fn new(data: &Data, actuator: usize) -> Option<Self> {
+    pub(super) fn new(data: &Data, actuator: usize) -> Option<Self> {
         let model = data.model();
         let (nv, na) = (model.nv(), model.na());
         let (input, input_slope, input_column) = if let Some(activation) = model.activation_of(actuator) {
@@ -169,6 +171,7 @@ impl ForceSlopes {
         // The length of an actuator on a site is constant.
         let changes_length = f64::from(u8::from(site_of(model, actuator).is_none()));
         Some(Self {
+            input,
             by_length: changes_length * (gain.by_length * input + bias.by_length),
             by_velocity: gain.by_velocity * input + bias.by_velocity,
             by_input: gain.value * input_slope,
@@ -190,24 +193,31 @@ pub(super) struct VelocityGain {
 /// Returns the velocity gain of an actuator with affine gain and bias.
 pub(super) fn velocity_gain(data: &Data, actuator: usize) -> VelocityGain {
     let model = data.model();
-    if actuation_is_disabled(model) {
-        return VelocityGain::default();
-    }
-    let (input, slope) = match model.activation_of(actuator) {
-        Some(activation) => (data.act()[activation], 1.0),
-        None if cfg!(engine_since = "3.17.0") => clamped_control(data, actuator),
-        None => (data.ctrl()[actuator], 1.0),
-    };
-    let (force, [low, high]) = (data.actuator_force()[actuator], model.actuator_forcerange()[actuator]);
-    let is_limited = cfg!(engine_since = "3.5.0") && model.actuator_forcelimited()[actuator] != 0;
-    if is_limited && (force <= low || force >= high) {
-        return VelocityGain::default();
-    }
+    let Some((input, slope)) = velocity_gain_input(data, actuator) else { return VelocityGain::default() };
     let is_affine = model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw();
     let by_input = if is_affine { model.actuator_gainprm()[actuator][2] } else { 0.0 };
     let is_affine = model.actuator_biastype()[actuator] == ActuatorBias::Affine.raw();
     let constant = if is_affine { model.actuator_biasprm()[actuator][2] } else { 0.0 };
     VelocityGain { total: constant + by_input * input, by_input: by_input * slope }
+}
+
+/// Returns the number that the coefficient of the velocity in the gain multiplies, and its
+/// derivative by the control or the activation; `None` if the velocity gain is zero.
+pub(super) fn velocity_gain_input(data: &Data, actuator: usize) -> Option<(f64, f64)> {
+    let model = data.model();
+    if actuation_is_disabled(model) {
+        return None;
+    }
+    let (force, [low, high]) = (data.actuator_force()[actuator], model.actuator_forcerange()[actuator]);
+    let is_limited = cfg!(engine_since = "3.5.0") && model.actuator_forcelimited()[actuator] != 0;
+    if is_limited && (force <= low || force >= high) {
+        return None;
+    }
+    Some(match model.activation_of(actuator) {
+        Some(activation) => (data.act()[activation], 1.0),
+        None if cfg!(engine_since = "3.17.0") => clamped_control(data, actuator),
+        None => (data.ctrl()[actuator], 1.0),
+    })
 }
 
 /// Adds the derivative of the velocity of an actuator by the position.
@@ -305,6 +315,19 @@ fn clamped_control(data: &Data, actuator: usize) -> (f64, f64) {
     let [low, high] = model.actuator_ctrlrange()[actuator];
     let is_free = low < high && is_inside(control, [low, high]);
     (control.max(low).min(high), f64::from(u8::from(is_free)))
+}
+
+/// Returns the kinks of forces at an end of their range.
+pub(super) fn kinks_of_forces(data: &Data) -> Kinks {
+    let is_at_limit = |actuator| ForceSlopes::new(data, actuator).is_some_and(|slopes| slopes.is_at_limit);
+    if (0..data.model().nactuator()).any(is_at_limit) { Kinks::FORCES } else { Kinks::empty() }
+}
+
+/// Returns `true` unless the activation after a step is clamped to its range.
+pub(super) fn is_next_activation_free(data: &Data, actuator: usize, activation: usize) -> bool {
+    let model = data.model();
+    let next = data.act()[activation] + model.raw().opt.timestep * data.act_dot()[activation];
+    model.actuator_actlimited()[actuator] == 0 || is_inside(next, model.actuator_actrange()[actuator])
 }
 
 /// Differentiates `act + h ȧ`, clamped to the range of the activation.

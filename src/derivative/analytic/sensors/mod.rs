@@ -21,6 +21,7 @@
 //! formula here.
 
 mod acceleration;
+pub(super) mod explicit;
 mod force;
 mod frame;
 mod interaction;
@@ -202,6 +203,11 @@ impl Sensors {
                 *flag = rows.row(row).iter().all(|value| value.is_finite());
             }
         }
+    }
+
+    /// Returns the derivatives of a reading by the inputs.
+    pub(super) fn row(&self, address: usize) -> &[f64] {
+        self.rows.row(address)
     }
 
     /// Writes a block of columns of the rows in closed form to a matrix, transposed.

@@ -1,0 +1,328 @@
+//! Derivatives of the terms of the equations of motion by parameters.
+//!
+//! | parameter | ∂g | ∂M w + h ∂Q s of the integrator |
+//! |---|---|---|
+//! | inertia of a body | `S_k · (∂I a + v ×* ∂I v)`; forces applied at its centre of mass | `S_k · ∂I V_w`, and the same of the Coriolis forces |
+//! | gravity | `−S_k · I_k e` | – |
+//! | armature | a | w |
+//! | damping | v | `−h s` |
+//! | friction loss, if its constraint slips | minus the force at the limit, for a loss of one | – |
+//! | stiffness, rest position | displacement, `−k` | – |
+//! | gain, bias | minus the moment arms times the factor of the parameter | `h m mᵀ s` for factors of the velocity |
+//! | gear | moment arms, lengths and velocities are proportional to it | twice the velocity gain |
+//!
+//! Q and s belong to the integrators with implicit damping: see `euler.rs` and `implicit_step.rs`.
+
+use mujoco_sys::{mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON, mjCNSTRSTATE_LINEARNEG, mjCNSTRSTATE_LINEARPOS};
+
+use super::super::actuators::{self, ForceSlopes};
+use super::super::sensors::explicit;
+use super::super::tree::Tree;
+use crate::data::Data;
+use crate::derivative::parameter::{BodyFrame, BodyMotion, Effect, Factor, in_engine_order};
+use crate::enums::JointType;
+use crate::ffi;
+use crate::layout::Row;
+use crate::math;
+use crate::model::{DisableFlags, Model};
+use crate::numerics::spatial::{Spatial, add_scaled, cross, dot, momentum, spatial};
+
+/// Receiver of the derivatives by one parameter.
+pub(super) trait Sink {
+    /// Adds to ∂g.
+    fn residual(&mut self, dof: usize, value: f64);
+    /// Adds to `∂M w + h ∂Q s`.
+    fn spread(&mut self, dof: usize, value: f64);
+    /// Adds to the derivative of a next activation.
+    fn activation(&mut self, activation: usize, value: f64);
+    /// Adds to the derivative of a reading at constant accelerations.
+    fn sensor(&mut self, address: usize, value: f64);
+}
+
+/// State at which the terms are differentiated.
+#[derive(Clone, Copy)]
+pub(super) struct Point<'a> {
+    pub(super) data: &'a Data,
+    pub(super) tree: &'a Tree,
+    /// Integrator with implicit damping, if the step has it.
+    pub(super) damping: Damping<'a>,
+    pub(super) wants_sensors: bool,
+    /// True if actuators are part of g, and forces applied to bodies.
+    pub(super) has_actuators: bool,
+    pub(super) has_applied: bool,
+}
+
+/// Implicit damping of an integrator.
+#[derive(Clone, Copy)]
+pub(super) enum Damping<'a> {
+    None,
+    /// w and s of the Euler integrator.
+    Euler {
+        spread: &'a [f64],
+        acceleration: &'a [f64],
+    },
+    /// w and s of the implicit integrator, and the motions of the bodies at `v + s`, v and s.
+    Implicit {
+        spread: &'a [f64],
+        acceleration: &'a [f64],
+        motions: [&'a [[Spatial; 2]]; 3],
+    },
+}
+
+impl<'a> Damping<'a> {
+    pub(super) fn spread(self) -> Option<&'a [f64]> {
+        match self {
+            Self::None => None,
+            Self::Euler { spread, .. } | Self::Implicit { spread, .. } => Some(spread),
+        }
+    }
+}
+
+/// Passes the derivatives by a parameter on.
+pub(super) fn differentiate(point: Point<'_>, effect: &Effect, sink: &mut impl Sink) {
+    let Point { data, tree, damping, .. } = point;
+    let model = data.model();
+    let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
+    match *effect {
+        Effect::Inertial { body, ref change, ref centre } => inertial(point, body, change, centre, sink),
+        Effect::Gravity(axis) => add_gravity(point, axis, sink),
+        Effect::Armature(ref dofs) => {
+            for dof in dofs.clone() {
+                sink.residual(dof, data.qacc()[dof]);
+                if let Some(spread) = damping.spread() {
+                    sink.spread(dof, spread[dof]);
+                }
+            }
+        }
+        Effect::Damping(ref dofs) => {
+            let h = model.raw().opt.timestep;
+            for dof in dofs.clone() {
+                if has_passive {
+                    sink.residual(dof, data.qvel()[dof]);
+                }
+                match damping {
+                    Damping::Euler { acceleration, .. } => sink.spread(dof, -h * acceleration[dof]),
+                    Damping::Implicit { acceleration, .. } if has_passive => sink.spread(dof, -h * acceleration[dof]),
+                    _ => {}
+                }
+            }
+        }
+        Effect::FrictionLoss(ref dofs) => {
+            add_friction(data, mjCNSTR_FRICTION_DOF, |id| dofs.contains(&id), sink);
+        }
+        Effect::TendonFrictionLoss(tendon) => add_friction(data, mjCNSTR_FRICTION_TENDON, |id| id == tendon, sink),
+        Effect::Stiffness(joint) if has_passive => add_displacement(data, joint, sink),
+        Effect::SpringReference { dof, stiffness } if has_passive => sink.residual(dof, -stiffness),
+        Effect::TendonStiffness(tendon) if has_passive => {
+            let (length, [low, high]) = (data.ten_length()[tendon], model.tendon_rest_length(tendon));
+            let displacement = if length > high { length - high } else { (length - low).min(0.0) };
+            add_tendon(data, tendon, displacement, sink);
+        }
+        Effect::TendonRestLength { tendon, is_lower, is_upper } if has_passive => {
+            let (length, [low, high]) = (data.ten_length()[tendon], model.tendon_rest_length(tendon));
+            if (is_upper && length > high) || (is_lower && length < low) {
+                add_tendon(data, tendon, -model.tendon_stiffness()[tendon], sink);
+            }
+        }
+        Effect::TendonDamping(tendon) if has_passive => {
+            add_tendon(data, tendon, data.ten_velocity()[tendon], sink);
+            if let Damping::Implicit { acceleration, .. } = damping {
+                let row = data.tendon_row(tendon);
+                let h = model.raw().opt.timestep;
+                add_on_chains(tree, row, acceleration, -h, |dof, value| sink.spread(dof, value));
+            }
+        }
+        Effect::Gain { actuator, factor } => {
+            let slopes = ForceSlopes::new(data, actuator);
+            let input = slopes.map_or(0.0, |slopes| slopes.input);
+            add_actuator(point, actuator, input * value_of(data, actuator, factor), sink);
+            let gain = actuators::velocity_gain_input(data, actuator).map_or(0.0, |(input, _)| input);
+            if factor == Factor::Velocity {
+                add_velocity_gain(point, actuator, gain, sink);
+            }
+        }
+        Effect::Bias { actuator, factor } => {
+            let has_slope = ForceSlopes::new(data, actuator).is_some();
+            add_actuator(point, actuator, if has_slope { value_of(data, actuator, factor) } else { 0.0 }, sink);
+            if factor == Factor::Velocity && actuators::velocity_gain_input(data, actuator).is_some() {
+                add_velocity_gain(point, actuator, 1.0, sink);
+            }
+        }
+        Effect::TimeConstant { actuator, activation } => {
+            sink.activation(activation, by_time_constant(data, actuator, activation));
+        }
+        Effect::Gear(actuator) => add_gear(point, actuator, sink),
+        _ => {}
+    }
+}
+
+/// Adds the derivatives by the inertia of a body.
+fn inertial(point: Point<'_>, body: usize, change: &[f64; 10], centre: &[f64; 3], sink: &mut impl Sink) {
+    let Point { data, tree, damping, .. } = point;
+    let (model, axes) = (data.model(), data.cdof());
+    let h = model.raw().opt.timestep;
+    let frame = BodyFrame::of(data, body);
+    let mut force = frame.force(&frame.present_motion(data, body).force(change));
+    let [fx, fy, fz, ..] = data.xfrc_applied()[body];
+    if point.has_applied {
+        // The point of application moves.
+        add_scaled(&mut force, &spatial(&cross(&frame.to_world(centre), &[fx, fy, fz]), &[0.0; 3]), -1.0);
+    }
+    for dof in tree.chain(tree.last[body]) {
+        sink.residual(dof, dot(&axes[dof], &force));
+    }
+    if point.wants_sensors {
+        explicit::add_force(data, body, &force, |address, value| sink.sensor(address, value));
+    }
+    let Some(spread) = damping.spread() else { return };
+    let mut velocity = [0.0; 6];
+    tree.chain(tree.last[body]).for_each(|dof| add_scaled(&mut velocity, &axes[dof], spread[dof]));
+    let mut force = frame.force(&momentum(&in_engine_order(change), &frame.motion(&velocity)));
+    if let Damping::Implicit { motions, .. } = damping {
+        for (motions, factor) in motions.into_iter().zip([-h, h, h]) {
+            let [velocity, acceleration] = motions[body].map(|motion| frame.motion(&motion));
+            add_scaled(&mut force, &frame.force(&BodyMotion { velocity, acceleration }.force(change)), factor);
+        }
+    }
+    for dof in tree.chain(tree.last[body]) {
+        sink.spread(dof, dot(&axes[dof], &force));
+    }
+}
+
+fn add_gravity(point: Point<'_>, axis: usize, sink: &mut impl Sink) {
+    let data = point.data;
+    let model = data.model();
+    if model.raw().opt.disableflags as u32 & DisableFlags::GRAVITY.bits() != 0 {
+        return;
+    }
+    let mut acceleration = [0.0; 6];
+    acceleration[3 + axis] = -1.0;
+    for (dof, cdof) in data.cdof().iter().enumerate() {
+        let inertia = &data.crb()[ffi::size(model.dof_bodyid()[dof])];
+        sink.residual(dof, dot(cdof, &momentum(inertia, &acceleration)));
+    }
+    if point.wants_sensors {
+        explicit::add_gravity(data, axis, |address, value| sink.sensor(address, value));
+    }
+}
+
+/// Adds the derivative of the forces of dry friction that are at their limits.
+fn add_friction(data: &Data, kind: u32, is_of: impl Fn(usize) -> bool, sink: &mut impl Sink) {
+    for row in 0..data.nefc() {
+        let id = ffi::size(data.efc_id()[row]);
+        if data.efc_type()[row] as u32 != kind || !is_of(id) {
+            continue;
+        }
+        let state = data.efc_state()[row] as u32;
+        if state == mjCNSTRSTATE_LINEARNEG || state == mjCNSTRSTATE_LINEARPOS {
+            let sign = data.efc_force()[row].signum();
+            if kind == mjCNSTR_FRICTION_DOF {
+                sink.residual(id, -sign);
+            } else {
+                add_tendon(data, id, -sign, sink);
+            }
+        }
+    }
+}
+
+/// Adds the displacement of the spring of a joint.
+fn add_displacement(data: &Data, joint: usize, sink: &mut impl Sink) {
+    let model = data.model();
+    let (mut dof, mut at) = (ffi::size(model.jnt_dofadr()[joint]), ffi::size(model.jnt_qposadr()[joint]));
+    let (position, rest) = (data.qpos(), model.qpos_spring());
+    let kind = JointType::of_field(model.jnt_type()[joint]);
+    if kind == JointType::Free {
+        (0..3).for_each(|axis| sink.residual(dof + axis, position[at + axis] - rest[at + axis]));
+        (dof, at) = (dof + 3, at + 3);
+    }
+    if matches!(kind, JointType::Free | JointType::Ball) {
+        let quat = |values: &[f64]| *values[at..].first_chunk::<4>().expect("Bug: the quaternion is in qpos");
+        let mut present = quat(position);
+        math::normalize4(&mut present);
+        let displacement = math::sub_quat(&present, &quat(rest));
+        (0..3).for_each(|axis| sink.residual(dof + axis, displacement[axis]));
+    } else {
+        sink.residual(dof, position[at] - rest[at]);
+    }
+}
+
+fn add_tendon(data: &Data, tendon: usize, force: f64, sink: &mut impl Sink) {
+    if force != 0.0 {
+        data.tendon_row(tendon).iter().for_each(|(dof, moment)| sink.residual(dof, moment * force));
+    }
+}
+
+/// Passes `factor · m mᵀ s` on, without products of two degrees of freedom of which neither moves
+/// the other, as the engine has it.
+fn add_on_chains(tree: &Tree, row: Row<'_>, acceleration: &[f64], factor: f64, mut add: impl FnMut(usize, f64)) {
+    for (dof, arm) in row.iter() {
+        add(dof, factor * arm * arm * acceleration[dof]);
+        for above in tree.chain(tree.parent[dof]) {
+            if let Some((_, other)) = row.iter().find(|&(other, _)| other == above) {
+                add(dof, factor * arm * other * acceleration[above]);
+                add(above, factor * arm * other * acceleration[dof]);
+            }
+        }
+    }
+}
+
+/// Returns the quantity that a coefficient of a gain or a bias multiplies.
+fn value_of(data: &Data, actuator: usize, factor: Factor) -> f64 {
+    match factor {
+        Factor::One => 1.0,
+        Factor::Length => data.actuator_length()[actuator],
+        Factor::Velocity => data.actuator_velocity()[actuator],
+        Factor::Zero => 0.0,
+    }
+}
+
+/// Adds a derivative of the force of an actuator.
+fn add_actuator(point: Point<'_>, actuator: usize, force: f64, sink: &mut impl Sink) {
+    let data = point.data;
+    if !point.has_actuators || force == 0.0 || actuators::actuation_is_disabled(data.model()) {
+        return;
+    }
+    data.moment_row(actuator).iter().for_each(|(dof, arm)| sink.residual(dof, -arm * force));
+    if point.wants_sensors {
+        explicit::add_actuator_force(data.model(), actuator, force, |address, value| sink.sensor(address, value));
+    }
+}
+
+/// Adds the derivative of Q by a velocity gain.
+fn add_velocity_gain(point: Point<'_>, actuator: usize, gain: f64, sink: &mut impl Sink) {
+    if let Damping::Implicit { acceleration, .. } = point.damping {
+        let h = point.data.model().raw().opt.timestep;
+        let row = point.data.moment_row(actuator);
+        add_on_chains(point.tree, row, acceleration, h * gain, |dof, value| sink.spread(dof, value));
+    }
+}
+
+fn add_gear(point: Point<'_>, actuator: usize, sink: &mut impl Sink) {
+    let data = point.data;
+    let model = data.model();
+    let inverse = 1.0 / model.actuator_gear()[actuator][0];
+    let [length, velocity] =
+        [data.actuator_length(), data.actuator_velocity()].map(|values| inverse * values[actuator]);
+    if point.wants_sensors {
+        explicit::add_transmission(model, actuator, [length, velocity], |address, value| sink.sensor(address, value));
+    }
+    if actuators::actuation_is_disabled(model) || !point.has_actuators {
+        return;
+    }
+    let slope = ForceSlopes::new(data, actuator)
+        .map_or(0.0, |slopes| slopes.by_length * length + slopes.by_velocity * velocity);
+    add_actuator(point, actuator, slope, sink);
+    let force = inverse * data.actuator_force()[actuator];
+    data.moment_row(actuator).iter().for_each(|(dof, arm)| sink.residual(dof, -arm * force));
+    add_velocity_gain(point, actuator, 2.0 * inverse * actuators::velocity_gain(data, actuator).total, sink);
+}
+
+/// Returns the derivative of the activation after a step by the time constant of its filter.
+fn by_time_constant(data: &Data, actuator: usize, activation: usize) -> f64 {
+    let model: &Model = data.model();
+    let h = model.raw().opt.timestep;
+    if !actuators::is_next_activation_free(data, actuator, activation) {
+        return 0.0;
+    }
+    -h * data.act_dot()[activation] / model.actuator_dynprm()[actuator][0]
+}

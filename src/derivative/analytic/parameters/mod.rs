@@ -1,0 +1,249 @@
+//! Derivatives of a step and of inverse dynamics by parameters of the model.
+//!
+//! With ∂g and ∂(M w), ∂Q of a parameter (`effects.rs`), `∂a = −H⁻¹ ∂g = −X` and
+//!
+//! ```text
+//! ∂v' = h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X),      ∂q' = h ∂⊕/∂v ∂v',
+//! ```
+//!
+//! where Q is −D in the Euler integrator. For a function with the gradients λ by the next state and
+//! ζ by the sensors, the gradient by any number of parameters takes one solution with each matrix:
+//!
+//! ```text
+//! ℓ = λ_v + h (∂⊕/∂v)ᵀ λ_q,    η = W⁻ᵀ ℓ,    μ = H⁻¹ (h (ℓ + h Qᵀ η) + (∂y/∂a)ᵀ ζ),
+//! ∂θ = −μ · ∂g + h η · (∂M w + h ∂Q s) + λ_a · ∂act' + ζ · ∂y.
+//! ```
+
+mod columns;
+mod effects;
+mod integrator;
+
+use self::columns::{Column, Columns, Product};
+use self::effects::{Damping, Point};
+use self::integrator::Integrator;
+use super::inverse::Inverse;
+use super::sensors::explicit;
+use super::{Analytic, actuators, constraint, passive};
+use crate::data::{Data, SensorUpdate, Stage};
+use crate::derivative::InverseForce;
+use crate::derivative::method::Fallback;
+use crate::derivative::parameter::{Effect, Resolved};
+use crate::error::Result;
+use crate::ffi;
+use crate::matrix::Matrix;
+use crate::model::Model;
+use crate::numerics::linear_algebra::{add, solve_cholesky};
+
+/// Derivatives by parameters, with their buffers.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    integrator: Integrator,
+    columns: Columns,
+    /// `(nv, 1)`: μ and h η.
+    weights: [Matrix; 2],
+}
+
+/// Success, or the reason why there is no closed form.
+pub(in crate::derivative) type Preparation = std::result::Result<(), Fallback>;
+
+impl Parameters {
+    fn new(model: &Model) -> Self {
+        let column = Matrix::zeros(model.nv(), 1);
+        Self { integrator: Integrator::new(model), columns: Columns::default(), weights: [column.clone(), column] }
+    }
+}
+
+impl Analytic {
+    /// Computes what the derivatives of all parameters at the present state need: the accelerations
+    /// and the factor of H, the integrator, and the derivatives of the sensors by the accelerations
+    /// if they are wanted.
+    pub(in crate::derivative) fn prepare_parameters(
+        &mut self,
+        data: &mut Data,
+        resolved: &[Resolved],
+        wants_sensors: bool,
+    ) -> Result<Preparation> {
+        if !self.newton.solve_accelerations(data, &mut self.row)? {
+            return Ok(Err(Fallback::NotConverged));
+        }
+        if wants_sensors {
+            if let Err(reason) = self.differentiate_forces(data, None, true)? {
+                return Ok(Err(reason));
+            }
+            self.differentiate_readings(data);
+        } else {
+            let jar = &self.newton.jar;
+            let of_forces = actuators::kinks_of_forces(data);
+            self.kinks = of_forces | passive::kinks(data) | constraint::kinks_of_state(data, jar);
+        }
+        let Self { tree, bodies, parameters, .. } = self;
+        let parameters = parameters.get_or_insert_with(|| Parameters::new(data.model()));
+        let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
+        parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
+        Ok(Ok(()))
+    }
+
+    /// Differentiates the sensors by the accelerations.
+    fn differentiate_readings(&mut self, data: &Data) {
+        let Self { tree, bodies, tendons, constraints, inverse, .. } = self;
+        let inverse = inverse.get_or_insert_with(|| Inverse::new(data.model()));
+        inverse.differentiate(data, tree, bodies, tendons, constraints);
+    }
+
+    /// Computes the terms of all columns that have formulas, after the preparation.
+    pub(in crate::derivative) fn differentiate_terms(
+        &mut self,
+        data: &Data,
+        resolved: &[Resolved],
+        wants_sensors: bool,
+    ) -> &mut Columns {
+        let Self { tree, parameters, .. } = self;
+        let Parameters { integrator, columns, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+        columns.clear(data.model(), resolved.len(), wants_sensors);
+        let damping = integrator.damping();
+        let point = Point { data, tree, damping, wants_sensors, has_actuators: true, has_applied: true };
+        for (index, resolved) in resolved.iter().enumerate() {
+            let has_residual = !resolved.is_differenced;
+            effects::differentiate(point, &resolved.effect, &mut Column { columns, index, has_residual });
+        }
+        columns
+    }
+
+    /// Returns w of the integrator, unless it is zero.
+    pub(in crate::derivative) fn spread(&self) -> Option<&[f64]> {
+        self.parameters.as_ref().and_then(|parameters| parameters.integrator.spread())
+    }
+
+    /// Returns `true` if the integrator depends on forces in more ways than by damping.
+    pub(in crate::derivative) fn is_integrator_implicit(&self) -> bool {
+        self.parameters.as_ref().is_some_and(|parameters| parameters.integrator.is_implicit())
+    }
+
+    /// Returns the columns of the parameters.
+    pub(in crate::derivative) fn columns(&mut self) -> &mut Columns {
+        &mut self.parameters.as_mut().expect("Bug: parameters are not prepared").columns
+    }
+
+    /// Converts the terms to derivatives of the next velocities and of the sensors.
+    pub(in crate::derivative) fn finish_columns(&mut self, data: &Data, wants_sensors: bool) -> &mut Columns {
+        let Self { tree, parameters, newton, inverse, .. } = self;
+        let Parameters { integrator, columns, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+        solve_cholesky(&newton.factor, &mut columns.residual);
+        if wants_sensors {
+            columns.deceleration.as_mut_slice().copy_from_slice(columns.residual.as_slice());
+            let nv = data.model().nv();
+            let inverse = inverse.as_ref().expect("Bug: sensors are not differentiated");
+            for address in 0..data.model().nsensordata() {
+                let by_acceleration = &inverse.row(address)[2 * nv..];
+                for (dof, &slope) in by_acceleration.iter().enumerate() {
+                    if slope != 0.0 {
+                        add(columns.reading.row_mut(address), columns.deceleration.row(dof), -slope);
+                    }
+                }
+            }
+        }
+        integrator.finish(data, tree, &mut columns.residual, &mut columns.spread);
+        columns
+    }
+
+    /// Returns the columns of the parameters for reading.
+    pub(in crate::derivative) fn present_columns(&self) -> &Columns {
+        &self.parameters.as_ref().expect("Bug: parameters are not prepared").columns
+    }
+
+    /// Returns `true` if the derivative of a reading by a parameter has a formula.
+    pub(in crate::derivative) fn has_reading(&self, model: &Model, effect: &Effect, sensor: usize) -> bool {
+        let address = ffi::size(model.sensor_adr()[sensor]);
+        let is_closed = self.inverse.as_ref().is_some_and(|inverse| inverse.in_closed_form()[address]);
+        is_closed && explicit::is_covered(model, effect, sensor)
+    }
+
+    /// Returns `true` if the derivatives of all readings with a weight have formulas.
+    pub(in crate::derivative) fn has_readings(&self, model: &Model, effect: &Effect, weights: &[f64]) -> bool {
+        let has_weight = |sensor: usize| {
+            let first = ffi::size(model.sensor_adr()[sensor]);
+            weights[first..].iter().take(ffi::size(model.sensor_dim()[sensor])).any(|&weight| weight != 0.0)
+        };
+        weights.is_empty()
+            || (0..model.nsensor()).all(|sensor| !has_weight(sensor) || self.has_reading(model, effect, sensor))
+    }
+
+    /// Writes the derivatives of the next state, `(nx, n)`.
+    pub(in crate::derivative) fn write_columns(&self, model: &Model, state: &mut Matrix) {
+        let Parameters { integrator, columns, .. } =
+            self.parameters.as_ref().expect("Bug: parameters are not prepared");
+        let nv = model.nv();
+        integrator.write_positions(model.raw().opt.timestep, &columns.residual, state);
+        let width = columns.residual.ncols();
+        let values = &mut state.as_mut_slice()[nv * width..];
+        let (velocities, activations) = values.split_at_mut(nv * width);
+        velocities.copy_from_slice(columns.residual.as_slice());
+        activations.copy_from_slice(columns.activation.as_slice());
+    }
+
+    /// Computes the weights of a gradient, after the preparation: from the gradients by the next
+    /// state, `(nx)`, and by the sensors, `(nsensordata)` or empty.
+    pub(in crate::derivative) fn weigh(&mut self, data: &Data, by_state: &[f64], by_sensors: &[f64]) {
+        let Self { tree, parameters, newton, inverse, .. } = self;
+        let Parameters { integrator, weights, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+        integrator.transpose(data, tree, by_state, weights);
+        let nv = data.model().nv();
+        if let Some(inverse) = inverse {
+            for (address, &weight) in by_sensors.iter().enumerate().filter(|&(_, &weight)| weight != 0.0) {
+                add(weights[0].as_mut_slice(), &inverse.row(address)[2 * nv..], weight);
+            }
+        }
+        solve_cholesky(&newton.factor, &mut weights[0]);
+    }
+
+    /// Returns the derivative by a parameter with a formula, after [`weigh`](Self::weigh) with the
+    /// same gradients.
+    pub(in crate::derivative) fn product(
+        &self,
+        data: &Data,
+        effect: &Effect,
+        by_state: &[f64],
+        by_sensors: &[f64],
+    ) -> f64 {
+        let Parameters { integrator, weights, .. } =
+            self.parameters.as_ref().expect("Bug: parameters are not prepared");
+        let (damping, wants_sensors) = (integrator.damping(), !by_sensors.is_empty());
+        let point = Point { data, tree: &self.tree, damping, wants_sensors, has_actuators: true, has_applied: true };
+        let mut product = Product {
+            residual: weights[0].as_slice(),
+            spread: weights[1].as_slice(),
+            activation: &by_state[2 * data.model().nv()..],
+            sensor: by_sensors,
+            sum: 0.0,
+        };
+        effects::differentiate(point, effect, &mut product);
+        product.sum
+    }
+
+    /// Computes the derivatives of the forces of inverse dynamics at the present positions,
+    /// velocities and accelerations, as far as they have formulas.
+    pub(in crate::derivative) fn differentiate_inverse_terms(
+        &mut self,
+        data: &mut Data,
+        resolved: &[Resolved],
+        force: InverseForce,
+    ) -> Result<&mut Columns> {
+        let has_actuators = force == InverseForce::WithoutActuators;
+        data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
+        data.fwd_actuation()?;
+        self.kinks = passive::kinks(data) | constraint::kinks_of_state(data, &[]);
+        if has_actuators {
+            self.kinks |= actuators::kinks_of_forces(data);
+        }
+        let Self { tree, parameters, .. } = self;
+        let Parameters { columns, .. } = parameters.get_or_insert_with(|| Parameters::new(data.model()));
+        columns.clear(data.model(), resolved.len(), false);
+        let point =
+            Point { data, tree, damping: Damping::None, wants_sensors: false, has_actuators, has_applied: false };
+        for (index, resolved) in resolved.iter().enumerate() {
+            let has_residual = !resolved.is_differenced;
+            effects::differentiate(point, &resolved.effect, &mut Column { columns, index, has_residual });
+        }
+        Ok(columns)
+    }
+}

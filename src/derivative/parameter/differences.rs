@@ -1,0 +1,283 @@
+//! Differences by parameters without a formula.
+//!
+//! At a fixed state, parameters are varied in a copy of the model. Where the closed form of a step
+//! applies, its residual at constant accelerations is differenced, which needs no solver; otherwise
+//! complete steps. Two central differences, with steps h and 2h, are extrapolated to an error of
+//! order h⁴; next to the end of the valid range three to the right, to an error of order h³.
+
+use std::sync::Arc;
+
+use super::Resolved;
+use crate::data::{Data, SensorUpdate, Stage, StateSpec};
+use crate::derivative::actuation::next_activation;
+use crate::derivative::kinks::Scale;
+use crate::derivative::method::Kinks;
+use crate::derivative::residual::{Residual, multiply_inertia};
+use crate::derivative::{InverseForce, columns};
+use crate::error::Result;
+use crate::model::Model;
+use crate::numerics::linear_algebra::quotient;
+
+/// Step relative to the value, and factor of it for complete steps, whose solver has a tolerance.
+const STEP: f64 = 1e-4;
+const FACTOR_OF_STEPS: f64 = 10.0;
+
+/// Least magnitude of a value to which the step is relative, for lengths, masses and the like.
+const LEAST: f64 = 0.1;
+
+/// Factors of the step that are tried until differences agree.
+const TRIALS: [f64; 3] = [1.0, 0.1, 0.01];
+
+/// Multiples of the step: of central differences, with which the sides are compared, and of those
+/// to the right.
+const CENTRAL: [f64; 5] = [-2.0, -1.0, 1.0, 2.0, 0.0];
+const RIGHT: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
+
+/// Function that writes the difference quotient of two samples with a width.
+type Quotient<'a> = dyn Fn(&mut [f64], &[f64], &[f64], f64) -> Result<()> + 'a;
+/// Function that writes a sample, given the change of the parameter.
+type Evaluation<'a> = dyn FnMut(&mut Data, f64, &mut [f64]) -> Result<()> + 'a;
+
+/// A simulation whose model is varied.
+#[derive(Debug)]
+pub(super) struct ParameterDifferences {
+    data: Data,
+    /// Model to which the numbers of the copy are restored.
+    source: Arc<Model>,
+    /// [`StateSpec::INTEGRATION`] and accelerations at the base point.
+    state: Vec<f64>,
+    accelerations: Vec<f64>,
+    buffers: Buffers,
+}
+
+#[derive(Debug, Default)]
+struct Buffers {
+    samples: [Vec<f64>; 5],
+    slopes: [Vec<f64>; 3],
+    best: Vec<f64>,
+}
+
+impl ParameterDifferences {
+    pub(super) fn new(data: &Data) -> Result<Self> {
+        let model = data.model();
+        Ok(Self {
+            data: Data::new(model.clone())?,
+            source: model.clone(),
+            state: vec![0.0; model.state_size(StateSpec::INTEGRATION)],
+            accelerations: vec![0.0; model.nv()],
+            buffers: Buffers::default(),
+        })
+    }
+
+    /// Moves to the present state and accelerations of a simulation, and adopts its model.
+    pub(super) fn set_base(&mut self, data: &Data) -> Result<()> {
+        if !Arc::ptr_eq(&self.source, data.model()) {
+            self.data.clone_from(data);
+            self.source = data.model().clone();
+        }
+        data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
+        self.accelerations.copy_from_slice(data.qacc());
+        Ok(())
+    }
+
+    /// Differences the residual, `M w`, and the next activations: `[∂g; ∂(M w); ∂act']`.
+    pub(super) fn of_residual(
+        &mut self,
+        resolved: &Resolved,
+        spread: Option<&[f64]>,
+        result: &mut Vec<f64>,
+    ) -> Result<Kinks> {
+        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
+        let (nv, na) = (self.source.nv(), self.source.na());
+        let kinks = self.difference((resolved, 1.0), 2 * nv + na, result, subtract, |data, _, sample| {
+            compute_forces(data, &state, |dof| accelerations[dof])?;
+            let (residual, rest) = sample.split_at_mut(nv);
+            let (inertial, activations) = rest.split_at_mut(nv);
+            Residual::of(data).evaluate(data, residual)?;
+            if let Some(spread) = spread {
+                multiply_inertia(data, inertial, spread);
+            }
+            let model = data.model();
+            for actuator in 0..model.nactuator() {
+                if let Some(activation) = model.activation_of(actuator) {
+                    activations[activation] = next_activation(model, data, actuator, activation);
+                }
+            }
+            Ok(())
+        });
+        (self.state, self.accelerations) = (state, accelerations);
+        kinks
+    }
+
+    /// Differences the sensors, while the accelerations change by `−X` times the change.
+    pub(super) fn of_sensors(
+        &mut self,
+        resolved: &Resolved,
+        deceleration: impl Fn(usize) -> f64,
+        result: &mut Vec<f64>,
+    ) -> Result<Kinks> {
+        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
+        let kinks =
+            self.difference((resolved, 1.0), self.source.nsensordata(), result, subtract, |data, change, sample| {
+                compute_forces(data, &state, |dof| accelerations[dof] - change * deceleration(dof))?;
+                data.sensor_acc()?;
+                sample.copy_from_slice(data.sensordata());
+                Ok(())
+            });
+        (self.state, self.accelerations) = (state, accelerations);
+        kinks
+    }
+
+    /// Differences a complete step: the next state, and the sensors.
+    pub(super) fn of_step(&mut self, resolved: &Resolved, result: &mut Vec<f64>) -> Result<Kinks> {
+        let state = std::mem::take(&mut self.state);
+        let source = self.source.clone();
+        let (nq, nv, na) = (source.nq(), source.nv(), source.na());
+        let length = nq + nv + na + source.nsensordata();
+        let difference = |row: &mut [f64], from: &[f64], to: &[f64], width: f64| {
+            // With quaternions the result is shorter than the samples.
+            columns::difference(&source, &mut row[..length - (nq - nv)], from, to, width)
+        };
+        let kinks = self.difference((resolved, FACTOR_OF_STEPS), length, result, difference, |data, _, sample| {
+            data.set_state(StateSpec::INTEGRATION, &state)?;
+            data.step_for_differences()?;
+            columns::sample(data, sample);
+            Ok(())
+        });
+        result.truncate(length - (nq - nv));
+        self.state = state;
+        kinks
+    }
+
+    /// Differences the forces of inverse dynamics.
+    pub(super) fn of_inverse(
+        &mut self,
+        resolved: &Resolved,
+        force: InverseForce,
+        result: &mut Vec<f64>,
+    ) -> Result<Kinks> {
+        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
+        let kinks = self.difference((resolved, 1.0), self.source.nv(), result, subtract, |data, _, sample| {
+            data.set_state(StateSpec::INTEGRATION, &state)?;
+            data.qacc_mut().copy_from_slice(&accelerations);
+            data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
+            sample.copy_from_slice(data.qfrc_inverse());
+            if force == InverseForce::WithoutActuators {
+                data.fwd_actuation()?;
+                sample.iter_mut().zip(data.qfrc_actuator()).for_each(|(total, actuator)| *total -= actuator);
+            }
+            Ok(())
+        });
+        (self.state, self.accelerations) = (state, accelerations);
+        kinks
+    }
+
+    /// Differences a function of the model by a parameter. The function gets the simulation with
+    /// the varied model, and the change of the parameter. `factor` is a factor of the step.
+    fn difference(
+        &mut self,
+        (resolved, factor): (&Resolved, f64),
+        length: usize,
+        result: &mut Vec<f64>,
+        subtract: impl Fn(&mut [f64], &[f64], &[f64], f64) -> Result<()>,
+        mut evaluate: impl FnMut(&mut Data, f64, &mut [f64]) -> Result<()>,
+    ) -> Result<Kinks> {
+        let mut buffers = std::mem::take(&mut self.buffers);
+        result.clear();
+        result.resize(length, 0.0);
+        let outcome = self.try_difference((resolved, factor), result, &mut buffers, &subtract, &mut evaluate);
+        self.buffers = buffers;
+        let source = self.source.clone();
+        let restored = self.data.edit_model(|model| resolved.parameter.restore(&source, model));
+        let kinks = outcome?;
+        restored.map(|()| kinks)
+    }
+
+    fn try_difference(
+        &mut self,
+        (resolved, factor): (&Resolved, f64),
+        result: &mut [f64],
+        buffers: &mut Buffers,
+        subtract: &Quotient<'_>,
+        evaluate: &mut Evaluation<'_>,
+    ) -> Result<Kinks> {
+        let source = self.source.clone();
+        let Buffers { samples, slopes, best } = buffers;
+        samples.iter_mut().chain(&mut *slopes).chain([&mut *best]).for_each(|buffer| {
+            buffer.clear();
+            buffer.resize(result.len(), 0.0);
+        });
+        let mut least = f64::INFINITY;
+        for trial in TRIALS {
+            let step = factor * trial * resolved.step();
+            let is_central = !resolved.is_bounded || resolved.value >= 2.0 * step;
+            let offsets: &[f64] = if is_central { &CENTRAL } else { &RIGHT };
+            for (offset, sample) in offsets.iter().zip(&mut *samples) {
+                let change = offset * step;
+                self.data.edit_model(|model| {
+                    resolved.parameter.restore(&source, model)?;
+                    resolved.parameter.write(model, resolved.value + change)
+                })?;
+                evaluate(&mut self.data, change, sample)?;
+            }
+            let [a, b, c, d, base] = &*samples;
+            let [first, second, third] = &mut *slopes;
+            let factors = if is_central {
+                subtract(first, b, c, 2.0 * step)?;
+                subtract(second, a, d, 4.0 * step)?;
+                subtract(third, base, c, step)?;
+                [4.0 / 3.0, -1.0 / 3.0, 0.0]
+            } else {
+                subtract(first, a, b, step)?;
+                subtract(second, a, c, 2.0 * step)?;
+                subtract(third, a, d, 3.0 * step)?;
+                [3.0, -3.0, 1.0]
+            };
+            let scale = Scale::of(first.iter().copied());
+            let worst_of = |one: &[f64], other: &[f64]| {
+                let pairs = one.iter().zip(other);
+                pairs.map(|(one, other)| scale.disagreement(one - other, *one)).fold(0.0, f64::max)
+            };
+            let mut worst = worst_of(first, second);
+            if is_central {
+                // The derivative to the right differs from the mean of both sides by half as much.
+                worst = worst.max(2.0 * worst_of(first, third));
+            }
+            if worst < least || least.is_infinite() {
+                least = worst;
+                for (at, best) in best.iter_mut().enumerate() {
+                    *best = factors[0] * first[at] + factors[1] * second[at];
+                    if !is_central {
+                        *best += factors[2] * third[at];
+                    }
+                }
+            }
+            if worst <= 1.0 {
+                break;
+            }
+        }
+        result.copy_from_slice(best);
+        Ok(if least <= 1.0 { Kinks::empty() } else { Kinks::DIFFERENCES })
+    }
+}
+
+impl Resolved {
+    /// Returns the step of the differences.
+    fn step(&self) -> f64 {
+        let size = self.value.abs();
+        STEP * if self.is_relative && size > 0.0 { size } else { size.max(LEAST) }
+    }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the type of the function for states is the same")]
+fn subtract(result: &mut [f64], from: &[f64], to: &[f64], width: f64) -> Result<()> {
+    quotient(result, from, to, width);
+    Ok(())
+}
+
+/// Computes all forces at a state and accelerations.
+fn compute_forces(data: &mut Data, state: &[f64], acceleration: impl Fn(usize) -> f64) -> Result<()> {
+    data.set_state(StateSpec::INTEGRATION, state)?;
+    data.qacc_mut().iter_mut().enumerate().for_each(|(dof, value)| *value = acceleration(dof));
+    Residual::of(data).update_forces(data, true, true)
+}
