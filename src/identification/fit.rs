@@ -213,7 +213,8 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for another model, and the errors of closures and of
+    /// [`Error::OtherModel`] for another model, [`Error::Unsupported`] for an edited copy with an
+    /// inertia of which the identified numbers cannot be a part, and the errors of closures and of
     /// [`update_constants`](crate::ModelMut::update_constants).
     pub fn model(&self, model: impl IntoModel) -> Result<Model> {
         let model = model.into_model();
@@ -222,8 +223,10 @@ impl Fit {
         }
         let mut copy = Model::clone(&model);
         let values = Values { unknowns: &self.identification.unknowns, coordinates: &self.coordinates, version: 0 };
-        values.write(None, &model, &mut copy.edit())?;
-        Ok(copy)
+        if values.write(None, &model, &mut copy.edit())? {
+            return Ok(copy);
+        }
+        Err(Error::Unsupported("the identified inertias are not possible together with those of this model".to_owned()))
     }
 }
 

@@ -1,16 +1,21 @@
 //! Derivatives of a segment in closed form, where many columns make differences slow.
 //!
-//! The linearised steps propagate the derivatives of the state, `S' = A S`, and `C S` are those of
-//! the readings.
+//! The linearised steps propagate the derivatives S of the state, `S' = A S + ∂f/∂θ`, and `C S +
+//! ∂y/∂θ` are those of the readings. Derivatives by parameters are those at constant derived
+//! quantities, such as the inertias that weigh constraints.
 
 use super::experiment::Source;
 use super::plan::Plan;
-use super::simulate::{Column, Derivative};
+use super::simulate::{Column, Derivative, Values};
+use super::unknown::{Kind, Unknown};
 use crate::data::Data;
-use crate::derivative::{Lineariser, StateSpace, TransitionMethod, TransitionOptions, TransitionOutputs};
+use crate::derivative::{
+    Lineariser, ModelParameter, ParameterJacobian, StateSpace, TransitionMethod, TransitionOptions, TransitionOutputs,
+};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::numerics::linear_algebra::add;
+use crate::rollout::Parameter;
 
 /// Number of columns from which on formulas are faster than differences: a linearisation takes as
 /// long as a few steps.
@@ -21,6 +26,8 @@ const MIN_COLUMNS: usize = 8;
 pub(super) struct Formulas {
     lineariser: Lineariser,
     system: StateSpace,
+    parameters: Vec<ModelParameter>,
+    by_parameters: ParameterJacobian,
 }
 
 impl Formulas {
@@ -28,34 +35,56 @@ impl Formulas {
     pub(super) fn new(plan: &Plan) -> Result<Self> {
         let model = &plan.experiment.model;
         let lineariser = Lineariser::new(model, TransitionOptions::default())?;
-        Ok(Self { lineariser, system: StateSpace::zeros(model) })
+        let by_parameters = ParameterJacobian::zeros(model, 0);
+        Ok(Self { lineariser, system: StateSpace::zeros(model), parameters: Vec::new(), by_parameters })
     }
 
-    /// Returns `true` if a number of columns should be computed by formulas: the measurements are
-    /// those of sensors, and the closed form applies.
-    pub(super) fn apply(plan: &Plan, columns: usize) -> Result<bool> {
-        if columns < MIN_COLUMNS || plan.needs_forward() {
-            return Ok(false);
+    /// Returns the unknowns whose columns should be computed by formulas, besides those of the
+    /// state, or `None` if they do not apply to an experiment: some measurements are not those of
+    /// sensors, the closed form does not apply, or there are only a few columns.
+    pub(super) fn unknowns(plan: &Plan, unknowns: &[Unknown]) -> Result<Option<Vec<usize>>> {
+        if plan.needs_forward() {
+            return Ok(None);
         }
-        let mut data = Data::new(&plan.experiment.model)?;
         let mut formulas = Self::new(plan)?;
+        let mut data = Data::new(&plan.experiment.model)?;
         match formulas.lineariser.linear_system_into(&mut data, &mut formulas.system) {
-            Ok(report) => Ok(report.method == TransitionMethod::Analytic),
-            Err(Error::Unsupported(_) | Error::Unstable(_)) => Ok(false),
-            Err(error) => Err(error),
+            Ok(report) if report.method == TransitionMethod::Analytic => {}
+            Ok(_) | Err(Error::Unsupported(_) | Error::Unstable(_)) => return Ok(None),
+            Err(error) => return Err(error),
         }
+        let mut found = Vec::new();
+        for (index, unknown) in unknowns.iter().enumerate() {
+            if let Kind::Parameter(parameter) = unknown.kind
+                && unknown.has_column()
+                && formulas.lineariser.differenced_parameters(&[parameter])?.is_empty()
+            {
+                found.push(index);
+            }
+        }
+        let states = (0..plan.segments()).map(|segment| plan.state_columns(segment)).max().unwrap_or(0);
+        Ok((states + found.len() >= MIN_COLUMNS).then_some(found))
     }
 
-    /// Computes the derivatives of a segment by coordinates of the state. `data` is the simulation at
-    /// its start. Returns an error for an unstable one.
+    /// Computes the derivatives of a segment by coordinates of the state and by unknowns. `data` is
+    /// the simulation at its start. Returns an error for an unstable one.
     pub(super) fn differentiate(
         &mut self,
         plan: &Plan,
         segment: usize,
         columns: &[Column],
+        values: &Values<'_>,
         data: &mut Data,
     ) -> Result<Vec<Derivative>> {
-        let Self { lineariser, system } = self;
+        let Self { lineariser, system, parameters, by_parameters } = self;
+        // The unknowns come last.
+        let states = columns.iter().take_while(|column| matches!(column, Column::State(_))).count();
+        let factors: Vec<f64> = columns[states..].iter().map(|&column| factor(column, values)).collect();
+        let asked: Vec<_> = columns[states..].iter().filter_map(|&column| parameter(column, values)).collect();
+        if asked != *parameters {
+            *by_parameters = ParameterJacobian::zeros(data.model(), asked.len());
+            *parameters = asked;
+        }
         let (first, last) = (plan.nodes[segment], plan.nodes[segment + 1]);
         let size = plan.experiment.uncertainty.len();
         let mut present = Matrix::zeros(size, columns.len());
@@ -76,6 +105,14 @@ impl Formulas {
             let a = (step < last).then_some(&mut system.a);
             let outputs = TransitionOutputs { a, c: Some(&mut system.c), ..Default::default() };
             lineariser.linear_system_into(data, outputs)?;
+            if !parameters.is_empty() {
+                lineariser.parameter_jacobian_into(data, parameters, &mut *by_parameters)?;
+            }
+            let explicit = |rows: &Matrix, row: usize, output: &mut [f64]| {
+                for ((output, value), factor) in output[states..].iter_mut().zip(rows.row(row)).zip(&factors) {
+                    *output += factor * value;
+                }
+            };
             for measurement in &plan.experiment.measurements {
                 let Source::Sensor(range) = &measurement.source else { continue };
                 for row in range.clone() {
@@ -100,6 +137,7 @@ impl Formulas {
                             add(next, values, *factor);
                         }
                     }
+                    explicit(&by_parameters.state, row, next);
                 }
                 std::mem::swap(&mut present, &mut next);
                 data.step()?;
@@ -109,5 +147,27 @@ impl Formulas {
             derivative.end.iter_mut().enumerate().for_each(|(row, value)| *value = present[(row, place)]);
         }
         Ok(derivatives)
+    }
+}
+
+/// Returns the parameter of an unknown.
+fn parameter(column: Column, values: &Values<'_>) -> Option<ModelParameter> {
+    match column {
+        Column::Unknown(index) => match values.unknowns[index].kind {
+            Kind::Parameter(parameter) => Some(parameter),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Returns the derivative of the value by which the lineariser differentiates by the coordinate of an
+/// unknown.
+fn factor(column: Column, values: &Values<'_>) -> f64 {
+    let Column::Unknown(index) = column else { return 1.0 };
+    match parameter(column, values) {
+        // A factor relative to the present mass.
+        Some(ModelParameter::Number(Parameter::MassFactor(_))) => values.slope(index) / values.value(index),
+        _ => values.slope(index),
     }
 }

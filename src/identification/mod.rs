@@ -69,9 +69,11 @@
 //!
 //! Jacobians are differences of simulations, one for each unknown of the model and each coordinate
 //! of the state at the start of a segment, on all threads of the current rayon pool. Results do not
-//! depend on the number of threads. If all measurements are those of sensors and the state has at
-//! least 8 coordinates, its columns come from [linearised](crate::Lineariser) steps in closed form,
-//! which takes a few steps' time for all of them. Delays, gains and biases have formulas.
+//! depend on the number of threads. If all measurements are those of sensors and there are at least
+//! 8 columns of states and of parameters that have
+//! [formulas](crate::Lineariser::parameter_jacobian), those come from linearised steps in closed
+//! form, which takes a few steps' time for all of them together. Delays, gains and biases have
+//! formulas.
 //!
 //! Sources: L. Ljung, *System Identification*, 1999, for the estimate and its covariance; H. G.
 //! Bock for multiple shooting (1983).

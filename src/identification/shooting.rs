@@ -29,8 +29,9 @@ const COLUMNS_PER_THREAD: usize = 64;
 pub(super) struct Shooting<'p> {
     pub(super) unknowns: &'p [Unknown],
     pub(super) plans: Vec<Plan>,
-    /// For each experiment: `true` if derivatives by the state come from formulas.
-    has_formulas: Vec<bool>,
+    /// For each experiment: unknowns whose columns have formulas as those of the state do, if they
+    /// apply.
+    formulas: Vec<Option<Vec<usize>>>,
     workers: Vec<Worker>,
     version: u64,
     pub(super) present: Point,
@@ -79,6 +80,7 @@ struct Place {
 struct Job {
     place: Place,
     columns: Vec<Column>,
+    has_formulas: bool,
     derivatives: Vec<Derivative>,
 }
 
@@ -93,15 +95,11 @@ impl<'p> Shooting<'p> {
         let coordinates = unknowns.iter().map(|unknown| unknown.coordinate(unknown.first)).collect();
         let present = Point { coordinates, nodes };
         let n = unknowns.len();
-        let has_formulas = plans.iter().map(|plan| {
-            let columns = (0..plan.segments()).map(|segment| plan.state_columns(segment)).max().unwrap_or(0);
-            Formulas::apply(plan, columns)
-        });
-        let has_formulas = has_formulas.collect::<Result<_>>()?;
+        let formulas = plans.iter().map(|plan| Formulas::unknowns(plan, unknowns)).collect::<Result<_>>()?;
         Ok(Self {
             unknowns,
             plans,
-            has_formulas,
+            formulas,
             workers: (0..rayon::current_num_threads()).map(|_| Worker::default()).collect(),
             version: 0,
             candidate: present.clone(),
@@ -145,25 +143,31 @@ impl<'p> Shooting<'p> {
             _ => (0..plan.state_columns(1)).collect(),
         };
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
-        let (by_formulas, by_differences): (Vec<Column>, Vec<Column>) = states
-            .into_iter()
-            .map(Column::State)
-            .chain(unknowns.map(Column::Unknown))
-            .partition(|column| self.has_formulas[place.plan] && matches!(column, Column::State(_)));
-        let one = |columns| Job { place, columns, derivatives: Vec::new() };
-        let differences = by_differences.into_iter().map(|column| one(vec![column]));
-        (!by_formulas.is_empty()).then(|| one(by_formulas.clone())).into_iter().chain(differences).collect()
+        let columns = states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown));
+        let (by_formulas, by_differences): (Vec<Column>, Vec<Column>) =
+            columns.partition(|&column| self.has_formula(place.plan, column));
+        let job = |columns, has_formulas| Job { place, columns, has_formulas, derivatives: Vec::new() };
+        let differences = by_differences.into_iter().map(|column| job(vec![column], false));
+        let formulas = (!by_formulas.is_empty()).then_some(by_formulas).into_iter().map(|columns| job(columns, true));
+        formulas.chain(differences).collect()
+    }
+
+    fn has_formula(&self, plan: usize, column: Column) -> bool {
+        self.formulas[plan].as_ref().is_some_and(|unknowns| match column {
+            Column::Unknown(index) => unknowns.contains(&index),
+            Column::State(_) | Column::Nothing => true,
+        })
     }
 
     /// Computes the derivatives of jobs at the present point. Returns `false` if a simulation
     /// becomes unstable.
     fn differentiate(&mut self, jobs: &mut [Job]) -> Result<bool> {
-        let Self { unknowns, plans, workers, present, present_base, version, has_formulas, .. } = self;
+        let Self { unknowns, plans, workers, present, present_base, version, .. } = self;
         let values = Values { unknowns, coordinates: &present.coordinates, version: *version };
         for_each_item(workers, jobs, |worker, _, job| {
-            let Job { place: Place { plan: index, segment, node }, columns, derivatives } = job;
-            let (plan, state, base) = (&plans[*index], &present.nodes[*node], &present_base[*node]);
-            if has_formulas[*index] && matches!(columns[0], Column::State(_)) {
+            let Job { place: Place { plan, segment, node }, columns, has_formulas, derivatives } = job;
+            let (plan, state, base) = (&plans[*plan], &present.nodes[*node], &present_base[*node]);
+            if *has_formulas {
                 *derivatives = worker.by_formulas(plan, *segment, state, columns, &values)?;
                 return Ok(());
             }

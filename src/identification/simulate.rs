@@ -8,6 +8,7 @@ use super::plan::Plan;
 use super::states::difference;
 use super::unknown::{Kind, Unknown};
 use crate::data::{Data, StateSpec};
+use crate::derivative::ModelParameter;
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};
 use crate::rollout::restore;
@@ -103,21 +104,30 @@ impl Values<'_> {
         }
     }
 
-    /// Writes all values to a model.
-    pub(super) fn write(&self, moved: Option<usize>, pristine: &Model, model: &mut ModelMut<'_>) -> Result<()> {
+    /// Writes all values to a model. Returns `false` if an inertia with these values is impossible.
+    pub(super) fn write(&self, moved: Option<usize>, pristine: &Model, model: &mut ModelMut<'_>) -> Result<bool> {
         let mut has_derived_constants = false;
         for (index, unknown) in self.unknowns.iter().enumerate() {
             let value = if moved == Some(index) { unknown.value(self.moved(index)) } else { self.value(index) };
             match &unknown.kind {
                 Kind::Parameter(parameter) => {
-                    parameter.write(value, pristine, model)?;
+                    match parameter {
+                        ModelParameter::Number(parameter) => parameter.write(value, pristine, model)?,
+                        _ => match parameter.set(model, value) {
+                            Err(Error::Invalid { .. }) => return Ok(false),
+                            result => result?,
+                        },
+                    }
                     has_derived_constants |= parameter.has_derived_constants();
                 }
                 Kind::Edit(edit) => edit(value, model)?,
                 Kind::Delay(_) | Kind::Gain(_) | Kind::Bias(_) => {}
             }
         }
-        if has_derived_constants { model.update_constants() } else { Ok(()) }
+        if has_derived_constants {
+            model.update_constants()?;
+        }
+        Ok(true)
     }
 }
 
@@ -160,14 +170,14 @@ impl Worker {
     ) -> Result<Vec<Derivative>> {
         let Self { simulations, formulas, .. } = self;
         simulations.resize_with(simulations.len().max(1), || None);
-        let data = prepare(&mut simulations[0], plan, None, values)?;
+        let Some(data) = prepare(&mut simulations[0], plan, None, values)? else { return Ok(Vec::new()) };
         data.set_state(StateSpec::INTEGRATION, &plan.experiment.start)?;
         data.set_physics_state(state)?;
         if formulas.is_none() {
             *formulas = Some(Formulas::new(plan)?);
         }
         let formulas = formulas.as_mut().expect("Bug: the place has been filled");
-        match formulas.differentiate(plan, segment, columns, data) {
+        match formulas.differentiate(plan, segment, columns, values, data) {
             Err(Error::Unstable(_)) => Ok(Vec::new()),
             result => result,
         }
@@ -186,7 +196,9 @@ impl Worker {
         let Self { simulations, tangent, .. } = self;
         let place = if let Column::Unknown(index) = column { index + 1 } else { 0 };
         simulations.resize_with(simulations.len().max(place + 1), || None);
-        let data = prepare(&mut simulations[place], plan, place.checked_sub(1), values)?;
+        let Some(data) = prepare(&mut simulations[place], plan, place.checked_sub(1), values)? else {
+            return Ok(false);
+        };
 
         let Plan { experiment, nodes, .. } = plan;
         let model = data.model().clone();
@@ -219,13 +231,14 @@ impl Worker {
     }
 }
 
-/// Returns a simulation with the present values of the unknowns, one of which may have moved.
+/// Returns a simulation with the present values of the unknowns, one of which may have moved, or
+/// none if a model with these values is impossible.
 fn prepare<'s>(
     place: &'s mut Option<Prepared>,
     plan: &Plan,
     moved: Option<usize>,
     values: &Values<'_>,
-) -> Result<&'s mut Data> {
+) -> Result<Option<&'s mut Data>> {
     let pristine = &plan.experiment.model;
     if !place.as_ref().is_some_and(|prepared| Arc::ptr_eq(&prepared.pristine, pristine)) {
         *place = Some(Prepared { data: Data::new(pristine)?, version: 0, pristine: pristine.clone() });
@@ -233,16 +246,19 @@ fn prepare<'s>(
     let prepared = place.as_mut().expect("Bug: the place has been filled");
     if prepared.version != values.version {
         prepared.version = 0;
-        prepared.data.edit_model(|model| {
+        let is_possible = prepared.data.edit_model(|model| {
             restore(model, pristine);
             values.write(moved, pristine, model)
         })?;
+        if !is_possible {
+            return Ok(None);
+        }
         prepared.version = values.version;
     }
     if prepared.data.check_usable().is_err() {
         prepared.data.reset()?;
     }
-    Ok(&mut prepared.data)
+    Ok(Some(&mut prepared.data))
 }
 
 /// Performs the steps of a segment, and reads each state.

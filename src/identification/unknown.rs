@@ -3,9 +3,10 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::derivative::ModelParameter;
 use crate::error::{Error, Result};
+use crate::id::BodyId;
 use crate::model::{Model, ModelMut};
-use crate::rollout::Parameter;
 
 type Edit = dyn Fn(f64, &mut ModelMut<'_>) -> Result<()> + Send + Sync;
 
@@ -27,7 +28,7 @@ pub struct Unknown {
 
 #[derive(Clone)]
 pub(super) enum Kind {
-    Parameter(Parameter),
+    Parameter(ModelParameter),
     Edit(Arc<Edit>),
     /// Names of measurements.
     Delay(String),
@@ -36,8 +37,14 @@ pub(super) enum Kind {
 }
 
 impl Unknown {
-    /// A parameter of the model, with its value in the model as the first one, and between the
-    /// bounds of all valid values.
+    /// A [`Parameter`](crate::rollout::Parameter) of batches, which by
+    /// [`Parameter::field`](crate::rollout::Parameter::field) can be any number in the arrays of the
+    /// model, or a [`ModelParameter`] of the inertia of a body. It starts with its value in the
+    /// model, and is between the bounds of all valid values. Derived quantities are updated
+    /// ([`update_constants`](crate::ModelMut::update_constants)).
+    ///
+    /// For the whole inertia of a body, take its ten log-Cholesky coordinates: all their values are
+    /// physically possible (see [`all_inertia`](Self::all_inertia)).
     ///
     /// # Errors
     ///
@@ -46,10 +53,25 @@ impl Unknown {
     /// # Panics
     ///
     /// If the element belongs to another model.
-    pub fn parameter(model: &Model, parameter: Parameter) -> Result<Self> {
-        let name = parameter.name(model)?;
+    pub fn parameter(model: &Model, parameter: impl Into<ModelParameter>) -> Result<Self> {
+        let parameter = parameter.into();
+        let (name, first) = (parameter.name(model)?, parameter.value(model)?);
         let [lower, upper] = parameter.bounds();
-        Ok(Self { lower, upper, ..Self::new(name, Kind::Parameter(parameter), parameter.nominal(model)) })
+        Ok(Self { lower, upper, ..Self::new(name, Kind::Parameter(parameter), first) })
+    }
+
+    /// The ten [log-Cholesky coordinates](ModelParameter::LogCholesky) of the mass, the centre of
+    /// mass and the rotational inertia of a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unsupported`] for a body without mass or without an extent in three dimensions.
+    ///
+    /// # Panics
+    ///
+    /// If the body belongs to another model.
+    pub fn all_inertia(model: &Model, body: BodyId) -> Result<Vec<Self>> {
+        (0..10).map(|at| Self::parameter(model, ModelParameter::LogCholesky(body, at))).collect()
     }
 
     /// A number that a closure writes to a model, for example one that several elements share. The

@@ -79,7 +79,11 @@ fn record(mut truth: Data, steps: usize, control: impl Fn(f64) -> Vec<f64>) -> L
 impl Log {
     /// Returns every `stride`-th reading of a sensor.
     fn sensor(&self, model: &Model, name: &str, stride: usize) -> Signal {
-        let range = model.sensor(name).unwrap().data_range();
+        self.signal(model.sensor(name).unwrap().data_range(), stride)
+    }
+
+    /// Returns every `stride`-th of some readings.
+    fn signal(&self, range: std::ops::Range<usize>, stride: usize) -> Signal {
         let rows: Vec<usize> = (0..self.times.len()).step_by(stride).collect();
         let values = rows.iter().flat_map(|&row| self.readings.row(row)[range.clone()].to_vec()).collect();
         let times = rows.iter().map(|&row| self.times[row]).collect();
@@ -93,10 +97,9 @@ impl Log {
     /// Returns the experiment that measures all sensors.
     fn experiment(&self, start: &Data) -> Experiment {
         let model = start.model();
-        let all = model.sensors().map(|sensor| {
-            let name = sensor.name().unwrap();
-            Measurement::of_sensor(model, name, self.sensor(model, name, 1)).unwrap()
-        });
+        let all = model
+            .sensors()
+            .map(|sensor| Measurement::of_sensor(model, sensor.id(), self.signal(sensor.data_range(), 1)).unwrap());
         all.fold(Experiment::new("log", start).with_controls(self.controls()), Experiment::with_measurement)
     }
 }

@@ -2,8 +2,11 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::derivative::InertialParameters;
+use mujoco_safe::enums::SensorType;
 use mujoco_safe::identification::{Experiment, Fit, Identification, Measurement, Options, Signal, Unknown};
 use mujoco_safe::rollout::Parameter;
+use mujoco_safe::spec::Spec;
 use mujoco_safe::{Data, Matrix, Model, sample};
 
 use crate::{Log, Noise, record};
@@ -173,4 +176,45 @@ fn walk(start: &Data, log: &Log, measurements: Vec<Measurement>, values: &[(Para
         .with_controls(log.controls())
         .with_segments(0.1, Signal::new(log.times.clone(), states).unwrap());
     check(&search(start, values, experiment), values, tolerance);
+}
+
+/// The whole inertia of a load at the hand of an arm, from the sensors of its joints: ten numbers,
+/// each of which is a possible one in every step of the search.
+#[test]
+fn load() {
+    let mut spec = Spec::from_xml_path("models/arm.xml").unwrap();
+    let wrist = spec.body("wrist").unwrap().id();
+    let mut load = spec.add_body(wrist);
+    load.set_name("load").set_pos([0.15, 0.0, 0.0]);
+    load.set_inertial(0.2, [0.0; 3], [1e-4; 3]);
+    for joint in ["yaw", "pitch", "elbow", "wrist_roll", "wrist_pitch", "wrist_yaw"] {
+        spec.add_sensor(SensorType::JointPosition).unwrap().set("joint", joint).unwrap();
+        spec.add_sensor(SensorType::JointVelocity).unwrap().set("joint", joint).unwrap();
+    }
+    let model = Arc::new(spec.compile().unwrap());
+    let mut start = Data::new(&model).unwrap();
+    start.joint_mut("pitch").unwrap().qpos_mut()[0] = 1.3;
+    let body = model.body("load").unwrap().id();
+    let mut real = start.clone();
+    real.edit_model(|model| {
+        let index = body.index();
+        model.body_mass_mut()[index] = 0.5;
+        model.body_ipos_mut()[index] = [0.03, 0.02, -0.01];
+        model.body_inertia_mut()[index] = [8e-4, 5e-4, 6e-4];
+        model.update_constants()
+    })
+    .unwrap();
+    let truth = InertialParameters::of(real.model(), body);
+    let nu = model.nu();
+    let log = record(real, 400, |time| {
+        (0..nu).map(|i| [0.15, 0.15, 0.1, 0.05, 0.05, 0.05][i] * ((2.0 + i as f64) * time + i as f64).sin()).collect()
+    });
+    let identification = Identification::new(Unknown::all_inertia(&model, body).unwrap()).unwrap();
+    let fit = identification.with_experiment(log.experiment(&start)).unwrap().solve(Options::default()).unwrap();
+    let found = InertialParameters::of(&fit.model(&model).unwrap(), body);
+    let largest = truth.0.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    for (found, truth) in found.0.iter().zip(truth.0) {
+        assert!((found - truth).abs() < 1e-5 * largest, "{found} instead of {truth}\n{fit}");
+    }
+    assert!(fit.undetermined().is_empty(), "{fit}");
 }

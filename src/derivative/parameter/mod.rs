@@ -140,6 +140,20 @@ impl ModelParameter {
         })
     }
 
+    /// Returns the least and the largest value, of which not all need be valid.
+    pub(crate) fn bounds(self) -> [f64; 2] {
+        match self {
+            Self::Number(parameter) => parameter.bounds(),
+            Self::Mass(_) => [0.0, f64::INFINITY],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// Returns `true` if other quantities of the model are derived from this one.
+    pub(crate) fn has_derived_constants(self) -> bool {
+        !matches!(self, Self::Number(parameter) if !parameter.has_derived_constants())
+    }
+
     /// Changes the value in a model, and no other number. Derived constants need a call of
     /// [`update_constants`](crate::ModelMut::update_constants) afterwards.
     ///
