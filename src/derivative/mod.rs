@@ -15,6 +15,10 @@
 //! along trajectories. It either differences steps, as the engine does, or differentiates the
 //! equations of motion implicitly: from differences of inverse dynamics, or in closed form.
 //!
+//! [`Lineariser::parameter_jacobian`] differentiates the same steps by parameters of the model,
+//! `dx' = ∂f/∂θ dθ`, [`Lineariser::cost_gradient`] a cost along a trajectory by everything that it
+//! depends on.
+//!
 //! The derivatives of differences and sums of quaternions are in
 //! [`math`](crate::math::sub_quat_derivative).
 

@@ -11,7 +11,9 @@ use mujoco_safe::control::residual::{
     Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
     Subtree, Term,
 };
-use mujoco_safe::derivative::{InverseForce, InverseJacobians, TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{
+    CostSlopes, InverseForce, InverseJacobians, ModelParameter, ParameterOutputs, TransitionMethod, TransitionOptions,
+};
 use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters, Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
     Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, PdController, RandomController, StateSpace,
@@ -57,6 +59,47 @@ fn linearising_in_a_workspace_does_not_allocate() {
             transition.along_into(&data, &states, &controls, &mut systems).unwrap();
         });
     }
+}
+
+#[test]
+fn derivatives_by_parameters_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let (torso, knee) = (model.body("torso").unwrap().id(), model.joint("right_knee").unwrap().id());
+    let parameters = [
+        ModelParameter::Mass(torso),
+        ModelParameter::LogCholesky(torso, 3),
+        Parameter::JointDamping(knee).into(),
+        Parameter::Gravity(2).into(),
+    ];
+    let mut lineariser = Lineariser::new(model.clone(), TransitionOptions::default()).unwrap();
+    let (mut jacobian, _) = lineariser.parameter_jacobian(&mut data, &parameters).unwrap();
+    allocates_nothing("a derivative by parameters", || {
+        let outputs = ParameterOutputs { state: Some(&mut jacobian.state), sensors: None };
+        let report = lineariser.parameter_jacobian_into(&mut data, &parameters, outputs).unwrap();
+        assert!(report.differenced.is_empty());
+    });
+    let force = InverseForce::Total;
+    let (mut forces, _) = lineariser.inverse_parameter_jacobian(&mut data, &parameters, force).unwrap();
+    allocates_nothing("a derivative of inverse dynamics by parameters", || {
+        lineariser.inverse_parameter_jacobian_into(&mut data, &parameters, force, &mut forces).unwrap();
+    });
+    let controls = Matrix::zeros(5, model.nu());
+    let speed = |_: usize, data: &Data, slopes: &mut CostSlopes<'_>| {
+        slopes.state[model.nv()] = 1.0;
+        data.qvel()[0]
+    };
+    let (mut gradient, _) = lineariser.cost_gradient(&mut data, &controls, &parameters, speed).unwrap();
+    allocates_nothing("a gradient along a trajectory", || {
+        lineariser.cost_gradient_into(&mut data, &controls, &parameters, speed, &mut gradient).unwrap();
+    });
+    let (mut of_body, mut of_joints) = (data.body_regressor(torso).unwrap(), data.joint_regressor().unwrap());
+    allocates_nothing("regressors", || {
+        data.body_regressor_into(torso, &mut of_body).unwrap();
+        data.joint_regressor_into(&mut of_joints).unwrap();
+    });
 }
 
 #[test]

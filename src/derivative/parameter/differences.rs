@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use super::Resolved;
+use super::{Effect, Resolved};
 use crate::data::{Data, SensorUpdate, Stage, StateSpec};
 use crate::derivative::actuation::next_activation;
 use crate::derivative::kinks::Scale;
@@ -15,7 +15,7 @@ use crate::derivative::method::Kinks;
 use crate::derivative::residual::{Residual, multiply_inertia};
 use crate::derivative::{InverseForce, columns};
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Model, ModelMut};
 use crate::numerics::linear_algebra::quotient;
 
 /// Step relative to the value, and factor of it for complete steps, whose solver has a tolerance.
@@ -188,7 +188,10 @@ impl ParameterDifferences {
         let outcome = self.try_difference((resolved, factor), result, &mut buffers, &subtract, &mut evaluate);
         self.buffers = buffers;
         let source = self.source.clone();
-        let restored = self.data.edit_model(|model| resolved.parameter.restore(&source, model));
+        let restored = self.data.edit_model(|model| {
+            resolved.parameter.restore(&source, model)?;
+            resolved.update_inertia(&source, model)
+        });
         let kinks = outcome?;
         restored.map(|()| kinks)
     }
@@ -216,7 +219,8 @@ impl ParameterDifferences {
                 let change = offset * step;
                 self.data.edit_model(|model| {
                     resolved.parameter.restore(&source, model)?;
-                    resolved.parameter.write(model, resolved.value + change)
+                    resolved.parameter.write(model, resolved.value + change)?;
+                    resolved.update_inertia(&source, model)
                 })?;
                 evaluate(&mut self.data, change, sample)?;
             }
@@ -262,6 +266,22 @@ impl ParameterDifferences {
 }
 
 impl Resolved {
+    /// Updates the masses of subtrees, and the inertias of bodies that move independently, which
+    /// engines take from derived constants. Other constants on which a step depends keep their
+    /// values.
+    fn update_inertia(&self, source: &Model, model: &mut ModelMut<'_>) -> Result<()> {
+        let changes_inertia = matches!(self.effect, Effect::Inertial { .. } | Effect::Armature(_));
+        if !changes_inertia {
+            return Ok(());
+        }
+        model.update_constants()?;
+        model.body_invweight0_mut().copy_from_slice(source.body_invweight0());
+        model.dof_invweight0_mut().copy_from_slice(source.dof_invweight0());
+        model.tendon_invweight0_mut().copy_from_slice(source.tendon_invweight0());
+        model.actuator_acc0_mut().copy_from_slice(source.actuator_acc0());
+        Ok(())
+    }
+
     /// Returns the step of the differences.
     fn step(&self) -> f64 {
         let size = self.value.abs();

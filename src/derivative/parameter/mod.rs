@@ -31,7 +31,8 @@ use crate::rollout::Parameter;
 /// A derivative by a parameter is the one at constant other numbers of the model: as for an edit
 /// without [`update_constants`](crate::ModelMut::update_constants). The inertias that weigh
 /// constraints (`body_invweight0` and the like) and the constants of actuators do not change with
-/// it. The inertia matrix does, also that of bodies that move independently (`body_simple`).
+/// it. The inertia matrix does, also that of bodies that move independently (`body_simple`), and so
+/// do the masses of subtrees that sensors refer to.
 ///
 /// ```
 /// use mujoco_safe::derivative::ModelParameter;
@@ -99,25 +100,46 @@ impl ModelParameter {
     ///
     /// If the element belongs to another model.
     pub fn name(self, model: &Model) -> Result<String> {
-        let (body, what, component, count) = match self {
-            Self::Number(parameter) => return parameter.name(model),
+        self.check(model)?;
+        if let Self::Number(parameter) = self {
+            return parameter.name(model);
+        }
+        let (body, what, component, count) = self.part();
+        let component = if count == 1 { String::new() } else { format!("[{component}]") };
+        Ok(format!("{what}{component} of {}", model.described(Kind::Body, body.index())))
+    }
+
+    /// Returns the body, the name, the component and the number of components of a parameter of the
+    /// inertia.
+    fn part(self) -> (BodyId, &'static str, usize, usize) {
+        match self {
+            Self::Number(_) => unreachable!("Bug: a number of the model is no part of an inertia"),
             Self::Mass(body) => (body, "mass", 0, 1),
             Self::Inertia(body, at) => (body, "inertia", at, 6),
             Self::Inertial(body, at) => (body, "inertial parameter", at, 10),
             Self::LogCholesky(body, at) => (body, "log-Cholesky coordinate", at, 10),
-        };
-        let element = model.described(Kind::Body, model.body(body).id().index());
+        }
+    }
+
+    /// Checks that a model has the parameter. Allocates nothing if it has.
+    fn check(self, model: &Model) -> Result<()> {
+        if let Self::Number(parameter) = self {
+            return parameter.check(model);
+        }
+        let (body, what, component, count) = self.part();
+        let index = model.body(body).id().index();
+        let element = || model.described(Kind::Body, index);
         if component >= count {
-            let what = format!("the component of the {what} of {element}");
+            let what = format!("the component of the {what} of {}", element());
             return Err(Error::out_of_range(what, component, format!("less than {count}")));
         }
         if matches!(self, Self::LogCholesky(..)) && InertialParameters::of(model, body).log_cholesky().is_none() {
             return Err(Error::Unsupported(format!(
-                "log-Cholesky coordinates of {element}, which has no mass or no extent in three dimensions"
+                "log-Cholesky coordinates of {}, which has no mass or no extent in three dimensions",
+                element()
             )));
         }
-        let component = if count == 1 { String::new() } else { format!("[{component}]") };
-        Ok(format!("{what}{component} of {element}"))
+        Ok(())
     }
 
     /// Returns the value in a model.
@@ -130,7 +152,7 @@ impl ModelParameter {
     ///
     /// If the element belongs to another model.
     pub fn value(self, model: &Model) -> Result<f64> {
-        self.name(model)?;
+        self.check(model)?;
         Ok(match self {
             Self::Number(parameter) => parameter.nominal(model),
             Self::Mass(body) => model.body_mass()[body.index()],
@@ -167,8 +189,11 @@ impl ModelParameter {
     ///
     /// If the element belongs to another model.
     pub fn set(self, model: &mut ModelMut<'_>, value: f64) -> Result<()> {
-        let name = self.name(model)?;
-        let invalid = |text: &str| Error::out_of_range(format!("the {name}"), value, text);
+        self.check(model)?;
+        let invalid = |text: &str| match self.name(model) {
+            Ok(name) => Error::out_of_range(format!("the {name}"), value, text),
+            Err(error) => error,
+        };
         match self {
             Self::Number(parameter) if !parameter.valid().contains(value) => Err(invalid(parameter.valid().text())),
             Self::Mass(_) if !(value.is_finite() && value >= 0.0) => Err(invalid("finite and not negative")),

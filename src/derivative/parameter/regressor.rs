@@ -188,7 +188,7 @@ impl Data {
     /// data.forward()?;
     /// let regressor = data.joint_regressor()?;
     /// let model = data.model().clone();
-    /// let parameters: Vec<f64> = model.body_ids().flat_map(|body| InertialParameters::of(&model, body).0).collect();
+    /// let parameters: Vec<f64> = model.bodies().flat_map(|body| InertialParameters::of(&model, body.id()).0).collect();
     /// let mut expected = vec![0.0; model.nv()];
     /// data.rne_into(Accelerations::Present, &mut expected)?;
     /// for (row, expected) in regressor.rows().zip(expected) {

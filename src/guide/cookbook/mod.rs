@@ -77,6 +77,8 @@ pub mod inverse_kinematics;
 pub mod lidar;
 #[doc(alias("csv", "logger", "mcap", "save data", "save results"))]
 pub mod logging;
+#[doc(alias("regressor", "sensitivity", "differentiable simulation", "adjoint", "backpropagation", "gradient"))]
+pub mod parameter_derivatives;
 #[doc(alias("plot", "plotting", "plotters", "matplotlib", "chart"))]
 pub mod plots;
 #[doc(alias("randomise", "randomize", "placement"))]

@@ -257,6 +257,23 @@ impl Parameter {
         }
     }
 
+    /// Checks that the model has the quantity, as [`name`](Self::name) does, without allocation.
+    ///
+    /// # Panics
+    ///
+    /// If the element belongs to another model.
+    pub(crate) fn check(self, model: &Model) -> Result<()> {
+        if let Self::Field(FieldNumber { array, row, column, lineage, .. }) = self {
+            assert!(lineage == model.lineage(), "the parameter {array}[{row}] belongs to another model");
+            return model.find_number(array, row, column).map(drop);
+        }
+        let _ = self.element(model);
+        match self.field_name().1 {
+            Some(component) if component >= self.components(model) => self.name(model).map(drop),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the name of the field, and the component if there are several.
     fn field_name(self) -> (&'static str, Option<usize>) {
         match self {

@@ -6,6 +6,8 @@ use mujoco_safe::{Data, Lineariser, Matrix, Model, StateSpec, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::oracle;
+
 /// Weights of a quadratic cost of velocities, controls and sensors.
 #[derive(Clone)]
 struct Cost {
@@ -126,7 +128,7 @@ fn check(data: &mut Data, steps: usize, parameters: &[ModelParameter], has_senso
         let size = if value == 0.0 { 1.0 } else { value.abs() };
         assert_slope(&parameter.name(&model).unwrap(), ours * size, scale, &|by| {
             let mut varied = data.clone();
-            varied.edit_model(|model| parameter.set(model, value + by * size)).unwrap();
+            oracle::set(&mut varied, *parameter, value + by * size).unwrap();
             cost.of_trajectory(varied, &controls)
         });
     }

@@ -22,6 +22,9 @@ const TOLERANCE: f64 = 1e-7;
 const NOISY_TOLERANCE: f64 = 1e-5;
 const NOISE_FACTOR: f64 = 10.0;
 
+/// Largest error of a derivative that is zero, relative to the size of the samples.
+const SMALLEST: f64 = 1e-9;
+
 /// Least size of a column that relative deviations refer to.
 const SMALL: f64 = 1e-6;
 
@@ -60,7 +63,8 @@ fn compare(oracle: &Oracle, parameter: ModelParameter, column: &[f64]) -> Agreem
         let others = estimates.iter().enumerate().filter(|(other, _)| *other != index);
         let nearest =
             others.map(|(_, other)| deviation(&other.column, &estimate.column).0).fold(f64::INFINITY, f64::min);
-        if of_column <= NOISY_TOLERANCE * scale && of_column <= nearest.max(NOISE_FACTOR * estimate.error) {
+        let is_near = of_column <= NOISY_TOLERANCE * scale && of_column <= nearest.max(NOISE_FACTOR * estimate.error);
+        if is_near || of_column <= estimate.error && estimate.error <= SMALLEST * estimate.size {
             return Agreement::Noisy;
         }
         list.push(format!("{:.1e} (±{:.1e}) in row {row}", of_column / scale, estimate.error / scale));

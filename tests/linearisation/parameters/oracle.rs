@@ -2,7 +2,7 @@
 //! edited models, and a solver that iterates to convergence.
 
 use mujoco_safe::derivative::ModelParameter;
-use mujoco_safe::{Data, Model, StateSpec};
+use mujoco_safe::{Data, Model, Result, StateSpec};
 
 /// Steps of the differences, relative to the value of the parameter or to [`LEAST`].
 const WIDTHS: [f64; 6] = [2e-3, 2e-2, 2e-4, 2e-1, 2e-5, 2e-6];
@@ -24,6 +24,8 @@ pub(super) struct Oracle {
 pub(super) struct Estimate {
     pub(super) column: Vec<f64>,
     pub(super) error: f64,
+    /// Largest number of the samples, at least 1.
+    pub(super) size: f64,
 }
 
 impl Oracle {
@@ -43,20 +45,7 @@ impl Oracle {
     pub(super) fn varied(&self, parameter: ModelParameter, by: f64) -> Option<Data> {
         let mut data = self.data.clone();
         let value = parameter.value(data.model()).unwrap();
-        let base = self.data.model().clone();
-        data.edit_model(|model| {
-            parameter.set(model, value + by)?;
-            if cfg!(engine_since = "2.3.0") && changes_inertia(&parameter.name(&base)?) {
-                // The inertias of simple bodies are derived constants.
-                model.update_constants()?;
-                model.body_invweight0_mut().copy_from_slice(base.body_invweight0());
-                model.dof_invweight0_mut().copy_from_slice(base.dof_invweight0());
-                model.tendon_invweight0_mut().copy_from_slice(base.tendon_invweight0());
-                model.actuator_acc0_mut().copy_from_slice(base.actuator_acc0());
-            }
-            Ok(())
-        })
-        .ok()?;
+        set(&mut data, parameter, value + by).ok()?;
         data.set_state(StateSpec::INTEGRATION, &self.state).unwrap();
         Some(data)
     }
@@ -68,8 +57,8 @@ impl Oracle {
         Some((data.physics_state(), data.sensordata().to_vec()))
     }
 
-    /// Returns a difference quotient, and the bound of its rounding error.
-    fn quotient(&self, parameter: ModelParameter, [from, to]: [f64; 2]) -> Option<(Vec<f64>, f64)> {
+    /// Returns a difference quotient, the bound of its rounding error, and the size of the samples.
+    fn quotient(&self, parameter: ModelParameter, [from, to]: [f64; 2]) -> Option<(Vec<f64>, [f64; 2])> {
         let ((left, left_sensors), (right, right_sensors)) = (self.step(parameter, from)?, self.step(parameter, to)?);
         let (model, width) = (self.data.model(), to - from);
         let (nq, nv) = (model.nq(), model.nv());
@@ -78,7 +67,7 @@ impl Oracle {
         let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(&left_sensors));
         column.extend(rest.map(|(right, left)| (right - left) / width));
         let largest = right.iter().chain(&right_sensors).fold(1.0, |largest: f64, value| largest.max(value.abs()));
-        Some((column, ROUNDING * largest / width))
+        Some((column, [ROUNDING * largest / width, largest]))
     }
 
     /// Returns estimates with several steps. Those of a parameter at zero that cannot be negative
@@ -94,7 +83,7 @@ impl Oracle {
             let name = parameter.name(model).unwrap();
             let ends_at_zero = NOT_NEGATIVE.iter().any(|part| name.contains(part));
             let is_central = self.varied(parameter, -width).is_some() && !(ends_at_zero && value < width);
-            let slopes: Option<Vec<(Vec<f64>, f64)>> = [1.0, 0.5, 0.25]
+            let slopes: Option<Vec<(Vec<f64>, [f64; 2])>> = [1.0, 0.5, 0.25]
                 .map(|part| {
                     let right = part * width;
                     self.quotient(parameter, [if is_central { -right } else { 0.0 }, right])
@@ -102,7 +91,7 @@ impl Oracle {
                 .into_iter()
                 .collect();
             let slopes = slopes?;
-            let (base, mut error) = (if is_central { 4.0 } else { 2.0 }, slopes[2].1);
+            let (base, [mut error, size]) = (if is_central { 4.0 } else { 2.0 }, slopes[2].1);
             let column = (0..slopes[0].0.len()).map(|at| {
                 let [coarse, middle, fine] = [0, 1, 2].map(|part: usize| slopes[part].0[at]);
                 let better = |fine: f64, coarse: f64, order: f64| (order * fine - coarse) / (order - 1.0);
@@ -112,10 +101,26 @@ impl Oracle {
                 third
             });
             let column = column.collect();
-            Some(Estimate { column, error })
+            Some(Estimate { column, error, size })
         };
         WIDTHS.into_iter().filter_map(of_width).collect()
     }
+}
+
+/// Changes a parameter with the inertias that depend on it, and no other derived constants.
+pub(super) fn set(data: &mut Data, parameter: ModelParameter, value: f64) -> Result<()> {
+    let base = data.model().clone();
+    data.edit_model(|model| {
+        parameter.set(model, value)?;
+        if changes_inertia(&parameter.name(&base)?) {
+            model.update_constants()?;
+            model.body_invweight0_mut().copy_from_slice(base.body_invweight0());
+            model.dof_invweight0_mut().copy_from_slice(base.dof_invweight0());
+            model.tendon_invweight0_mut().copy_from_slice(base.tendon_invweight0());
+            model.actuator_acc0_mut().copy_from_slice(base.actuator_acc0());
+        }
+        Ok(())
+    })
 }
 
 /// Returns `true` for a parameter of the inertia matrix.

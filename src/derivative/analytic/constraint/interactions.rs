@@ -3,8 +3,9 @@
 //!
 //! Contacts, `connect` and `weld` constraints between a subtree and the rest of the model exert a
 //! force vector `X = ±Σ f_r D_r` on it, where D_r is the force vector of a unit force of row r on
-//! the body inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r ∂f_r)`, with
-//! ∂f from `rows.rs`. Forces between two bodies of the subtree cancel.
+//! a body inside, about the reference point of its tree. So `∂X = ±Σ (f_r ∂D_r + D_r ∂f_r)`, with
+//! ∂f from `rows.rs`. Forces between two bodies of the subtree cancel if they act at one point. The
+//! points of a `connect` or `weld` constraint differ while it is violated.
 
 use super::rows::{MAX_ROWS, Rows};
 use crate::data::Data;
@@ -28,8 +29,8 @@ pub(in crate::derivative::analytic) struct Interactions {
     derivatives: Matrix,
     /// False if no sensor is wanted.
     is_wanted: bool,
-    /// `(roots)`: side of the present constraint that is in the subtree, if only one is.
-    sides: Vec<Option<usize>>,
+    /// `(roots)`: true for the sides of the present constraint that are in the subtree.
+    sides: Vec<[bool; 2]>,
     /// Signs of the forces on the two sides.
     signs: [f64; 2],
     /// D of each row and side.
@@ -59,7 +60,7 @@ impl Interactions {
             forces: vec![[0.0; 6]; roots.len()],
             derivatives: Matrix::zeros(6 * roots.len(), 3 * model.nv()),
             is_wanted: false,
-            sides: vec![None; roots.len()],
+            sides: vec![[false; 2]; roots.len()],
             signs: [0.0; 2],
             directions: [[[0.0; 6]; 2]; MAX_ROWS],
             row: vec![0.0; 3 * model.nv()],
@@ -74,7 +75,7 @@ impl Interactions {
         if self.is_wanted {
             self.forces.fill([0.0; 6]);
             self.derivatives.as_mut_slice().fill(0.0);
-            self.sides.fill(None);
+            self.sides.fill([false; 2]);
         }
     }
 
@@ -87,13 +88,14 @@ impl Interactions {
         self.signs = signs;
         let nbody = self.contains.len() / self.roots.len();
         for (side, contains) in self.sides.iter_mut().zip(self.contains.chunks_exact(nbody)) {
-            *side = match bodies.map(|body| contains[body]) {
-                [true, false] => Some(0),
-                [false, true] => Some(1),
-                _ => None,
-            };
+            *side = bodies.map(|body| contains[body]);
         }
-        self.sides.iter().any(Option::is_some)
+        self.is_measured()
+    }
+
+    /// Returns `true` if a sensor measures the present constraint.
+    fn is_measured(&self) -> bool {
+        self.sides.as_flattened().contains(&true)
     }
 
     /// Sets D of a row.
@@ -103,8 +105,8 @@ impl Interactions {
 
     /// Adds the changes `Σ f_r ∂D_r` by the position of a degree of freedom.
     pub(super) fn add_change(&mut self, dof: usize, changes: [Spatial; 2]) {
-        for (index, side) in self.sides.iter().enumerate() {
-            if let Some(side) = *side {
+        for (index, sides) in self.sides.iter().enumerate() {
+            for side in (0..2).filter(|&side| sides[side]) {
                 for (component, value) in changes[side].into_iter().enumerate() {
                     self.derivatives[(6 * index + component, dof)] += self.signs[side] * value;
                 }
@@ -115,14 +117,14 @@ impl Interactions {
     /// Adds the forces of a constraint, whose rows are loaded, and `Σ D_r ∂f_r`. Does nothing
     /// unless it was started.
     pub(super) fn finish(&mut self, data: &Data, rows: &mut Rows) {
-        if !self.is_wanted || self.sides.iter().all(Option::is_none) {
+        if !self.is_wanted || !self.is_measured() {
             return;
         }
         for row in 0..rows.count {
             self.row.fill(0.0);
             rows.add_force(data, row, &mut self.row);
-            for (index, side) in self.sides.iter().enumerate() {
-                if let Some(side) = *side {
+            for (index, sides) in self.sides.iter().enumerate() {
+                for side in (0..2).filter(|&side| sides[side]) {
                     let direction = &self.directions[row][side];
                     add_scaled(
                         &mut self.forces[index],
@@ -135,7 +137,7 @@ impl Interactions {
                 }
             }
         }
-        self.sides.fill(None);
+        self.sides.fill([false; 2]);
     }
 
     /// Returns X of the subtree of a body.

@@ -264,6 +264,9 @@ fn forces_of_equality_constraints_between_bodies_agree_with_differences() {
         r#"<connect body1="hand" body2="bob" anchor="0.1 0.05 0.02"/>"#,
         r#"<weld body1="arm" body2="pendulum" torquescale="0.6"/>"#,
         r#"<weld body1="hand" body2="base"/>"#,
+        // Both bodies are in the subtree of a sensor, and the constraint is violated.
+        r#"<connect body1="arm" body2="hand" anchor="0.1 0.05 0.02"/>"#,
+        r#"<weld body1="arm" body2="hand"/>"#,
     ] {
         check(&loaded(&format!("<equality>{equality}</equality>")), 28);
     }
