@@ -14,120 +14,15 @@
 use std::mem;
 
 use super::method::{LinearisationReport, TransitionMethod};
-use super::parameter::{ParameterOutputs, Resolved};
+use super::parameter::{ModelParameter, ParameterJacobian, ParameterOutputs};
 use super::perturbation::BasePoint;
+use super::trajectory::{Adjoint, CostGradient, CostSlopes};
 use super::worker::linearise;
-use super::{Lineariser, ModelParameter, ParameterJacobian, StateSpace, TransitionOutputs, sizes};
+use super::{Lineariser, TransitionOutputs, sizes};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
-use crate::model::Model;
 use crate::numerics::linear_algebra::{add, add_product};
-
-/// Gradient of a cost along a trajectory: see [`Lineariser::cost_gradient`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct CostGradient {
-    /// Cost of the trajectory.
-    pub cost: f64,
-    /// `(2 nv + na)`: gradient by the initial state, in the tangent space of positions.
-    pub initial_state: Vec<f64>,
-    /// `(N, nu)`: gradient by the controls.
-    pub controls: Matrix,
-    /// Gradient by the parameters.
-    pub parameters: Vec<f64>,
-}
-
-impl CostGradient {
-    /// Creates a gradient of zeros for a number of steps and of parameters.
-    pub fn zeros(model: &Model, steps: usize, parameters: usize) -> Self {
-        let (nx, nu, _) = sizes(model);
-        Self {
-            cost: 0.0,
-            initial_state: vec![0.0; nx],
-            controls: Matrix::zeros(steps, nu),
-            parameters: vec![0.0; parameters],
-        }
-    }
-}
-
-/// Partial derivatives of the cost of one step, zero before the call.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct CostSlopes<'a> {
-    /// `(2 nv + na)`: by the state, in the tangent space of positions.
-    pub state: &'a mut [f64],
-    /// `(nu)`: by the controls. Empty at the end of the trajectory.
-    pub controls: &'a mut [f64],
-    /// `(nsensordata)`: by the sensors.
-    pub sensors: &'a mut [f64],
-}
-
-/// Buffers of a trajectory.
-#[derive(Debug)]
-pub(super) struct Adjoint {
-    simulation: Data,
-    /// States at the checkpoints, and of the present segment.
-    checkpoints: Vec<f64>,
-    segment: Vec<f64>,
-    resolved: Vec<Resolved>,
-    system: StateSpace,
-    /// `(nx)`: λ, and the next one.
-    present: Vec<f64>,
-    next: Vec<f64>,
-    /// Partial derivatives of a step's cost.
-    controls: Vec<f64>,
-    sensors: Vec<f64>,
-    /// Indices of parameters that are differenced, and their columns.
-    others: Vec<usize>,
-    columns: ParameterJacobian,
-}
-
-impl Adjoint {
-    fn new(data: &Data) -> Result<Self> {
-        let model = data.model();
-        let (nx, nu, ny) = sizes(model);
-        Ok(Self {
-            simulation: Data::new(model.clone())?,
-            checkpoints: Vec::new(),
-            segment: Vec::new(),
-            resolved: Vec::new(),
-            system: StateSpace::zeros(model),
-            present: vec![0.0; nx],
-            next: vec![0.0; nx],
-            controls: vec![0.0; nu],
-            sensors: vec![0.0; ny],
-            others: Vec::new(),
-            columns: ParameterJacobian::zeros(model, 0),
-        })
-    }
-
-    /// Takes a step with controls.
-    fn step(&mut self, controls: &[f64]) -> Result<()> {
-        self.simulation.ctrl_mut().copy_from_slice(controls);
-        self.simulation.step()
-    }
-
-    /// Calls the cost function at the present state, and returns the cost.
-    fn evaluate(
-        &mut self,
-        step: usize,
-        is_end: bool,
-        cost: &mut impl FnMut(usize, &Data, &mut CostSlopes<'_>) -> f64,
-    ) -> Result<f64> {
-        self.simulation.forward()?;
-        for values in [&mut self.next, &mut self.controls, &mut self.sensors] {
-            values.fill(0.0);
-        }
-        let controls = if is_end { &mut [][..] } else { &mut self.controls[..] };
-        let mut slopes = CostSlopes { state: &mut self.next, controls, sensors: &mut self.sensors };
-        let cost = cost(step, &self.simulation, &mut slopes);
-        let all = self.next.iter().chain(&self.controls).chain(&self.sensors);
-        if let Some(value) = all.copied().chain([cost]).find(|value| !value.is_finite()) {
-            return Err(Error::out_of_range(format!("the cost of step {step} or its slopes"), value, "finite"));
-        }
-        Ok(cost)
-    }
-}
 
 /// # Gradients along trajectories
 impl Lineariser {
@@ -136,8 +31,8 @@ impl Lineariser {
     ///
     /// The function `cost` receives the number k of a step, the simulation before the step with its
     /// controls set and its sensors computed, and the [slopes](CostSlopes) that it fills; it
-    /// returns the cost. The calls come in decreasing order of k, from the final state with k = N and
-    /// the controls of the last step.
+    /// returns the cost. The calls come in decreasing order of k, from the final state with k = N
+    /// and the controls of the last step.
     ///
     /// The gradient is exact to the accuracy of the linearisations, one for each step. The cost of
     /// computing it hardly depends on the number of controls and parameters with formulas: each
@@ -295,8 +190,8 @@ impl Lineariser {
     }
 
     /// Propagates the adjoint state across the step from `base`, whose partial derivatives are in
-    /// the buffers, and adds to a row of the gradient by the controls. At the end of the trajectory,
-    /// where the adjoint state is zero, only the sensors contribute.
+    /// the buffers, and adds to a row of the gradient by the controls. At the end of the
+    /// trajectory, where the adjoint state is zero, only the sensors contribute.
     fn transpose(
         &mut self,
         adjoint: &mut Adjoint,

@@ -1,12 +1,12 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
-use super::adjoint::Adjoint;
 use super::analytic;
 use super::kinks;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::parameter::ParameterBuffers;
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::support::Obstacles;
+use super::trajectory::Adjoint;
 use super::worker::{Worker, linearise};
 use super::{StateSpace, TransitionOutputs, check_eps};
 use crate::data::{Data, StateSpec};

@@ -40,7 +40,7 @@ type Evaluation<'a> = dyn FnMut(&mut Data, f64, &mut [f64]) -> Result<()> + 'a;
 
 /// A simulation whose model is varied.
 #[derive(Debug)]
-pub(super) struct ParameterDifferences {
+pub(in crate::derivative) struct ParameterDifferences {
     data: Data,
     /// Model to which the numbers of the copy are restored.
     source: Arc<Model>,
@@ -81,7 +81,7 @@ impl ParameterDifferences {
     }
 
     /// Differences the residual, `M w`, and the next activations: `[∂g; ∂(M w); ∂act']`.
-    pub(super) fn of_residual(
+    pub(in crate::derivative) fn of_residual(
         &mut self,
         resolved: &Resolved,
         spread: Option<&[f64]>,
@@ -110,7 +110,7 @@ impl ParameterDifferences {
     }
 
     /// Differences the sensors, while the accelerations change by `−X` times the change.
-    pub(super) fn of_sensors(
+    pub(in crate::derivative) fn of_sensors(
         &mut self,
         resolved: &Resolved,
         deceleration: impl Fn(usize) -> f64,
@@ -129,7 +129,7 @@ impl ParameterDifferences {
     }
 
     /// Differences a complete step: the next state, and the sensors.
-    pub(super) fn of_step(&mut self, resolved: &Resolved, result: &mut Vec<f64>) -> Result<Kinks> {
+    pub(in crate::derivative) fn of_step(&mut self, resolved: &Resolved, result: &mut Vec<f64>) -> Result<Kinks> {
         let state = std::mem::take(&mut self.state);
         let source = self.source.clone();
         let (nq, nv, na) = (source.nq(), source.nv(), source.na());
@@ -150,7 +150,7 @@ impl ParameterDifferences {
     }
 
     /// Differences the forces of inverse dynamics.
-    pub(super) fn of_inverse(
+    pub(in crate::derivative) fn of_inverse(
         &mut self,
         resolved: &Resolved,
         force: InverseForce,

@@ -101,8 +101,8 @@ impl InertialParameters {
         *self.0.last_chunk().expect("Bug: six of ten numbers")
     }
 
-    /// Returns the rotational inertia about the centre of mass, in the axes of the body: `xx`, `yy`,
-    /// `zz`, `xy`, `xz`, `yz`.
+    /// Returns the rotational inertia about the centre of mass, in the axes of the body: `xx`,
+    /// `yy`, `zz`, `xy`, `xz`, `yz`.
     pub fn central_inertia(&self) -> [f64; 6] {
         let mut inertia = self.inertia();
         add(&mut inertia, &shift(self.0[0], &self.centre_of_mass()), -1.0);

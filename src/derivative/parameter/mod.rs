@@ -3,18 +3,18 @@
 //! With the residual g(q, v, a, u, θ) of the equations of motion (`../implicit.rs`),
 //! `∂a/∂θ = −H⁻¹ ∂g/∂θ` has the same matrix as the linearisation, and the integrator converts it in
 //! the same way. `effect.rs` decides how a parameter acts, `../analytic/parameters/` has the
-//! formulas of ∂g/∂θ, `differences.rs` the differences for all others, and `jacobian.rs` the calls.
+//! formulas of ∂g/∂θ, `differences.rs` the differences for all others.
 
+mod buffers;
 mod differences;
 mod effect;
 mod inertial;
-mod jacobian;
 mod regressor;
 
+pub(super) use self::buffers::ParameterBuffers;
+pub use self::buffers::{ParameterJacobian, ParameterOutputs};
 pub(super) use self::effect::{Effect, Factor, Resolved};
 pub use self::inertial::InertialParameters;
-pub(super) use self::jacobian::ParameterBuffers;
-pub use self::jacobian::{ParameterJacobian, ParameterOutputs};
 pub(super) use self::regressor::{BodyFrame, BodyMotion, in_engine_order};
 use crate::error::{Error, Result};
 use crate::id::BodyId;
@@ -66,8 +66,8 @@ pub enum ModelParameter {
     Inertia(BodyId, usize),
     /// One of the ten [inertial parameters](InertialParameters) of a body.
     Inertial(BodyId, usize),
-    /// One of the ten [log-Cholesky coordinates](InertialParameters::log_cholesky) of the inertia of
-    /// a body, for which each value is physically possible.
+    /// One of the ten [log-Cholesky coordinates](InertialParameters::log_cholesky) of the inertia
+    /// of a body, for which each value is physically possible.
     #[doc(alias = "pseudo-inertia")]
     LogCholesky(BodyId, usize),
 }

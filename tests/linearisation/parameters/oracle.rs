@@ -1,5 +1,5 @@
-//! Derivatives of a step by parameters from the engine's steps alone: extrapolated central differences with
-//! edited models, and a solver that iterates to convergence.
+//! Derivatives of a step by parameters from the engine's steps alone: extrapolated central
+//! differences with edited models, and a solver that iterates to convergence.
 
 use mujoco_safe::derivative::ModelParameter;
 use mujoco_safe::{Data, Model, Result, StateSpec};

@@ -58,13 +58,13 @@ fn compare_models(
 
 #[test]
 fn formulas_agree_with_differences() {
-    let [_, close, noisy] = compare_models(2000, cases(10, 510), cases(12, 60), with_formulas, |_| ());
+    let [_, close, noisy] = compare_models(2000, cases(10, 510), 12, with_formulas, |_| ());
     assert!(20 * noisy <= close, "{noisy} of {close} columns are noisy");
 }
 
 #[test]
 fn differences_agree_with_differences_of_steps() {
-    let [_, close, noisy] = compare_models(3000, cases(6, 510), cases(8, 40), without_formulas, |_| ());
+    let [_, close, noisy] = compare_models(3000, cases(6, 510), 8, without_formulas, |_| ());
     assert!(5 * noisy <= close, "{noisy} of {close} columns are noisy");
 }
 
@@ -76,6 +76,6 @@ fn formulas_with_the_implicit_integrator_agree_with_differences() {
         })
         .unwrap();
     };
-    let [_, close, noisy] = compare_models(4000, cases(6, 510), cases(12, 60), with_formulas, implicit);
+    let [_, close, noisy] = compare_models(4000, cases(6, 510), 12, with_formulas, implicit);
     assert!(20 * noisy <= close, "{noisy} of {close} columns are noisy");
 }

@@ -1,81 +1,15 @@
 //! Derivatives of steps and of inverse dynamics by parameters, by a lineariser.
 
-use super::differences::ParameterDifferences;
-use super::{ModelParameter, Resolved};
+use super::analytic::Analytic;
+use super::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod};
+use super::parameter::{Effect, ModelParameter, ParameterBuffers, ParameterJacobian, ParameterOutputs, Resolved};
+use super::perturbation::BasePoint;
+use super::worker::Worker;
+use super::{InverseForce, Lineariser, sizes};
 use crate::data::{Data, StateSpec};
-use crate::derivative::analytic::Analytic;
-use crate::derivative::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod};
-use crate::derivative::perturbation::BasePoint;
-use crate::derivative::worker::Worker;
-use crate::derivative::{InverseForce, Lineariser, sizes};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::matrix::Matrix;
-use crate::model::Model;
-
-/// Derivatives of a step by parameters of the model, with a column for each parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParameterJacobian {
-    /// `(2 nv + na, n)`: derivatives of the next state, in the tangent space of positions.
-    pub state: Matrix,
-    /// `(nsensordata, n)`: derivatives of the sensors at the present state.
-    pub sensors: Matrix,
-}
-
-impl ParameterJacobian {
-    /// Creates matrices of zeros for a model and a number of parameters.
-    pub fn zeros(model: &Model, parameters: usize) -> Self {
-        let (nx, _, ny) = sizes(model);
-        Self { state: Matrix::zeros(nx, parameters), sensors: Matrix::zeros(ny, parameters) }
-    }
-}
-
-/// Outputs of [`Lineariser::parameter_jacobian_into`]. Matrices that are `None` are not computed.
-#[derive(Debug, Default)]
-pub struct ParameterOutputs<'a> {
-    /// `(2 nv + na, n)`
-    pub state: Option<&'a mut Matrix>,
-    /// `(nsensordata, n)`
-    pub sensors: Option<&'a mut Matrix>,
-}
-
-impl<'a> From<&'a mut ParameterJacobian> for ParameterOutputs<'a> {
-    fn from(jacobian: &'a mut ParameterJacobian) -> Self {
-        Self { state: Some(&mut jacobian.state), sensors: Some(&mut jacobian.sensors) }
-    }
-}
-
-/// Parameters with their effects, and the simulation for differences.
-#[derive(Debug, Default)]
-pub(in crate::derivative) struct ParameterBuffers {
-    pub(in crate::derivative) resolved: Vec<Resolved>,
-    /// Created when a parameter is first differenced.
-    differences: Option<Box<ParameterDifferences>>,
-    /// Column of differences.
-    column: Vec<f64>,
-}
-
-impl ParameterBuffers {
-    /// Resolves parameters.
-    pub(in crate::derivative) fn resolve(&mut self, model: &Model, parameters: &[ModelParameter]) -> Result<()> {
-        self.resolved.clear();
-        for &parameter in parameters {
-            self.resolved.push(Resolved::new(model, parameter)?);
-        }
-        Ok(())
-    }
-
-    /// Returns the differences about the present state and accelerations, and the buffer for a
-    /// column.
-    fn differences_at(&mut self, data: &Data) -> Result<(&[Resolved], &mut ParameterDifferences, &mut Vec<f64>)> {
-        let differences = match &mut self.differences {
-            Some(differences) => differences,
-            empty => empty.insert(Box::new(ParameterDifferences::new(data)?)),
-        };
-        differences.set_base(data)?;
-        Ok((&self.resolved, differences, &mut self.column))
-    }
-}
 
 /// # Derivatives by parameters
 impl Lineariser {
@@ -152,8 +86,8 @@ impl Lineariser {
     ///
     /// [`Error::Shape`] for a wrong shape, the errors of [`ModelParameter::name`],
     /// [`Error::Unsupported`] for a simulation with [callbacks](crate::callback) and as for
-    /// [`linear_system_into`](Self::linear_system_into), [`Error::OtherModel`] for a simulation of a
-    /// model that was loaded separately, and the errors of [`Data::step`].
+    /// [`linear_system_into`](Self::linear_system_into), [`Error::OtherModel`] for a simulation of
+    /// a model that was loaded separately, and the errors of [`Data::step`].
     ///
     /// # Panics
     ///
@@ -401,7 +335,7 @@ fn difference_residuals(
         let (residual, rest) = column.split_at(nv);
         let (spread, activation) = rest.split_at(nv);
         residual.iter().enumerate().for_each(|(dof, value)| columns.residual[(dof, index)] = *value);
-        if resolved.effect == super::Effect::Other {
+        if resolved.effect == Effect::Other {
             spread.iter().enumerate().for_each(|(dof, value)| columns.spread[(dof, index)] = *value);
         }
         activation.iter().enumerate().for_each(|(at, value)| columns.activation[(at, index)] += *value);
