@@ -48,6 +48,7 @@
 //! - [`callback`]: closures inside a step.
 //! - [`controller`]: the [`Controller`] trait and simple controllers.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
+//! - [`estimation`]: Kalman filter and smoother.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
 //! - [`scene`]: abstract visualisation of a simulation. [`render`][render] draws it,
@@ -120,6 +121,8 @@ pub mod enums;
 #[doc(alias = "reinforcement learning")]
 pub mod environment;
 mod error;
+#[doc(alias("kalman", "ekf", "state estimation", "filter", "smoother"))]
+pub mod estimation;
 mod ffi;
 mod field_docs;
 mod file;

@@ -1,5 +1,5 @@
 //! Code shared by the examples: command line, charts, the viewer window, plans in the viewer, a
-//! balancing humanoid, the cost of standing, and parts of scenes.
+//! balancing humanoid, a quadruped, the cost of standing, and parts of scenes.
 
 #![allow(dead_code, reason = "each example uses a part of it")]
 
@@ -9,5 +9,6 @@ pub mod chart;
 pub mod command_line;
 pub mod live_plan;
 pub mod parts;
+pub mod quadruped;
 pub mod standing;
 pub mod window;

@@ -11,6 +11,7 @@ mod trouble;
 mod allocations;
 mod allocations_in_control;
 mod allocations_in_environments;
+mod allocations_in_estimation;
 #[cfg(feature = "mcap")]
 mod allocations_in_logs;
 mod allocator;

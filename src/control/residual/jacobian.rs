@@ -164,20 +164,20 @@ impl ResidualJacobian {
     }
 
     /// Prepares for the Jacobians at another point.
-    pub(super) fn move_point(&mut self) {
+    pub(crate) fn move_point(&mut self) {
         if let Some(sensors) = &mut self.sensors {
             sensors.present = false;
         }
     }
 
     /// Sets the first `size` rows to zero.
-    pub(super) fn clear(&mut self, size: usize) {
+    pub(crate) fn clear(&mut self, size: usize) {
         let width = self.matrix.ncols();
         self.matrix.as_mut_slice()[..size * width].fill(0.0);
     }
 
     /// Returns the derivatives of a component, `(nx + nu)`.
-    pub(super) fn row(&self, component: usize) -> &[f64] {
+    pub(crate) fn row(&self, component: usize) -> &[f64] {
         self.matrix.row(component)
     }
 

@@ -73,7 +73,7 @@ pub enum Needs {
 
 impl Needs {
     /// Computes the results.
-    pub(super) fn compute(self, data: &mut Data) -> Result<()> {
+    pub(crate) fn compute(self, data: &mut Data) -> Result<()> {
         if self == Self::Forward {
             data.forward()?;
             return data.subtree_vel();

@@ -15,6 +15,7 @@
 //! | `contacts`, `tippe_top`, `pendulum_chaos` | the tutorials of the Python bindings |
 //! | `cartpole_lqr -- --angle 0.3` | linearise, solve, balance |
 //! | `humanoid_lqr -- --help` | balance a humanoid on one leg, step by step |
+//! | `state_estimation` | the pose of a trotting quadruped from its IMU and joint encoders |
 //! | `rollouts` | 256 pushes of a balanced pole, on all cores |
 //! | `cartpole_swing_up` | iLQR within the motor's range, tracked by a table of gains |
 //! | `humanoid_predictive` | predictive sampling recovers from pushes under which the LQR falls |
@@ -88,6 +89,8 @@ pub mod real_time;
 #[doc(alias("save state", "restore state", "checkpoint"))]
 pub mod saved_state;
 pub mod sensors;
+#[doc(alias("kalman", "ekf", "imu", "odometry", "observer"))]
+pub mod state_estimation;
 #[doc(alias("operational space", "task space", "osc", "impedance"))]
 pub mod task_space;
 #[doc(alias("ci", "continuous integration", "unit test", "github actions"))]

@@ -1,0 +1,257 @@
+//! Operations on covariance matrices: checks, propagation, corrections, and changes of coordinates.
+
+use std::ops::Range;
+
+use crate::enums::JointType;
+use crate::error::{Error, InvalidKind, Result};
+use crate::math;
+use crate::matrix::Matrix;
+use crate::model::Model;
+use crate::numerics::dense::PackedMatrix;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::{InstructionSet, vectorised};
+
+/// Largest error of a symmetric matrix, relative to the geometric mean of its diagonal entries.
+const TOLERANCE: f64 = 1e-9;
+
+/// Checks that a matrix is a covariance: square with `n` rows, finite, symmetric and positive
+/// semidefinite.
+pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()> {
+    Error::check_shape(what, matrix.shape(), (n, n))?;
+    let entry = |row: usize, column: usize| format!("entry ({row}, {column}) of {what}");
+    for row in 0..n {
+        for column in 0..n {
+            let value = matrix[(row, column)];
+            if !value.is_finite() {
+                return Err(Error::not_finite(entry(row, column), value));
+            }
+        }
+        if matrix[(row, row)] < 0.0 {
+            return Err(Error::out_of_range(entry(row, row), matrix[(row, row)], "a variance, which is not negative"));
+        }
+    }
+    // The correlations do not depend on units. Those of a variable without variance are zero.
+    let mut rest = Matrix::zeros(n, n);
+    for row in 0..n {
+        for column in 0..n {
+            let mean = matrix[(row, row)].sqrt() * matrix[(column, column)].sqrt();
+            let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
+            // Of numbers below 1e-154, the product of two roots can be zero.
+            rest[(row, column)] = if value == 0.0 { 0.0 } else { value / mean };
+            if (value - mirrored).abs() > TOLERANCE * mean {
+                return Err(Error::invalid(
+                    InvalidKind::OutOfRange,
+                    entry(row, column),
+                    value,
+                    format!("equal to its mirror image, {mirrored}"),
+                ));
+            }
+        }
+    }
+    if is_semidefinite(&mut rest) {
+        return Ok(());
+    }
+    Err(Error::invalid(InvalidKind::OutOfRange, what, "indefinite", "positive semidefinite"))
+}
+
+/// Eliminates a symmetric matrix with a diagonal of zeros and ones, with pivoting. Returns `false`
+/// unless it is positive semidefinite up to rounding.
+fn is_semidefinite(matrix: &mut Matrix) -> bool {
+    let n = matrix.nrows();
+    let mut remaining: Vec<usize> = (0..n).collect();
+    let tolerance = TOLERANCE * n as f64;
+    loop {
+        let largest = (0..remaining.len())
+            .max_by(|&a, &b| matrix[(remaining[a], remaining[a])].total_cmp(&matrix[(remaining[b], remaining[b])]));
+        let Some(largest) = largest else { return true };
+        let pivot = remaining.swap_remove(largest);
+        let value = matrix[(pivot, pivot)];
+        if value <= tolerance || value.is_nan() {
+            // What remains of a semidefinite matrix is zero.
+            remaining.push(pivot);
+            let entries = remaining.iter().flat_map(|&row| remaining.iter().map(move |&column| (row, column)));
+            return entries.map(|index| matrix[index]).all(|value| value.abs() <= tolerance);
+        }
+        for &row in &remaining {
+            let factor = matrix[(row, pivot)] / value;
+            for &column in &remaining {
+                let product = factor * matrix[(pivot, column)];
+                matrix[(row, column)] -= product;
+            }
+        }
+    }
+}
+
+/// Buffers for the propagation of a covariance.
+#[derive(Clone, Debug)]
+pub(super) struct Propagation {
+    simd: InstructionSet,
+    prior: PackedMatrix,
+    transition: PackedMatrix,
+    transposed: PackedMatrix,
+    product: PackedMatrix,
+    result: PackedMatrix,
+}
+
+impl Propagation {
+    pub(super) fn new() -> Self {
+        Self {
+            simd: InstructionSet::detect(),
+            prior: PackedMatrix::default(),
+            transition: PackedMatrix::default(),
+            transposed: PackedMatrix::default(),
+            product: PackedMatrix::default(),
+            result: PackedMatrix::default(),
+        }
+    }
+
+    /// Computes `result = F P Fᵀ + Q` with a transition F `(nx, nz)`, a covariance P `(nz, nz)` and
+    /// a process noise Q `(nx, nx)`. The result is exactly symmetric.
+    pub(super) fn propagate(&mut self, transition: &Matrix, prior: &Matrix, noise: &Matrix, result: &mut Matrix) {
+        let (nx, nz) = transition.shape();
+        self.prior.copy_rows(nz, nz, prior.as_slice());
+        self.transition.copy_rows(nx, nz, transition.as_slice());
+        self.transposed.transpose_from(&self.transition);
+        self.product.product(self.simd, &self.prior, &self.transposed);
+        self.result.copy_rows(nx, nx, noise.as_slice());
+        self.result.add_symmetric_product(self.simd, &self.transition, &self.product);
+        for row in 0..nx {
+            self.result.row_into(row, result.row_mut(row));
+        }
+    }
+}
+
+vectorised! {
+/// Corrects a symmetric covariance P `(n, n)`, given row-major, by one reading with the gain k and
+/// the gradient c, in the form of P. Joseph: `P ← (I − k cᵀ) P (I − k cᵀ)ᵀ + r k kᵀ`, which is a sum
+/// of squares, so rounding does not make it indefinite. `product` is `P c`, and c is zero outside of
+/// the range `used`. The result is symmetric up to rounding.
+fn correct_rows(
+    covariance: &mut [f64],
+    gradient: &[f64],
+    gain: &[f64],
+    product: &[f64],
+    variance: f64,
+    used: &Range<usize>,
+) {
+    let n = gain.len();
+    for (row, &gain_of_row) in covariance.chunks_exact_mut(n).zip(gain) {
+        add(row, product, -gain_of_row);
+        let mut sums = [0.0; 4];
+        let (row_part, gradient_part) = (&row[used.clone()], &gradient[used.clone()]);
+        let (rows, row_rest) = row_part.as_chunks::<4>();
+        let (gradients, gradient_rest) = gradient_part.as_chunks::<4>();
+        for (row, gradient) in rows.iter().zip(gradients) {
+            for lane in 0..4 {
+                sums[lane] += row[lane] * gradient[lane];
+            }
+        }
+        let rest: f64 = row_rest.iter().zip(gradient_rest).map(|(row, gradient)| row * gradient).sum();
+        let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest;
+        add(row, gain, variance * gain_of_row - sum);
+    }
+}
+}
+
+vectorised! {
+/// Computes `product = P c` for a symmetric P.
+fn multiply_symmetric(covariance: &[f64], gradient: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    for (row, &factor) in covariance.chunks_exact(product.len().max(1)).zip(gradient) {
+        if factor != 0.0 {
+            add(product, row, factor);
+        }
+    }
+}
+}
+
+/// Computes `product = P c` for a symmetric P, and returns `cᵀ P c`, which is not negative.
+pub(super) fn variance_of(covariance: &Matrix, gradient: &[f64], product: &mut [f64]) -> f64 {
+    multiply_symmetric(covariance.as_slice(), gradient, product);
+    dot(gradient, product).max(0.0)
+}
+
+/// Corrects a covariance by a reading with the gradient c and this variance of its noise, where
+/// `product` is `P c` and `gain` is `P c / (cᵀ P c + r)`.
+pub(super) fn correct(covariance: &mut Matrix, gradient: &[f64], gain: &[f64], product: &[f64], variance: f64) {
+    if gain.is_empty() {
+        return;
+    }
+    let first = gradient.iter().position(|&value| value != 0.0).unwrap_or(0);
+    let end = gradient.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
+    correct_rows(covariance.as_mut_slice(), gradient, gain, product, variance, &(first..end));
+}
+
+/// Replaces a matrix by its symmetric part.
+pub(super) fn symmetrise(matrix: &mut Matrix) {
+    let n = matrix.nrows();
+    let values = matrix.as_mut_slice();
+    for row in 0..n {
+        for column in 0..row {
+            let (lower, upper) = (row * n + column, column * n + row);
+            let mean = 0.5 * (values[lower] + values[upper]);
+            (values[lower], values[upper]) = (mean, mean);
+        }
+    }
+}
+
+pub(super) fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| left * right).sum()
+}
+
+pub(super) fn is_finite(values: &[f64]) -> bool {
+    values.iter().fold(true, |finite, value| finite & value.is_finite())
+}
+
+/// Returns the first degree of freedom of each rotation that a quaternion represents.
+pub(super) fn rotations(model: &Model) -> Vec<usize> {
+    let joints = model.jnt_type().iter().zip(model.jnt_dofadr());
+    let first = |(&kind, &dof): (&i32, &i32)| match JointType::of_field(kind) {
+        JointType::Free => Some(dof as usize + 3),
+        JointType::Ball => Some(dof as usize),
+        _ => None,
+    };
+    joints.filter_map(first).collect()
+}
+
+/// Changes the coordinates of a covariance, which belong to the tangent space at a position, to
+/// those at the position moved by `by` `(nv)`.
+///
+/// The error after the move is `e⁺ = (x ⊞ e) ⊟ (x ⊞ by)`, whose derivative with respect to e at
+/// `e = by` is the right Jacobian of the rotation vector (J. Solà, *Quaternion kinematics for the
+/// error-state Kalman filter*, 2017, sections 4.3.4 and 6.3; the first-order form there is
+/// `I − [by/2]×`).
+pub(super) fn transport(covariance: &mut Matrix, rotations: &[usize], by: &[f64]) {
+    transport_rows(covariance, rotations, by);
+    let n = covariance.ncols();
+    for (first, jacobian) in jacobians(rotations, by) {
+        for row in covariance.as_mut_slice().chunks_exact_mut(n) {
+            let part = &mut row[first..first + 3];
+            let old = [part[0], part[1], part[2]];
+            for (value, factors) in part.iter_mut().zip(jacobian.chunks_exact(3)) {
+                *value = dot(factors, &old);
+            }
+        }
+    }
+}
+
+/// Changes the coordinates of the rows of a matrix, as [`transport`] does.
+pub(super) fn transport_rows(matrix: &mut Matrix, rotations: &[usize], by: &[f64]) {
+    for (first, jacobian) in jacobians(rotations, by) {
+        for column in 0..matrix.ncols() {
+            let old = [0, 1, 2].map(|row| matrix[(first + row, column)]);
+            for (row, factors) in jacobian.chunks_exact(3).enumerate() {
+                matrix[(first + row, column)] = dot(factors, &old);
+            }
+        }
+    }
+}
+
+/// Returns the first degree of freedom of each rotation that is not zero, and its right Jacobian.
+fn jacobians(rotations: &[usize], by: &[f64]) -> impl Iterator<Item = (usize, [f64; 9])> {
+    rotations.iter().filter_map(|&first| {
+        let rotation = by[first..].first_chunk::<3>()?;
+        let is_zero = rotation.iter().all(|&value| value == 0.0);
+        (!is_zero).then(|| (first, math::quat_integrate_derivative(rotation, 1.0).dvel))
+    })
+}

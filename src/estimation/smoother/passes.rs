@@ -1,0 +1,249 @@
+//! The forward and the backward pass over a window, about a trajectory.
+
+use std::collections::VecDeque;
+
+use super::step::Step;
+use crate::error::Result;
+use crate::estimation::covariance::{self, dot};
+use crate::estimation::filter::ExtendedKalmanFilter;
+use crate::estimation::update::Correction;
+use crate::matrix::Matrix;
+use crate::model::Model;
+use crate::numerics::linear_algebra::add;
+
+/// Buffers of the passes.
+#[derive(Debug)]
+pub(super) struct Passes {
+    correction: Correction,
+    /// `(nz, nz)`
+    work: Matrix,
+    zeros: Matrix,
+    /// `(nx, nx)`
+    predicted: Matrix,
+    /// `(nx)`: difference of two states.
+    difference: Vec<f64>,
+    /// `(nq + nv + na)`
+    state: Vec<f64>,
+    /// Adjoint of the deviation: its vector `(nz)` and its matrix `(nz, nz)`, and the parts that
+    /// belong to the state.
+    vector: Vec<f64>,
+    matrix: Matrix,
+    state_matrix: Matrix,
+    product: Vec<f64>,
+}
+
+impl Passes {
+    pub(super) fn new(filter: &ExtendedKalmanFilter) -> Self {
+        let (nx, inputs) = filter.plant.sizes();
+        let (nz, measurement, model) = (nx + inputs, filter.measurement(), filter.data().model());
+        let longest = measurement.parts().iter().map(|part| part.len()).max().unwrap_or(0);
+        Self {
+            correction: Correction::new(nz, measurement.len(), longest),
+            work: Matrix::zeros(nz, nz),
+            zeros: Matrix::zeros(nz, nz),
+            predicted: Matrix::zeros(nx, nx),
+            difference: vec![0.0; nx],
+            state: vec![0.0; model.nq() + model.nv() + model.na()],
+            vector: vec![0.0; nz],
+            matrix: Matrix::zeros(nz, nz),
+            state_matrix: Matrix::zeros(nx, nx),
+            product: vec![0.0; nz],
+        }
+    }
+
+    /// Moves the trajectory of the first `used` steps to the estimate of the linear system about
+    /// it. Returns the largest change in standard deviations, or `None` if the estimate is not
+    /// finite, in which case the trajectory is unchanged.
+    pub(super) fn run(
+        &mut self,
+        filter: &mut ExtendedKalmanFilter,
+        steps: &mut VecDeque<Step>,
+        used: usize,
+    ) -> Result<Option<f64>> {
+        self.begin(filter, &mut steps[0])?;
+        for index in 0..used {
+            self.correct(filter, &mut steps[index])?;
+            if index + 1 < used {
+                self.advance(filter, steps, index)?;
+            }
+        }
+        self.vector.fill(0.0);
+        self.matrix.as_mut_slice().fill(0.0);
+        let mut change = 0.0_f64;
+        for index in (0..used).rev() {
+            let step = &mut steps[index];
+            change = self.estimate(filter, step).max(change);
+            self.step_back_readings(step);
+            if index > 0 {
+                self.step_back_state(filter, &steps[index - 1]);
+            }
+        }
+        if !change.is_finite() || !steps.iter().take(used).all(|step| covariance::is_finite(&step.deviation)) {
+            return Ok(None);
+        }
+        for step in steps.iter_mut().take(used) {
+            move_step(filter, step)?;
+        }
+        Ok(Some(change))
+    }
+
+    /// Restores the trajectory of the iteration before.
+    pub(super) fn undo(steps: &mut VecDeque<Step>, used: usize) {
+        for step in steps.iter_mut().take(used) {
+            step.state.copy_from_slice(&step.previous_state);
+            step.inputs.copy_from_slice(&step.previous_inputs);
+        }
+    }
+
+    /// Sets the prior of the first step.
+    fn begin(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
+        difference(filter.data().model(), &step.prior_state, &step.state, &mut self.difference)?;
+        self.predicted.as_mut_slice().copy_from_slice(step.prior_covariance.as_slice());
+        self.set_prior(filter, step, None);
+        Ok(())
+    }
+
+    /// Sets the prior of a step, given the covariance in the tangent space at a state, the
+    /// difference from this state to the point of linearisation, and the deviation from the state,
+    /// by default zero.
+    fn set_prior(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step, deviation: Option<&[f64]>) {
+        let nx = self.predicted.nrows();
+        covariance::transport(&mut self.predicted, &filter.rotations, &self.difference);
+        step.joint.as_mut_slice().fill(0.0);
+        for row in 0..nx {
+            step.joint.row_mut(row)[..nx].copy_from_slice(self.predicted.row(row));
+            step.deviation[row] = deviation.map_or(0.0, |deviation| deviation[row]) - self.difference[row];
+        }
+        filter.plant.set_control_covariance(&mut step.joint);
+        step.deviation[nx..].iter_mut().zip(&step.inputs).for_each(|(deviation, input)| *deviation = -input);
+    }
+
+    /// Corrects the deviation of a step by its readings.
+    fn correct(&mut self, filter: &mut ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
+        let plant = &mut filter.plant;
+        plant.set_controls(&step.controls, &step.inputs)?;
+        plant.data.set_physics_state(&step.state)?;
+        if !step.has_readings {
+            return Ok(());
+        }
+        plant.measure(&step.inputs)?;
+        plant.set_disturbance_covariance(&mut step.joint)?;
+        let correction = &mut self.correction;
+        plant.measurement.subtract(&step.readings, &plant.predicted, &mut correction.innovations);
+        correction.estimate.copy_from_slice(&step.deviation);
+        correction.run(&mut step.joint, &plant.output, &plant.measurement, None);
+        step.deviation.copy_from_slice(&correction.estimate);
+        step.output.as_mut_slice().copy_from_slice(plant.output.as_slice());
+        step.gains.as_mut_slice().copy_from_slice(correction.gains.as_slice());
+        step.residuals.copy_from_slice(&correction.residuals);
+        // The readings may have normalised the quaternions.
+        plant.data.set_physics_state(&step.state)
+    }
+
+    /// Predicts the deviation of the next step.
+    fn advance(&mut self, filter: &mut ExtendedKalmanFilter, steps: &mut VecDeque<Step>, index: usize) -> Result<()> {
+        let step = &mut steps[index];
+        let (plant, propagation) = (&mut filter.plant, &mut filter.propagation);
+        plant.advance(&step.inputs, &mut step.joint, step.has_readings)?;
+        propagation.propagate(&plant.transition, &step.joint, &plant.step_noise, &mut self.predicted);
+        plant.data.physics_state_into(&mut self.state)?;
+        // The transition leads to the tangent space at the state after the step of the simulation,
+        // from there to that of the trajectory.
+        let next = &mut steps[index + 1];
+        difference(plant.data.model(), &self.state, &next.state, &mut self.difference)?;
+        covariance::transport_rows(&mut plant.transition, &filter.rotations, &self.difference);
+        let step = &mut steps[index];
+        for (row, values) in plant.transition.rows().enumerate() {
+            self.product[row] = dot(values, &step.deviation);
+            for (column, &value) in values.iter().enumerate() {
+                step.transition[(column, row)] = value;
+            }
+        }
+        let product = std::mem::take(&mut self.product);
+        self.set_prior(filter, &mut steps[index + 1], Some(&product));
+        self.product = product;
+        Ok(())
+    }
+
+    /// Computes the deviation and the covariance of a step from all readings. Returns the largest
+    /// deviation of a state in standard deviations.
+    fn estimate(&mut self, filter: &mut ExtendedKalmanFilter, step: &mut Step) -> f64 {
+        let nx = self.predicted.nrows();
+        filter.propagation.propagate(&step.joint, &self.matrix, &self.zeros, &mut self.work);
+        let mut change = 0.0_f64;
+        for (index, row) in step.joint.rows().enumerate() {
+            step.deviation[index] -= dot(row, &self.vector);
+            let (size, variance) = (step.deviation[index].abs(), row[index]);
+            // Rounding moves a part of the state that has no variance.
+            if index < nx && size * size > 1e-24 * variance + 1e-300 {
+                change = change.max(size / variance.sqrt());
+            }
+        }
+        for row in 0..nx {
+            let reduced = step.joint.row(row).iter().zip(self.work.row(row)).map(|(before, by)| before - by);
+            step.covariance.row_mut(row).iter_mut().zip(reduced).for_each(|(value, reduced)| *value = reduced);
+        }
+        change
+    }
+
+    /// Takes the adjoint to before the readings of a step.
+    fn step_back_readings(&mut self, step: &Step) {
+        if !step.has_readings {
+            return;
+        }
+        for index in (0..step.readings.len()).rev().filter(|&index| !step.readings[index].is_nan()) {
+            let (gradient, gain, [innovation, variance]) =
+                (step.output.row(index), step.gains.row(index), step.residuals[index]);
+            let factor = dot(gain, &self.vector) + innovation / variance;
+            add(&mut self.vector, gradient, -factor);
+            for (product, row) in self.product.iter_mut().zip(self.matrix.rows()) {
+                *product = dot(row, gain);
+            }
+            let factor = dot(gain, &self.product) + 1.0 / variance;
+            for row in 0..gain.len() {
+                let values = self.matrix.row_mut(row);
+                add(values, gradient, factor * gradient[row] - self.product[row]);
+                if gradient[row] != 0.0 {
+                    add(values, &self.product, -gradient[row]);
+                }
+            }
+        }
+    }
+
+    /// Takes the adjoint to the step before.
+    fn step_back_state(&mut self, filter: &mut ExtendedKalmanFilter, before: &Step) {
+        let nx = self.predicted.nrows();
+        for row in 0..nx {
+            self.state_matrix.row_mut(row).copy_from_slice(&self.matrix.row(row)[..nx]);
+        }
+        filter.propagation.propagate(&before.transition, &self.state_matrix, &self.zeros, &mut self.matrix);
+        for (product, row) in self.product.iter_mut().zip(before.transition.rows()) {
+            *product = dot(row, &self.vector[..nx]);
+        }
+        self.vector.copy_from_slice(&self.product);
+    }
+}
+
+/// Moves a step of the trajectory to its estimate.
+fn move_step(filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
+    let model = filter.data().model();
+    let (nq, nv, nx) = (model.nq(), model.nv(), step.covariance.nrows());
+    step.previous_state.copy_from_slice(&step.state);
+    step.previous_inputs.copy_from_slice(&step.inputs);
+    let (position, rest) = step.state.split_at_mut(nq);
+    let (state, inputs) = step.deviation.split_at(nx);
+    model.integrate_pos(position, &state[..nv], 1.0)?;
+    add(rest, &state[nv..], 1.0);
+    add(&mut step.inputs, inputs, 1.0);
+    covariance::transport(&mut step.covariance, &filter.rotations, &state[..nv]);
+    Ok(())
+}
+
+/// Computes the difference `to ⊟ from` of two states `[qpos; qvel; act]` in tangent coordinates.
+fn difference(model: &Model, from: &[f64], to: &[f64], result: &mut [f64]) -> Result<()> {
+    let (nq, nv) = (model.nq(), model.nv());
+    model.differentiate_pos_into(1.0, &from[..nq], &to[..nq], &mut result[..nv])?;
+    let rest = from[nq..].iter().zip(&to[nq..]);
+    result[nv..].iter_mut().zip(rest).for_each(|(result, (from, to))| *result = to - from);
+    Ok(())
+}
