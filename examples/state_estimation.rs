@@ -63,7 +63,7 @@ fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Err
     let believed = quadruped::standing(quadruped::model(1.0)?)?;
     println!("                        NEES   height   roll and pitch   velocity       drift");
     let mut allowing = None;
-    for (label, contact) in [("without contact noise", None), ("with contact noise", Some([50.0, 25.0]))] {
+    for (label, contact) in [("without contact noise", None), ("with contact noise", Some([100.0, 50.0]))] {
         let run = trot(&believed, contact, arguments)?;
         let [height, roll, pitch, velocity] = run.root_mean_squares();
         println!(
@@ -167,11 +167,11 @@ fn filter(robot: &Data, contact: Option<[f64; 2]>) -> Result<ExtendedKalmanFilte
     if let Some([normal, tangential]) = contact {
         // Impacts act on the trunk and the joints, too, and move the feet by fractions of a
         // millimetre in a step.
-        let other = [vec![4e-8; 6], vec![0.0; 2 * nv - 6]].concat();
+        let other = [vec![2.5e-7; 3], vec![4e-8; 3], vec![0.0; 2 * nv - 6]].concat();
         let joints = [vec![0.0; 6], vec![0.5; nv - 6]].concat();
         noise = noise
             .with_contact_forces(normal, tangential)?
-            .with_body_forces("trunk", 50.0, 5.0)?
+            .with_body_forces("trunk", 100.0, 10.0)?
             .with_forces(&joints)?
             .with_covariance(&Matrix::from_diagonal(&other))?;
     } else {
