@@ -49,6 +49,7 @@
 //! - [`controller`]: the [`Controller`] trait and simple controllers.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
 //! - [`estimation`]: Kalman filter and smoother.
+//! - [`ik`]: inverse kinematics with tasks, priorities and limits.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
 //! - [`scene`]: abstract visualisation of a simulation. [`render`][render] draws it,
@@ -139,6 +140,10 @@ pub mod html;
 pub mod id;
 #[doc(alias("system identification", "sysid", "parameter estimation", "calibration"))]
 pub mod identification;
+#[doc(alias = "inverse kinematics")]
+#[doc(alias = "differential ik")]
+#[doc(alias = "mink")]
+pub mod ik;
 pub mod kind;
 mod layout;
 #[doc(alias("levenberg-marquardt", "gauss-newton", "curve fit", "minimize"))]

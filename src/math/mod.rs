@@ -77,6 +77,7 @@
 mod band;
 mod box_qp;
 mod matrix;
+mod qp;
 mod quaternion;
 mod ray;
 mod scalar;
@@ -87,6 +88,7 @@ use std::ffi::c_int;
 
 pub use self::band::BandShape;
 pub use self::box_qp::{BoxQp, BoxQpSolution, BoxQpStatus};
+pub use self::qp::{Qp, QpProblem, QpSolution, QpStatus};
 pub use self::quaternion::{QuatIntegrateDerivative, SubQuatDerivative};
 pub use self::ray::SkinHit;
 pub(crate) use self::ray::check_ray;

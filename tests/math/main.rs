@@ -10,6 +10,7 @@ mod cholesky;
 mod matrices;
 mod newer_engine;
 mod numbers;
+mod qp;
 mod quaternion_derivatives;
 mod rotations;
 mod row_major;

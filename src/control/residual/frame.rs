@@ -3,54 +3,112 @@
 use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;
 use crate::error::Result;
-use crate::id::{BodyId, IntoId, SiteId};
+use crate::id::{BodyId, GeomId, IntoId, SiteId};
 use crate::kind;
 use crate::math::{mat2quat, sub_quat, sub_quat_derivative};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Frame that moves with a body.
-#[derive(Clone, Copy, Debug)]
-enum Frame {
+/// Frame that moves with a body, for residuals of poses.
+///
+/// ```
+/// use mujoco_safe::control::residual::Frame;
+/// use mujoco_safe::sample;
+///
+/// let model = sample::humanoid();
+/// let (foot, hand) = (Frame::site(&model, "sole_left")?, Frame::body(&model, "hand_left")?);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Frame {
+    /// Frame of a body.
     Body(BodyId),
+    /// Frame of a site.
     Site(SiteId),
+    /// Frame of a geom.
+    Geom(GeomId),
 }
 
 impl Frame {
-    fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
+    /// Returns the frame of a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown body.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    pub fn body(model: &Model, body: impl IntoId<kind::Body>) -> Result<Self> {
         body.id_in(model).map(Self::Body)
     }
 
-    fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
+    /// Returns the frame of a site.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown site.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    pub fn site(model: &Model, site: impl IntoId<kind::Site>) -> Result<Self> {
         site.id_in(model).map(Self::Site)
     }
 
-    fn position(self, data: &Data) -> &[f64; 3] {
+    /// Returns the frame of a geom. The compiler aligns the frames of meshes with their axes of
+    /// inertia.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`](crate::Error::NoSuchName) or
+    /// [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) for an unknown geom.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    pub fn geom(model: &Model, geom: impl IntoId<kind::Geom>) -> Result<Self> {
+        geom.id_in(model).map(Self::Geom)
+    }
+
+    pub(super) fn position(self, data: &Data) -> &[f64; 3] {
         match self {
             Self::Body(body) => data.body(body).xpos(),
             Self::Site(site) => data.site(site).xpos(),
+            Self::Geom(geom) => data.geom(geom).xpos(),
         }
     }
 
     /// Returns the rotation matrix from the frame to the world, row-major.
-    fn rotation(self, data: &Data) -> &[f64; 9] {
+    pub(super) fn rotation(self, data: &Data) -> &[f64; 9] {
         match self {
             Self::Body(body) => data.body(body).xmat(),
             Self::Site(site) => data.site(site).xmat(),
+            Self::Geom(geom) => data.geom(geom).xmat(),
         }
     }
 
-    fn quaternion(self, data: &Data) -> [f64; 4] {
+    pub(super) fn quaternion(self, data: &Data) -> [f64; 4] {
         match self {
             Self::Body(body) => *data.body(body).xquat(),
             Self::Site(site) => mat2quat(data.site(site).xmat()),
+            Self::Geom(geom) => mat2quat(data.geom(geom).xmat()),
         }
     }
 
-    fn jacobian_into(self, data: &Data, linear: Option<&mut Matrix>, angular: Option<&mut Matrix>) -> Result<()> {
+    pub(super) fn jacobian_into(
+        self,
+        data: &Data,
+        linear: Option<&mut Matrix>,
+        angular: Option<&mut Matrix>,
+    ) -> Result<()> {
         match self {
             Self::Body(body) => data.jac_body_into(body, linear, angular),
             Self::Site(site) => data.jac_site_into(site, linear, angular),
+            Self::Geom(geom) => data.jac_geom_into(geom, linear, angular),
         }
     }
 }

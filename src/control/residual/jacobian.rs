@@ -7,6 +7,7 @@ use crate::derivative::{self, Lineariser, TransitionOptions, TransitionOutputs};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::numerics::linear_algebra::add;
 
 /// Step of the central differences. Their error is of order ε², and rounding of order 1e-16/ε.
 const EPS: f64 = 1e-5;
@@ -188,13 +189,14 @@ impl ResidualJacobian {
         }
     }
 
+    /// Adds a linear combination of the rows of the linear Jacobian to a row.
+    pub(super) fn add_linear(&mut self, component: usize, factors: [f64; 3]) {
+        add_rows(self.matrix.row_mut(component), &self.linear, factors);
+    }
+
     /// Adds a linear combination of the rows of the angular Jacobian to a row.
     pub(super) fn add_angular(&mut self, component: usize, factors: [f64; 3]) {
-        for (values, factor) in self.angular.rows().zip(factors) {
-            for (output, value) in self.matrix.row_mut(component).iter_mut().zip(values) {
-                *output += factor * value;
-            }
-        }
+        add_rows(self.matrix.row_mut(component), &self.angular, factors);
     }
 
     /// Writes the rows of sensors from `first` on to the first `size` rows.
@@ -219,5 +221,14 @@ impl ResidualJacobian {
             controls.copy_from_slice(sensors.d.row(first + component));
         }
         Ok(())
+    }
+}
+
+/// Adds a linear combination of the rows of a matrix to the first entries of `output`.
+fn add_rows(output: &mut [f64], matrix: &Matrix, factors: [f64; 3]) {
+    for (values, factor) in matrix.rows().zip(factors) {
+        if factor != 0.0 {
+            add(output, values, factor);
+        }
     }
 }

@@ -15,6 +15,9 @@
 //! | [`JointPosition`] | difference of joint positions from a target, in tangent coordinates | m, rad |
 //! | [`JointVelocity`] | difference of joint velocities from a target | m/s, rad/s |
 //! | [`FramePosition`] | position of a body or a site relative to a target, world frame | m |
+//! | [`FramePose`] | position and orientation, also relative to another frame that moves | m, rad |
+//! | [`Gaze`] | direction of an axis of a frame, minus the direction to a point | 1 |
+//! | [`JointCoupling`] | linear combination of joint positions, minus a target | m, rad |
 //! | [`FrameOrientation`] | rotation vector from a target to the orientation of a body or a site | rad |
 //! | [`Subtree`] | centre of mass of a subtree, its velocity, or the angular momentum, minus a target | m, m/s, kg·m²/s |
 //! | [`SensorReading`] | reading of a sensor, minus a target | of the sensor |
@@ -32,22 +35,28 @@
 
 mod controls;
 mod cost;
+mod coupling;
 mod evaluator;
 mod frame;
+mod gaze;
 mod jacobian;
 mod joint;
 mod momentum;
 mod norm;
+mod pose;
 mod sensor;
 mod subtree;
 mod term;
 
 pub use self::controls::Controls;
 pub use self::cost::ResidualCost;
-pub use self::frame::{FrameOrientation, FramePosition};
+pub use self::coupling::JointCoupling;
+pub use self::frame::{Frame, FrameOrientation, FramePosition};
+pub use self::gaze::Gaze;
 pub use self::jacobian::ResidualJacobian;
 pub use self::joint::{JointPosition, JointVelocity};
 pub use self::norm::Norm;
+pub use self::pose::FramePose;
 pub use self::sensor::SensorReading;
 pub use self::subtree::Subtree;
 pub use self::term::Term;

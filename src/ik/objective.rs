@@ -1,0 +1,153 @@
+//! The quadratic function of the tasks of one priority.
+
+use super::Task;
+use crate::control::residual::{Needs, ResidualJacobian};
+use crate::data::Data;
+use crate::error::{Error, Result};
+use crate::matrix::Matrix;
+use crate::model::Model;
+use crate::numerics::linear_algebra::add;
+use crate::numerics::vectorised;
+
+#[derive(Debug)]
+pub(super) struct Objective {
+    /// `(nv, nv)`: upper triangle of the matrix.
+    pub(super) matrix: Matrix,
+    /// `(nv)`
+    pub(super) gradient: Vec<f64>,
+    jacobian: ResidualJacobian,
+}
+
+impl Objective {
+    pub(super) fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        Self { matrix: Matrix::zeros(nv, nv), gradient: vec![0.0; nv], jacobian: ResidualJacobian::zeros(model, 0) }
+    }
+
+    /// Makes space for the Jacobians of residuals with `size` components.
+    pub(super) fn resize(&mut self, model: &Model, size: usize) {
+        self.jacobian = ResidualJacobian::zeros(model, size);
+    }
+
+    /// Prepares for another position.
+    pub(super) fn move_point(&mut self) {
+        self.jacobian.move_point();
+    }
+
+    /// Returns the results of the pipeline that the tasks need.
+    pub(super) fn needs(tasks: &[Task]) -> Needs {
+        let needs = tasks.iter().filter(|task| task.weight != 0.0).map(|task| task.residual.needs());
+        needs.max().unwrap_or(Needs::State)
+    }
+
+    /// Computes the matrix and the gradient for a displacement in the time `dt`.
+    pub(super) fn assemble(
+        &mut self,
+        tasks: &mut [Task],
+        priority: u32,
+        data: &mut Data,
+        dt: f64,
+        damping: Damping,
+    ) -> Result<()> {
+        let nv = self.gradient.len();
+        self.matrix.as_mut_slice().fill(0.0);
+        self.gradient.fill(0.0);
+        let mut diagonal = 0.0;
+        for (index, task) in tasks.iter_mut().enumerate().filter(|(_, task)| task.priority == priority) {
+            if task.weight == 0.0 {
+                continue;
+            }
+            task.check(index)?;
+            self.evaluate(task, index, data)?;
+            let range = if task.is_rate { nv..2 * nv } else { 0..nv };
+            let mut square = 0.0;
+            for (component, (&error, &factor)) in task.error.iter().zip(&task.weights).enumerate() {
+                let weight = task.weight * factor;
+                if weight == 0.0 {
+                    continue;
+                }
+                let row = &self.jacobian.row(component)[range.clone()];
+                if task.is_rate {
+                    // The part of the residual that does not depend on the velocity.
+                    let constant = error - row.iter().zip(data.qvel()).map(|(row, rate)| row * rate).sum::<f64>();
+                    add_square(&mut self.matrix, &mut self.gradient, row, weight / (dt * dt), weight * constant / dt);
+                } else {
+                    add_square(&mut self.matrix, &mut self.gradient, row, weight, weight * task.gain * error);
+                    square += weight * error * error;
+                }
+            }
+            diagonal += task.damping * square + damping.of_residual * square;
+        }
+        let mean = (0..nv).map(|dof| self.matrix[(dof, dof)]).sum::<f64>() / nv.max(1) as f64;
+        diagonal += damping.relative * mean;
+        if mean == 0.0 {
+            diagonal = 1.0;
+        }
+        (0..nv).for_each(|dof| self.matrix[(dof, dof)] += diagonal);
+        Ok(())
+    }
+
+    /// Computes the residual and the Jacobian of a task.
+    fn evaluate(&mut self, task: &mut Task, index: usize, data: &mut Data) -> Result<()> {
+        task.residual.evaluate(data, &mut task.error)?;
+        if let Some(component) = task.error.iter().position(|value| !value.is_finite()) {
+            let what = format!("component {component} of the residual of task {index}");
+            return Err(Error::not_finite(what, task.error[component]));
+        }
+        self.jacobian.clear(task.error.len());
+        task.residual.differentiate(data, &mut self.jacobian)
+    }
+
+    /// Calls `found` with each row of the Jacobians of a priority, for displacements.
+    pub(super) fn for_each_row(
+        &mut self,
+        tasks: &mut [Task],
+        priority: u32,
+        data: &mut Data,
+        mut found: impl FnMut(&[f64]),
+    ) -> Result<()> {
+        let nv = self.gradient.len();
+        for (index, task) in tasks.iter_mut().enumerate().filter(|(_, task)| task.priority == priority) {
+            if task.weight == 0.0 {
+                continue;
+            }
+            self.evaluate(task, index, data)?;
+            let range = if task.is_rate { nv..2 * nv } else { 0..nv };
+            for component in (0..task.error.len()).filter(|&component| task.weights[component] != 0.0) {
+                found(&self.jacobian.row(component)[range.clone()]);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Damping of the displacement.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Damping {
+    /// Relative to the mean diagonal of the matrix.
+    pub(super) relative: f64,
+    /// Relative to the weighted square of the residual.
+    pub(super) of_residual: f64,
+}
+
+/// Adds the matrix and the gradient of `½ weight (row x)² + slope row x`.
+fn add_square(matrix: &mut Matrix, gradient: &mut [f64], row: &[f64], weight: f64, slope: f64) {
+    let Some(first) = row.iter().position(|&value| value != 0.0) else { return };
+    let end = row.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
+    add_outer(matrix.as_mut_slice(), gradient, &row[first..end], first, weight, slope);
+}
+
+vectorised! {
+/// Adds the outer product of a part of a row, which begins at the entry `first`, to the upper
+/// triangle of a matrix.
+fn add_outer(matrix: &mut [f64], gradient: &mut [f64], part: &[f64], first: usize, weight: f64, slope: f64) {
+    let n = gradient.len();
+    add(&mut gradient[first..first + part.len()], part, slope);
+    for (index, &value) in part.iter().enumerate() {
+        if value != 0.0 {
+            let row = (first + index) * n;
+            add(&mut matrix[row + first + index..row + first + part.len()], &part[index..], weight * value);
+        }
+    }
+}
+}
