@@ -33,7 +33,7 @@ mod inverse;
 mod kinks;
 mod lineariser;
 mod method;
-mod newton;
+pub(crate) mod newton;
 mod parameter;
 mod parameter_jacobian;
 mod perturbation;

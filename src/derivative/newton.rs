@@ -216,7 +216,7 @@ pub(super) fn contacts(data: &Data) -> &[mjContact] {
 }
 
 /// Adds a multiple of a row of J, dense or sparse.
-pub(super) fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
+pub(crate) fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
     let nv = to.len();
     if data.model().is_sparse() {
         let start = data.efc_J_rowadr()[row] as usize;

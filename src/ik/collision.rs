@@ -45,7 +45,8 @@ impl Ik {
     /// spheres, capsules and planes, and iterations for other shapes, which take microseconds to
     /// milliseconds.
     ///
-    /// If the pair is already nearer than the minimum, the tick does not decrease the distance.
+    /// A pair that is already nearer than the minimum moves apart if the other limits allow it; if
+    /// they do not, the tick does not decrease the distance.
     ///
     /// # Errors
     ///
@@ -109,15 +110,9 @@ impl Pair {
         Ok(found.map_or(0.0, |found| (minimum - found.distance).max(0.0)))
     }
 
-    /// Writes the derivative of the distance, and returns the smallest change of the distance.
-    /// `separates` asks a pair that is too near to move apart.
-    pub(super) fn write(
-        &self,
-        data: &mut Data,
-        buffers: &mut [Matrix; 2],
-        separates: bool,
-        row: &mut [f64],
-    ) -> Result<f64> {
+    /// Writes the derivative of the distance, and returns the smallest change of the distance, which
+    /// is positive for a pair that is too near.
+    pub(super) fn write(&self, data: &mut Data, buffers: &mut [Matrix; 2], row: &mut [f64]) -> Result<f64> {
         let Avoidance { minimum, detection, gain } = self.avoidance;
         row.fill(0.0);
         let [first, second] = self.geoms;
@@ -149,7 +144,6 @@ impl Pair {
             add(row, buffers[1].row(axis), factor);
             add(row, buffers[0].row(axis), -factor);
         }
-        let above = found.distance - minimum;
-        Ok(if above >= 0.0 || separates { -gain * above } else { 0.0 })
+        Ok(-gain * (found.distance - minimum))
     }
 }

@@ -4,7 +4,7 @@
 use mujoco_sys::mjCNSTR_EQUALITY;
 
 use crate::data::Data;
-use crate::error::Result;
+use crate::derivative::newton::add_row;
 use crate::matrix::Matrix;
 use crate::numerics::linear_algebra::add;
 
@@ -22,8 +22,6 @@ pub(super) struct Equations {
     count: usize,
     /// `(nv)`
     row: Vec<f64>,
-    /// Buffer for products with the Jacobian of the constraints.
-    unit: Vec<f64>,
     /// Largest violation of an equality constraint of the model.
     pub(super) violation: f64,
 }
@@ -35,7 +33,6 @@ impl Equations {
             right: vec![0.0; capacity],
             count: 0,
             row: vec![0.0; nv],
-            unit: Vec::new(),
             violation: 0.0,
         }
     }
@@ -88,21 +85,16 @@ impl Equations {
     }
 
     /// Adds the equality constraints of the model at the present position.
-    pub(super) fn push_constraints(&mut self, data: &Data) -> Result<()> {
-        self.unit.clear();
-        self.unit.resize(data.nefc(), 0.0);
+    pub(super) fn push_constraints(&mut self, data: &Data) {
         for index in 0..data.nefc() {
-            if data.efc_type()[index] as u32 != mjCNSTR_EQUALITY {
-                continue;
+            if data.efc_type()[index] as u32 == mjCNSTR_EQUALITY {
+                let violation = data.efc_pos()[index];
+                self.violation = self.violation.max(violation.abs());
+                self.row.fill(0.0);
+                add_row(data, index, 1.0, &mut self.row);
+                self.push_row(-violation);
             }
-            let violation = data.efc_pos()[index];
-            self.violation = self.violation.max(violation.abs());
-            self.unit[index] = 1.0;
-            data.mul_jac_t_vec_into(&self.unit, &mut self.row)?;
-            self.unit[index] = 0.0;
-            self.push_row(-violation);
         }
-        Ok(())
     }
 }
 

@@ -253,7 +253,8 @@ impl Ik {
         self.row_limits = [vec![f64::NEG_INFINITY; rows], vec![f64::INFINITY; rows]];
         self.objective.resize(&self.model, self.tasks.iter().map(Task::size).max().unwrap_or(0));
         self.active = Vec::with_capacity(2 * nv + rows);
-        self.conflicts = Vec::with_capacity(2 * nv + rows);
+        // Each priority adds at most one limit, and each pair is relaxed once.
+        self.conflicts = Vec::with_capacity(2 * nv + 2 * self.levels.len() + rows);
         self.is_prepared = true;
         Ok(())
     }

@@ -7,7 +7,8 @@ use super::objective::{Damping, Objective};
 use crate::control::residual::Needs;
 use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::math::{Qp, QpProblem, QpStatus};
+use crate::math::{Qp, QpProblem, QpSolution, QpStatus};
+use crate::model::Model;
 
 /// Termination status of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -187,7 +188,7 @@ impl Ik {
         self.active.clear();
         self.conflicts.clear();
         self.limits.compute(data, motion, &self.velocity, &mut self.conflicts)?;
-        self.write_constraints(data, matches!(motion, Motion::Free(_)))?;
+        self.write_constraints(data)?;
         let dt = if let Motion::Timed(dt) = motion { dt } else { 1.0 };
         let mut iterations = 0;
         let last = self.levels.len() - 1;
@@ -195,56 +196,16 @@ impl Ik {
             let priority = self.levels[index].priority;
             self.objective.assemble(&mut self.tasks, priority, data, dt, damping)?;
             self.write_equations();
-            let numbers = self.objective.gradient.iter().chain(self.row_limits[0].iter().take(self.equations.count()));
-            if !numbers.copied().all(f64::is_finite) {
+            let mut solved = self.solve_level(data.model(), index)?;
+            iterations += solved.1;
+            if solved.0 == IkStatus::Infeasible && self.relax_distances() {
+                solved = self.solve_level(data.model(), index)?;
+                iterations += solved.1;
+            }
+            if solved.0 != IkStatus::Solved {
                 self.brake();
-                return Ok((IkStatus::Overflow, iterations));
+                return Ok((solved.0, iterations));
             }
-            let Level { solver, displacement, .. } = &mut self.levels[index];
-            let mut problem = QpProblem::new(&self.objective.matrix, &self.objective.gradient)
-                .with_bounds(&self.limits.lower, &self.limits.upper);
-            if self.constraints.nrows() > 0 {
-                problem = problem.with_constraints(&self.constraints, &self.row_limits[0], &self.row_limits[1]);
-            }
-            let solution = solver.solve(displacement, &problem)?;
-            iterations += solution.iterations;
-            let status = match solution.status {
-                QpStatus::Solved => IkStatus::Solved,
-                QpStatus::Infeasible => IkStatus::Infeasible,
-                QpStatus::IterationLimit => IkStatus::IterationLimit,
-                QpStatus::NotPositiveDefinite => IkStatus::NotPositiveDefinite,
-                QpStatus::Overflow => IkStatus::Overflow,
-            };
-            let found = Found {
-                bounds: solution.bound_multipliers,
-                rows: solution.constraint_multipliers,
-                conflict: solution.conflict,
-            };
-            let equations = self.row_limits[0].len() - self.pairs.len() - self.limits.balls();
-            let joint_limit = |dof, is_upper| self.limits.cause(data.model(), dof, is_upper);
-            let row_limit = |row: usize| match row.checked_sub(equations) {
-                None => Some(Limit::Equation),
-                Some(row) => match self.pairs.get(row) {
-                    Some(pair) => Some(pair.limit()),
-                    None => self.limits.ball_limit(data.model(), row - self.pairs.len()),
-                },
-            };
-            if status != IkStatus::Solved {
-                self.conflicts.extend(found.conflict.and_then(
-                    |conflict| match conflict.checked_sub(found.bounds.len()) {
-                        None => joint_limit(conflict, self.limits.lower[conflict] <= 0.0),
-                        Some(row) => row_limit(row),
-                    },
-                ));
-                self.brake();
-                return Ok((status, iterations));
-            }
-            self.active.clear();
-            let of_joints = found.bounds.iter().enumerate().filter(|(_, multiplier)| **multiplier != 0.0);
-            self.active.extend(of_joints.filter_map(|(dof, multiplier)| joint_limit(dof, *multiplier > 0.0)));
-            let of_rows = found.rows.iter().enumerate().filter(|(row, value)| **value != 0.0 && *row >= equations);
-            self.active.extend(of_rows.filter_map(|(row, _)| row_limit(row)));
-            self.displacement.copy_from_slice(displacement);
             if index < last {
                 let Self { objective, equations, displacement, tasks, .. } = self;
                 objective.for_each_row(tasks, priority, data, |row| {
@@ -253,6 +214,68 @@ impl Ik {
             }
         }
         Ok((IkStatus::Solved, iterations))
+    }
+
+    /// Solves the quadratic program of a priority. Writes the displacement and the active limits,
+    /// or a limit that contradicts others. Returns the status and the number of iterations.
+    fn solve_level(&mut self, model: &Model, index: usize) -> Result<(IkStatus, u32)> {
+        let numbers = self.objective.gradient.iter().chain(self.row_limits[0].iter().take(self.equations.count()));
+        if !numbers.copied().all(f64::is_finite) {
+            return Ok((IkStatus::Overflow, 0));
+        }
+        let Level { solver, displacement, .. } = &mut self.levels[index];
+        let mut problem = QpProblem::new(&self.objective.matrix, &self.objective.gradient)
+            .with_bounds(&self.limits.lower, &self.limits.upper);
+        if self.constraints.nrows() > 0 {
+            problem = problem.with_constraints(&self.constraints, &self.row_limits[0], &self.row_limits[1]);
+        }
+        let QpSolution { status, iterations, bound_multipliers, constraint_multipliers, conflict } =
+            solver.solve(displacement, &problem)?;
+        let status = match status {
+            QpStatus::Solved => IkStatus::Solved,
+            QpStatus::Infeasible => IkStatus::Infeasible,
+            QpStatus::IterationLimit => IkStatus::IterationLimit,
+            QpStatus::NotPositiveDefinite => IkStatus::NotPositiveDefinite,
+            QpStatus::Overflow => IkStatus::Overflow,
+        };
+        let equations = self.equations.capacity();
+        let joint_limit = |dof, is_upper| self.limits.cause(model, dof, is_upper);
+        let row_limit = |row: usize| match row.checked_sub(equations) {
+            None => Some(Limit::Equation),
+            Some(row) => match self.pairs.get(row) {
+                Some(pair) => Some(pair.limit()),
+                None => self.limits.ball_limit(model, row - self.pairs.len()),
+            },
+        };
+        if status != IkStatus::Solved {
+            let limit = conflict.and_then(|conflict| match conflict.checked_sub(bound_multipliers.len()) {
+                None => joint_limit(conflict, self.limits.lower[conflict] <= 0.0),
+                Some(row) => row_limit(row),
+            });
+            self.conflicts.extend(limit);
+            return Ok((status, iterations));
+        }
+        self.active.clear();
+        let of_joints = bound_multipliers.iter().enumerate().filter(|(_, multiplier)| **multiplier != 0.0);
+        self.active.extend(of_joints.filter_map(|(dof, multiplier)| joint_limit(dof, *multiplier > 0.0)));
+        let of_rows = constraint_multipliers.iter().enumerate().skip(equations).filter(|(_, value)| **value != 0.0);
+        self.active.extend(of_rows.filter_map(|(row, _)| row_limit(row)));
+        self.displacement.copy_from_slice(displacement);
+        Ok((status, iterations))
+    }
+
+    /// No longer asks pairs that are too near to move apart, and reports them. Returns `false` if
+    /// there are none.
+    fn relax_distances(&mut self) -> bool {
+        let before = self.conflicts.len();
+        let first = self.equations.capacity();
+        for (limit, pair) in self.row_limits[0][first..].iter_mut().zip(&self.pairs) {
+            if *limit > 0.0 {
+                *limit = 0.0;
+                self.conflicts.push(pair.limit());
+            }
+        }
+        self.conflicts.len() > before
     }
 
     /// Sets the displacement that is nearest to zero within the bounds of the joints.
@@ -265,17 +288,17 @@ impl Ik {
     }
 
     /// Writes the rows of the pairs and of the balls, and finds the equations of the model.
-    fn write_constraints(&mut self, data: &mut Data, separates: bool) -> Result<()> {
+    fn write_constraints(&mut self, data: &mut Data) -> Result<()> {
         self.equations.clear();
         if self.model.neq() > 0 {
-            self.equations.push_constraints(data)?;
+            self.equations.push_constraints(data);
         }
         let (pairs, balls) = (self.pairs.len(), self.limits.balls());
         let first = self.constraints.nrows() - pairs - balls;
         let [lower, upper] = &mut self.row_limits;
         let buffers = &mut self.buffers;
         for (index, pair) in self.pairs.iter().enumerate() {
-            lower[first + index] = pair.write(data, buffers, separates, self.constraints.row_mut(first + index))?;
+            lower[first + index] = pair.write(data, buffers, self.constraints.row_mut(first + index))?;
         }
         for (index, ball) in self.limits.limited_balls.iter().enumerate() {
             let place = first + pairs + index;
@@ -302,11 +325,4 @@ impl Ik {
             (lower[index], upper[index]) = (f64::NEG_INFINITY, f64::INFINITY);
         }
     }
-}
-
-/// Multipliers of a solution, and a constraint that contradicts others.
-struct Found<'a> {
-    bounds: &'a [f64],
-    rows: &'a [f64],
-    conflict: Option<usize>,
 }

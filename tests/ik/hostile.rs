@@ -67,6 +67,11 @@ fn targets_and_positions_that_are_not_finite_are_errors() {
     ik.add_task(Task::new(FramePosition::body(&model, "link6").unwrap()));
     data.qpos_mut()[3] = f64::NAN;
     assert!(ik.solve(&mut data, DT).is_err());
+    let mut data = Data::new(&model).unwrap();
+    assert!(ik.solve(&mut data, DT).is_ok());
+    data.edit_model(|model| model.jnt_range_mut()[2] = [-1.0, f64::NAN]).unwrap();
+    let error = ik.solve(&mut data, DT).unwrap_err();
+    assert!(error.to_string().contains("joint 2"), "{error}");
 }
 
 #[test]

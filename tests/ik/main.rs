@@ -6,6 +6,7 @@ mod hostile;
 mod jacobians;
 mod limits;
 mod mink;
+mod robots;
 mod search;
 mod tasks;
 

@@ -8,16 +8,18 @@ use mujoco_safe::control::predictive::{
     IlqrPlanner, Planner, SamplingOptions, SamplingPlanner, ThreadedPredictiveController,
 };
 use mujoco_safe::control::residual::{
-    Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
-    Subtree, Term,
+    Controls, Frame, FrameOrientation, FramePose, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost,
+    SensorReading, Subtree, Term,
 };
 use mujoco_safe::derivative::{
     CostSlopes, InverseForce, InverseJacobians, ModelParameter, ParameterOutputs, TransitionMethod, TransitionOptions,
 };
+use mujoco_safe::ik::{Avoidance, Ik, SearchOptions, Task};
+use mujoco_safe::math::{Qp, QpProblem};
 use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters, Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
-    Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, PdController, RandomController, StateSpace,
-    ZeroController, sample,
+    Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
+    StateSpace, ZeroController, sample,
 };
 
 use crate::allocations::{allocates_nothing, squatting};
@@ -116,6 +118,44 @@ fn derivatives_of_inverse_dynamics_by_a_lineariser_do_not_allocate() {
             });
         }
     }
+}
+
+#[test]
+fn ticks_of_inverse_kinematics_do_not_allocate() {
+    let _lock = lock_process();
+    let model = std::sync::Arc::new(
+        Model::from_xml_str(
+            r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><body name="a"><joint name="a" type="ball" limited="true" range="0 1"/>
+                 <geom name="a" type="capsule" size=".1" fromto="0 0 0 0 0 1"/><body name="b" pos="0 0 1"><joint name="b" range="-1 1"/>
+                 <geom name="b" type="box" size=".1 .1 .3"/><body pos="0 0 .5"><joint name="c"/><geom size=".1"/></body></body></body></worldbody>
+               <equality><joint joint1="b" joint2="c"/></equality></mujoco>"#,
+        )
+        .unwrap(),
+    );
+    let mut data = Data::new(&model).unwrap();
+    let mut ik = Ik::new(&model);
+    let body = |name: &str| Frame::body(&model, name).unwrap();
+    let pose = ik.add_task(Task::new(FramePose::new(body("b")).relative_to(body("a"))));
+    ik.add_task(Task::new(Subtree::com(&model, "a").unwrap()).with_priority(1));
+    ik.add_task(Task::rate(Subtree::angular_momentum(&model, "a").unwrap()).with_priority(2).with_weight(0.1));
+    ik.avoid("b", "floor", Avoidance { detection: 2.0, ..Avoidance::default() }).unwrap();
+    ik.set_acceleration_limit("b", 1.0).unwrap();
+    allocates_nothing("Ik::step", || {
+        for step in 0..20 {
+            ik.set_target(pose, &[0.1 * f64::from(step), 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]).unwrap();
+            ik.step(&mut data, 0.01).unwrap();
+        }
+    });
+    allocates_nothing("Ik::search", || {
+        ik.search(&mut data, &SearchOptions { starts: 3, ..SearchOptions::default() }).unwrap();
+    });
+    let (h, g) = (Matrix::identity(5), [-1.0; 5]);
+    let (c, limits) = (Matrix::from_row_major(1, 5, vec![1.0; 5]), [2.0]);
+    let mut solver = Qp::new(5, 1);
+    allocates_nothing("Qp::solve", || {
+        let problem = QpProblem::new(&h, &g).with_bounds(&[0.0; 5], &[0.5; 5]).with_constraints(&c, &limits, &limits);
+        solver.solve(&mut [0.0; 5], &problem).unwrap();
+    });
 }
 
 #[test]

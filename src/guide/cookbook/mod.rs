@@ -22,6 +22,7 @@
 //! | `humanoid_stand_up`, `arm_tracking` | predictive control: from a squat to standing; an arm follows a target |
 //! | `find_load` | the load of an arm is identified from a log, and compensated |
 //! | `replay -- repeat FILE` | repeats and searches files of the flight recorder |
+//! | `arm_obstacles` | inverse kinematics: an arm follows a target between two pillars |
 //! | `learn_gait` | a half cheetah learns to run in minutes, by random search |
 //!
 //! With `--features renderer`:
@@ -72,7 +73,7 @@ pub mod gripper;
 pub mod headless_rendering;
 #[doc(alias("system identification", "sysid", "parameter estimation", "least_squares"))]
 pub mod identification;
-#[doc(alias("inverse kinematics", "ik"))]
+#[doc(alias("inverse kinematics", "ik", "mink"))]
 pub mod inverse_kinematics;
 #[doc(alias("laser scanner"))]
 pub mod lidar;

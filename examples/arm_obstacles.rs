@@ -1,0 +1,199 @@
+//! An arm with seven joints follows a moving target between two pillars with inverse kinematics.
+//!
+//! ```text
+//! cargo run --release --example arm_obstacles -- --out out
+//! ```
+//!
+//! In each tick of 10 ms, the hand takes the step towards the target that the ranges of the joints,
+//! their speeds and accelerations allow, and that keeps all links away from the pillars. The target
+//! passes through the pillars, so the hand leaves it there. The program prints the largest error
+//! where the target is free, the smallest distance and the time of a tick. `--out` writes a plot.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Parser;
+use common::chart::{self, Event, Line, PALETTE, Panel};
+use common::command_line;
+use mujoco_safe::control::residual::{FramePosition, JointPosition};
+use mujoco_safe::ik::{Avoidance, Ik, Task};
+use mujoco_safe::{Data, Model};
+
+const DT: f64 = 0.01;
+const MINIMUM: f64 = 0.02;
+/// Time in which the hand reaches the target, s.
+const APPROACH: f64 = 2.0;
+const PILLARS: [&str; 2] = ["pillar0", "pillar1"];
+
+/// An arm follows a moving target between obstacles.
+#[derive(Parser)]
+#[command(args_override_self = true)]
+struct Arguments {
+    /// Duration, s
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = command_line::not_negative)]
+    seconds: f64,
+    /// Folder for the plot; without it, no file is written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Returns an arm of seven links on a table, and two pillars.
+fn model() -> mujoco_safe::Result<Model> {
+    let mut body = r#"<site name="hand" pos="0 0 .08"/>"#.to_owned();
+    for link in (0..7).rev() {
+        let (axis, length) = (["0 0 1", "0 1 0"][link % 2], [0.25, 0.2, 0.2, 0.15, 0.15, 0.1, 0.08][link]);
+        let place = if link == 0 { 0.1 } else { [0.25, 0.2, 0.2, 0.15, 0.15, 0.1, 0.08][link - 1] };
+        body = format!(
+            r#"<body pos="0 0 {place}"><joint axis="{axis}" range="-140 140"/>
+                 <geom name="link{link}" type="capsule" size=".04" fromto="0 0 0 0 0 {length}"/>{body}</body>"#
+        );
+    }
+    Model::from_xml_str(&format!(
+        r#"<mujoco><default><joint limited="true"/></default><worldbody>
+             <geom name="pillar0" type="capsule" size=".06" fromto=".45 .2 0 .45 .2 1"/>
+             <geom name="pillar1" type="capsule" size=".06" fromto=".45 -.25 0 .45 -.25 1"/>
+             {body}</worldbody></mujoco>"#
+    ))
+}
+
+/// Returns the target at a time, m: an ellipse whose front is beyond the pillars.
+fn target(time: f64) -> [f64; 3] {
+    let phase = TAU * time / 10.0;
+    [0.5 + 0.05 * (2.0 * phase).cos(), 0.5 * phase.sin(), 0.5 + 0.1 * phase.cos()]
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+#[derive(Default)]
+struct Run {
+    times: Vec<f64>,
+    hand: Vec<[f64; 3]>,
+    errors: Vec<f64>,
+    /// Distance of the arm from the pillars, m.
+    distances: Vec<f64>,
+    /// Distance of the target from the surfaces of the pillars, m.
+    clearances: Vec<f64>,
+    /// Mean time of a tick, s.
+    tick: f64,
+}
+
+fn follow(seconds: f64) -> mujoco_safe::Result<Run> {
+    let mut data = Data::new(Arc::new(model()?))?;
+    let model = data.model().clone();
+    let mut ik = Ik::new(&model);
+    let hand = ik.add_task(Task::new(FramePosition::site(&model, "hand")?));
+    ik.add_task(Task::new(JointPosition::all(&model)).with_weight(1e-5));
+    ik.set_velocity_limits(2.0)?;
+    for joint in 0..model.njnt() {
+        ik.set_acceleration_limit(joint, 20.0)?;
+    }
+    let links: Vec<String> = (0..7).map(|link| format!("link{link}")).collect();
+    for link in &links {
+        for pillar in PILLARS {
+            ik.avoid(link, pillar, Avoidance { minimum: MINIMUM, detection: 0.15, gain: 0.3 })?;
+        }
+    }
+    data.qpos_mut().copy_from_slice(&[0.0, -0.4, 0.0, 1.6, 0.0, 0.6, 0.0]);
+    let mut run = Run::default();
+    let ticks = (seconds / DT) as u32;
+    for tick in 0..ticks {
+        let time = DT * f64::from(tick);
+        ik.set_target(hand, &target(time))?;
+        let start = Instant::now();
+        ik.step(&mut data, DT)?;
+        run.tick += start.elapsed().as_secs_f64() / f64::from(ticks);
+        data.kinematics()?;
+        let mut nearest: f64 = 1.0;
+        for link in &links {
+            for pillar in PILLARS {
+                nearest = data.geom_distance(link, pillar, 1.0)?.map_or(nearest, |found| nearest.min(found.distance));
+            }
+        }
+        let [x, y, _] = target(time);
+        let clearance = [0.2, -0.25].map(|side: f64| (x - 0.45).hypot(y - side) - 0.06);
+        run.times.push(time);
+        run.hand.push(*data.site("hand")?.xpos());
+        run.errors.push(distance(data.site("hand")?.xpos(), &target(time)));
+        run.distances.push(nearest);
+        run.clearances.push(clearance[0].min(clearance[1]));
+    }
+    Ok(run)
+}
+
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let run = follow(arguments.seconds)?;
+    // The surface of the hand and the minimum need this much space.
+    let is_free = |clearance: f64| clearance > 0.04 + MINIMUM + 0.06;
+    let rows = run.times.iter().zip(&run.errors).zip(&run.clearances);
+    let free = rows.filter(|((time, _), clearance)| **time > APPROACH && is_free(**clearance));
+    let largest = free.map(|((_, error), _)| *error).fold(0.0, f64::max);
+    let nearest = run.distances.iter().copied().fold(f64::INFINITY, f64::min);
+    println!(
+        "largest error where the target is free: {:.2} mm; smallest distance: {:.2} mm; time of a tick: {:.1} µs",
+        1e3 * largest,
+        1e3 * nearest,
+        1e6 * run.tick
+    );
+    if let Some(out) = &arguments.out {
+        chart::save(out, "arm_obstacles.svg", 260, &panels(&run))?;
+    }
+    Ok(())
+}
+
+fn panels(run: &Run) -> [Panel<'static>; 3] {
+    let axes = [(0, "x"), (1, "y"), (2, "z")];
+    let hand = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
+        Line::new(&format!("hand {name}"), color, run.times.iter().zip(&run.hand).map(|(&time, at)| (time, at[axis])))
+    });
+    let targets = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
+        Line::dashed(&format!("target {name}"), color, run.times.iter().map(|&time| (time, target(time)[axis])))
+    });
+    let line = |values: &[f64], color| Line::new("", color, run.times.iter().copied().zip(values.iter().copied()));
+    let last = run.times.last().copied().unwrap_or(1.0);
+    let minimum = Line::dashed("minimum", PALETTE[1], [(0.0, MINIMUM), (last, MINIMUM)]);
+    // The intervals in which the target is in a pillar.
+    let mut events: Vec<Event> = Vec::new();
+    let mut start = None;
+    for (&time, &clearance) in run.times.iter().zip(&run.clearances) {
+        match (clearance < 0.04 + MINIMUM, start) {
+            (true, None) => start = Some(time),
+            (false, Some(from)) => {
+                let label = if events.is_empty() { "target too near" } else { "" };
+                events.push(Event::new(label, from, time));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    [
+        Panel::new(
+            "Position of the hand and of its target",
+            ["time (s)", "position (m)"],
+            hand.chain(targets).collect(),
+        )
+        .events(events.clone()),
+        Panel::new(
+            "Distance of the hand from its target",
+            ["time (s)", "distance (m)"],
+            vec![line(&run.errors, PALETTE[0])],
+        )
+        .events(events),
+        Panel::new(
+            "Smallest distance of the arm from the pillars",
+            ["time (s)", "distance (m)"],
+            vec![line(&run.distances, PALETTE[0]), minimum],
+        ),
+    ]
+}
