@@ -6,8 +6,9 @@
 //!
 //! In each tick of 10 ms, the hand takes the step towards the target that the ranges of the joints,
 //! their speeds and accelerations allow, and that keeps all links away from the pillars. The target
-//! passes through the pillars, so the hand leaves it there. The program prints the largest error
-//! where the target is free, the smallest distance and the time of a tick. `--out` writes a plot.
+//! passes through the pillars, so the hand goes around them there. The program prints the largest
+//! error where the target is free, the smallest distance and the time of a tick. `--out` writes a
+//! plot.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
-use common::chart::{self, Event, Line, PALETTE, Panel};
+use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::control::residual::{FramePosition, JointPosition};
 use mujoco_safe::ik::{Avoidance, Ik, Task};
@@ -56,16 +57,23 @@ fn model() -> mujoco_safe::Result<Model> {
     }
     Model::from_xml_str(&format!(
         r#"<mujoco><default><joint limited="true"/></default><worldbody>
-             <geom name="pillar0" type="capsule" size=".06" fromto=".45 .2 0 .45 .2 1"/>
-             <geom name="pillar1" type="capsule" size=".06" fromto=".45 -.25 0 .45 -.25 1"/>
+             <geom name="pillar0" type="capsule" size=".06" fromto=".45 .2 0 .45 .2 .4"/>
+             <geom name="pillar1" type="capsule" size=".06" fromto=".45 -.25 0 .45 -.25 .4"/>
              {body}</worldbody></mujoco>"#
     ))
 }
 
-/// Returns the target at a time, m: an ellipse whose front is beyond the pillars.
+/// Returns the target at a time, m: an ellipse that passes through both pillars.
 fn target(time: f64) -> [f64; 3] {
     let phase = TAU * time / 10.0;
-    [0.5 + 0.05 * (2.0 * phase).cos(), 0.5 * phase.sin(), 0.5 + 0.1 * phase.cos()]
+    [0.45 + 0.05 * (2.0 * phase).cos(), 0.4 * phase.sin(), 0.45 + 0.1 * phase.cos()]
+}
+
+/// Returns the distance of a point from the surfaces of the pillars, m.
+fn clearance([x, y, z]: [f64; 3]) -> f64 {
+    let above = (z - 0.4).max(0.0);
+    let distances = [0.2, -0.25].map(|side: f64| (x - 0.45).hypot(y - side).hypot(above) - 0.06);
+    distances[0].min(distances[1])
 }
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -117,13 +125,11 @@ fn follow(seconds: f64) -> mujoco_safe::Result<Run> {
                 nearest = data.geom_distance(link, pillar, 1.0)?.map_or(nearest, |found| nearest.min(found.distance));
             }
         }
-        let [x, y, _] = target(time);
-        let clearance = [0.2, -0.25].map(|side: f64| (x - 0.45).hypot(y - side) - 0.06);
         run.times.push(time);
         run.hand.push(*data.site("hand")?.xpos());
         run.errors.push(distance(data.site("hand")?.xpos(), &target(time)));
         run.distances.push(nearest);
-        run.clearances.push(clearance[0].min(clearance[1]));
+        run.clearances.push(clearance(target(time)));
     }
     Ok(run)
 }
@@ -160,40 +166,22 @@ fn panels(run: &Run) -> [Panel<'static>; 3] {
     let targets = axes.iter().zip(PALETTE).map(|(&(axis, name), color)| {
         Line::dashed(&format!("target {name}"), color, run.times.iter().map(|&time| (time, target(time)[axis])))
     });
-    let line = |values: &[f64], color| Line::new("", color, run.times.iter().copied().zip(values.iter().copied()));
+    let line =
+        |label, values: &[f64], color| Line::new(label, color, run.times.iter().copied().zip(values.iter().copied()));
     let last = run.times.last().copied().unwrap_or(1.0);
-    let minimum = Line::dashed("minimum", PALETTE[1], [(0.0, MINIMUM), (last, MINIMUM)]);
-    // The intervals in which the target is in a pillar.
-    let mut events: Vec<Event> = Vec::new();
-    let mut start = None;
-    for (&time, &clearance) in run.times.iter().zip(&run.clearances) {
-        match (clearance < 0.04 + MINIMUM, start) {
-            (true, None) => start = Some(time),
-            (false, Some(from)) => {
-                let label = if events.is_empty() { "target too near" } else { "" };
-                events.push(Event::new(label, from, time));
-                start = None;
-            }
-            _ => {}
-        }
-    }
+    let distances = vec![
+        line("of the arm", &run.distances, PALETTE[0]),
+        line("of the target", &run.clearances, PALETTE[2]),
+        Line::dashed("minimum", PALETTE[1], [(0.0, MINIMUM), (last, MINIMUM)]),
+    ];
+    let axes = ["time (s)", "distance (m)"];
     [
         Panel::new(
             "Position of the hand and of its target",
             ["time (s)", "position (m)"],
             hand.chain(targets).collect(),
-        )
-        .events(events.clone()),
-        Panel::new(
-            "Distance of the hand from its target",
-            ["time (s)", "distance (m)"],
-            vec![line(&run.errors, PALETTE[0])],
-        )
-        .events(events),
-        Panel::new(
-            "Smallest distance of the arm from the pillars",
-            ["time (s)", "distance (m)"],
-            vec![line(&run.distances, PALETTE[0]), minimum],
         ),
+        Panel::new("Distance of the hand from its target", axes, vec![line("", &run.errors, PALETTE[0])]),
+        Panel::new("Distances from the pillars", axes, distances),
     ]
 }

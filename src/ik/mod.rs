@@ -2,24 +2,34 @@
 //! of mass.
 //!
 //! ```
-//! use mujoco_safe::control::residual::{Frame, FramePose, JointPosition, Subtree};
+//! use mujoco_safe::control::residual::{Frame, FramePose, FramePosition, JointPosition};
 //! use mujoco_safe::ik::{Ik, Task};
 //! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::humanoid())?;
+//! data.reset_to_key("stand")?;
+//! data.kinematics()?;
 //! let model = data.model().clone();
 //! let mut ik = Ik::new(&model);
-//! let frame = |name: &str| Frame::body(&model, name);
-//! let foot = FramePose::new(frame("foot_left")?);
-//! let hand = ik.add_task(Task::new(FramePose::new(frame("hand_left")?)).with_weights([1.0, 1.0,
-//! 1.0, 0.0, 0.0, 0.0])); ik.add_task(Task::new(JointPosition::all(&model)).with_weight(1e-4));
-//! ik.set_target(hand, &[0.4, 0.3, 1.2, 1.0, 0.0, 0.0, 0.0])?;
+//!
+//! // Keep the feet on the ground, lift a hand, and prefer the present posture.
+//! for foot in ["foot_left", "foot_right"] {
+//!     let pose = FramePose::new(Frame::body(&model, foot)?);
+//!     let body = data.body(foot)?;
+//!     ik.add_task(Task::new(pose.with_target(*body.xpos(), *body.xquat())));
+//! }
+//! let hand = ik.add_task(Task::new(FramePosition::body(&model, "hand_left")?));
+//! ik.add_task(Task::new(JointPosition::all(&model).with_target(data.qpos())?).with_weight(1e-4));
+//! ik.set_velocity_limits(2.0)?; // rad/s
+//!
+//! let target = [0.3, 0.4, 1.2];
+//! ik.set_target(hand, &target)?;
 //! for _ in 0..100 {
 //!     let tick = ik.step(&mut data, 0.01)?;
 //!     assert!(tick.is_solved());
 //! }
 //! data.kinematics()?;
-//! assert!((data.body("hand_left")?.xpos()[2] - 1.2).abs() < 1e-2);
+//! assert!((data.body("hand_left")?.xpos()[2] - target[2]).abs() < 1e-2);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!

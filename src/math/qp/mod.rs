@@ -162,7 +162,8 @@ pub struct QpSolution<'a> {
 ///     .with_bounds(&[f64::NEG_INFINITY; 2], &[1.0, f64::INFINITY])
 ///     .with_constraints(&[[1.0, 1.0]], &[0.0], &[0.0]);
 /// let mut x = [0.0; 2];
-/// let solution = Qp::new(2, 1).solve(&mut x, &problem)?;
+/// let mut solver = Qp::new(2, 1);
+/// let solution = solver.solve(&mut x, &problem)?;
 /// assert_eq!(solution.status, QpStatus::Solved);
 /// assert!((x[0] - 0.5).abs() < 1e-12 && (x[1] + 0.5).abs() < 1e-12);
 /// # Ok::<(), mujoco_safe::Error>(())
