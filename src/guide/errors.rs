@@ -7,7 +7,8 @@
 //! diverged simulation, a failure of the engine. A mistake in the program panics: an index beyond a
 //! slice, an id of another model, a record that a trajectory does not have. Numerical outcomes are
 //! a status: [`IlqrStatus`](crate::control::ilqr::IlqrStatus),
-//! [`BoxQpStatus`](crate::math::BoxQpStatus).
+//! [`BoxQpStatus`](crate::math::BoxQpStatus), [`QpStatus`](crate::math::QpStatus),
+//! [`IkStatus`](crate::ik::IkStatus).
 //!
 //! [`Error`] is non-exhaustive, and its text states the problem, the place and the allowed values:
 //!

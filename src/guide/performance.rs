@@ -115,7 +115,9 @@
 //! states and 21 controls, is solved with a relative residual of 2·10⁻¹³
 //! (`cargo bench --bench riccati`). The humanoid's regulator computes its controls in 0.4 µs
 //! without allocation; as a closure that allocates vectors it takes 1.08 times as long
-//! (`cargo bench --bench controller`).
+//! (`cargo bench --bench controller`). A tick of [inverse kinematics](crate::ik) of the humanoid
+//! with six tasks takes 0.028 times as long as with mink 1.3 and daqp, 18.8 µs, with smaller errors
+//! of the tasks (`MUJOCO_PYTHON=python3 cargo bench --bench ik`).
 //!
 //! Frames per second of processor time relative to the engine's own renderer, with the same
 //! settings and software rendering (Mesa's Vulkan and OpenGL), in alternation

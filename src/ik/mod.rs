@@ -220,8 +220,9 @@ impl Ik {
     ///
     /// # Errors
     ///
-    /// As for [`task`](Self::task), [`Error::Shape`] for a wrong length, [`Error::Invalid`] for a
-    /// number that is not finite, [`Error::Unsupported`] for a residual without a target.
+    /// As for [`task`](Self::task), [`Error::Shape`](crate::Error::Shape) for a wrong length,
+    /// [`Error::Invalid`](crate::Error::Invalid) for a number that is not finite,
+    /// [`Error::Unsupported`](crate::Error::Unsupported) for a residual without a target.
     pub fn set_target(&mut self, id: TaskId, target: &[f64]) -> Result<()> {
         let count = self.tasks.len();
         let task = self.tasks.get_mut(id.0).ok_or_else(|| id.unknown(count))?;
@@ -242,7 +243,7 @@ impl Ik {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] unless a task has one weight for each component.
+    /// [`Error::Shape`](crate::Error::Shape) unless a task has one weight for each component.
     pub fn prepare(&mut self) -> Result<()> {
         if self.is_prepared {
             return Ok(());

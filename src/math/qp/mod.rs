@@ -8,9 +8,10 @@
 //! would change sign. The matrices of the working set are updated by a Householder reflection for
 //! an added constraint, and by Givens rotations for a dropped one.
 //!
-//! The interior-point solver of the crate clarabel 0.11 solves the same problems, also larger and
-//! sparse ones, but it cannot start from an earlier solution, and it allocates. See the bench `ik`
-//! for times.
+//! The interior-point solver of the crate clarabel 0.11 takes 39 times as long for the problems of
+//! the bench `ik` (27 unknowns with bounds, 307 against 7.8 µs, in alternation): it is made for
+//! large and sparse problems, does not start from an earlier solution, and allocates. It would add
+//! 41 crates.
 
 mod iteration;
 mod working_set;
