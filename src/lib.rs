@@ -48,7 +48,8 @@
 //! - [`callback`]: closures inside a step.
 //! - [`controller`]: the [`Controller`] trait and simple controllers.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
-//! - [`estimation`]: Kalman filter and smoother.
+//! - [`estimation`]: Kalman filter and smoother. [`identification`]: parameters from measurements,
+//!   by [`least_squares`].
 //! - [`ik`]: inverse kinematics with tasks, priorities and limits.
 //! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
