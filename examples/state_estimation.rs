@@ -1,5 +1,5 @@
-//! State estimation of a walking robot: an extended Kalman filter estimates the pose of the trunk of
-//! a quadruped from its inertial measurement unit and its joint encoders.
+//! State estimation of a walking robot: an extended Kalman filter estimates the pose of the trunk
+//! of a quadruped from its inertial measurement unit and its joint encoders.
 //!
 //! ```text
 //! cargo run --release --example state_estimation -- --out out

@@ -57,8 +57,8 @@ pub fn chi_square_quantile(probability: f64, degrees: usize) -> Result<f64> {
 }
 
 /// Returns the probability that a variable exceeds `value`, which is positive. For whole degrees of
-/// freedom, the incomplete gamma function is a finite sum (M. Abramowitz and I. A. Stegun, *Handbook
-/// of Mathematical Functions*, 1964, 26.4.4 and 26.4.5).
+/// freedom, the incomplete gamma function is a finite sum (M. Abramowitz and I. A. Stegun,
+/// *Handbook of Mathematical Functions*, 1964, 26.4.4 and 26.4.5).
 fn tail(value: f64, degrees: usize) -> f64 {
     let half = 0.5 * value;
     if half <= 0.0 {

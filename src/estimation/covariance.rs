@@ -123,9 +123,9 @@ impl Propagation {
 
 vectorised! {
 /// Corrects a symmetric covariance P `(n, n)`, given row-major, by one reading with the gain k and
-/// the gradient c, in the form of P. Joseph: `P ← (I − k cᵀ) P (I − k cᵀ)ᵀ + r k kᵀ`, which is a sum
-/// of squares, so rounding does not make it indefinite. `product` is `P c`, and c is zero outside of
-/// the range `used`. The result is symmetric up to rounding.
+/// the gradient c, in the form of P. Joseph: `P ← (I − k cᵀ) P (I − k cᵀ)ᵀ + r k kᵀ`, which is a
+/// sum of squares, so rounding does not make it indefinite. `product` is `P c`, and c is zero
+/// outside of the range `used`. The result is symmetric up to rounding.
 fn correct_rows(
     covariance: &mut [f64],
     gradient: &[f64],

@@ -14,8 +14,8 @@ use crate::model::{EnableFlags, Model};
 use crate::numerics::linear_algebra::add;
 
 /// Simulation at an estimate, and the linear system there: `x' = f(x, u + w, α)` and `y = h(x, u +
-/// w, α)` with the state x, the controls u, the noise w of the controls, and the disturbance α of the
-/// accelerations. The last two are inputs of a step that are estimated: w if there is such noise,
+/// w, α)` with the state x, the controls u, the noise w of the controls, and the disturbance α of
+/// the accelerations. The last two are inputs of a step that are estimated: w if there is such noise,
 /// and α if there is noise of forces and accelerometers measure it.
 #[derive(Debug)]
 pub(super) struct Plant {
@@ -31,7 +31,7 @@ pub(super) struct Plant {
     linear: Matrix,
     /// Covariance of the noise that is added to the state after a step, `(nx, nx)`.
     pub(super) step_noise: Matrix,
-    /// `(nx, nx + nw + nf)`: derivatives of the next state with respect to the state and the inputs.
+    /// `(nx, nx + nw + nf)`: derivatives of the next state by the state and the inputs.
     pub(super) transition: Matrix,
     /// `(ny, nx + nw + nf)`: derivatives of the readings.
     pub(super) output: Matrix,

@@ -124,8 +124,8 @@ fn the_sign_of_a_quaternion_has_no_effect() {
     assert!((variance.sqrt() / 0.02 - 1.0).abs() < 0.05, "{variance}");
 }
 
-/// A correction by the rotation vector δ transports the covariance by the right Jacobian of δ. For a
-/// turn by the angle a, the variances across the axis change by `2 (1 − cos a) / a²`.
+/// A correction by the rotation vector δ transports the covariance by the right Jacobian of δ. For
+/// a turn by the angle a, the variances across the axis change by `2 (1 − cos a) / a²`.
 #[test]
 fn a_correction_transports_the_covariance() {
     let model = mujoco_safe::Model::from_xml_str(
@@ -162,7 +162,7 @@ fn the_gate_rejects_outliers() {
     let data = Data::new(&model).unwrap();
     let filter = ExtendedKalmanFilter::new(data, &diagonal(&[0.1; 12]), noise, measurement).unwrap();
     let mut filter = filter.with_gate(0.999).unwrap();
-    // The variance of the difference at the place is about 0.01, and the bound for 3 components is 16.3.
+    // The variance at the place is about 0.01, and the bound for 3 components is 16.3.
     let place = [0.2, 0.1, 0.05];
     let update = filter.update(&[], &[place[0] + 0.9, place[1], place[2], 0.1, f64::NAN, 0.05]).unwrap();
     assert_eq!((update.status, update.used, update.rejected), (UpdateStatus::Corrected, 2, 3));

@@ -1,7 +1,7 @@
 //! A linear system: the estimates are those of an independent computation and of identities.
 //!
-//! `tests/oracle/estimation.py` conditions the joint normal distribution of all states and readings,
-//! without a recursion.
+//! `tests/oracle/estimation.py` conditions the joint normal distribution of all states and
+//! readings, without a recursion.
 
 use std::sync::Arc;
 

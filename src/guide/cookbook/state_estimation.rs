@@ -63,8 +63,8 @@
 //! let sensors = Measurement::new(&model).with_noisy_sensors()?;
 //! let deviations: Vec<f64> = sensors.deviations().collect();
 //! let start = Matrix::from_diagonal(&vec![1e-6; nx]);
-//! let filter = ExtendedKalmanFilter::new(robot.clone(), &start, noise, sensors)?.with_gate(0.9999)?;
-//! let mut smoother = FixedLagSmoother::new(filter, 50)?;
+//! let filter = ExtendedKalmanFilter::new(robot.clone(), &start, noise, sensors)?;
+//! let mut smoother = FixedLagSmoother::new(filter.with_gate(0.9999)?, 50)?;
 //!
 //! let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(1);
 //! let mut normal = |deviation: f64| -> f64 {
@@ -76,14 +76,16 @@
 //!     let target = 0.1 * (0.02 * f64::from(step)).sin();
 //!     // The robot: its servos are not exact, and something pushes the trunk.
 //!     let controls = [target, 0.5 * target];
-//!     controls.iter().zip(robot.ctrl_mut()).for_each(|(target, ctrl)| *ctrl = target + normal(0.001));
+//!     for (target, ctrl) in controls.iter().zip(robot.ctrl_mut()) {
+//!         *ctrl = target + normal(0.001);
+//!     }
 //!     robot.xfrc_applied_mut()[3] = [normal(2.0), normal(2.0), normal(2.0), 0.0, 0.0, 0.0];
 //!     let state = robot.physics_state();
 //!     robot.step()?;
 //!
 //!     // The filter: the readings after a step are those of the state before it.
-//!     let readings = robot.sensordata().iter().zip(&deviations).map(|(reading, d)| reading + normal(*d));
-//!     let readings: Vec<f64> = readings.collect();
+//!     let readings = robot.sensordata().iter().zip(&deviations);
+//!     let readings: Vec<f64> = readings.map(|(reading, d)| reading + normal(*d)).collect();
 //!     smoother.update(&controls, &readings)?;
 //!     let mut truth = robot.clone();
 //!     truth.set_physics_state(&state)?;
