@@ -55,13 +55,22 @@ impl Equations {
         self.rows.rows().zip(self.right.iter().copied()).take(self.count)
     }
 
-    /// Adds an equation, unless its row depends on earlier ones. Gram–Schmidt, twice, so that the
-    /// rows are orthogonal up to rounding.
-    pub(super) fn push(&mut self, row: &[f64], right: f64) {
+    /// Adds the row of an equation, unless it depends on earlier ones. [`hold`](Self::hold) sets
+    /// the right-hand side.
+    pub(super) fn push(&mut self, row: &[f64]) {
         self.row.copy_from_slice(row);
-        self.push_row(right);
+        self.push_row(0.0);
     }
 
+    /// Sets the right-hand sides to those of a displacement, so that it fulfils the equations up to
+    /// rounding.
+    pub(super) fn hold(&mut self, displacement: &[f64]) {
+        for (right, row) in self.right.iter_mut().zip(self.rows.rows()).take(self.count) {
+            *right = dot(row, displacement);
+        }
+    }
+
+    /// Gram–Schmidt, twice, so that the rows are orthogonal up to rounding.
     fn push_row(&mut self, mut right: f64) {
         let length = norm(&self.row);
         if self.count == self.right.len() || length == 0.0 {
@@ -69,7 +78,7 @@ impl Equations {
         }
         for _ in 0..2 {
             for (other, value) in self.rows.rows().zip(&self.right).take(self.count) {
-                let part: f64 = other.iter().zip(&self.row).map(|(a, b)| a * b).sum();
+                let part = dot(other, &self.row);
                 add(&mut self.row, other, -part);
                 right -= part * value;
             }
@@ -98,6 +107,10 @@ impl Equations {
     }
 }
 
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 fn norm(row: &[f64]) -> f64 {
-    row.iter().map(|value| value * value).sum::<f64>().sqrt()
+    dot(row, row).sqrt()
 }

@@ -150,7 +150,11 @@ pub struct Ik {
     /// `(nq)`: first and best positions of a search.
     start: Vec<f64>,
     best: Vec<f64>,
-    /// False if tasks or pairs have been added since the workspace was created.
+    /// Priorities and sizes of the tasks, and the number of pairs, for which the workspace was
+    /// created.
+    layout: Vec<(u32, usize)>,
+    pair_count: Option<usize>,
+    /// False if tasks or pairs may have changed since the workspace was created.
     is_prepared: bool,
 }
 
@@ -177,6 +181,8 @@ impl Ik {
             buffers: [Matrix::zeros(3, nv), Matrix::zeros(3, nv)],
             start: Vec::with_capacity(model.nq()),
             best: Vec::with_capacity(model.nq()),
+            layout: Vec::new(),
+            pair_count: None,
             is_prepared: false,
             model,
         }
@@ -211,7 +217,7 @@ impl Ik {
     /// As for [`task`](Self::task).
     pub fn task_mut(&mut self, id: TaskId) -> Result<&mut Task> {
         let count = self.tasks.len();
-        // Another priority needs another workspace.
+        // The caller can replace the task.
         self.is_prepared = false;
         self.tasks.get_mut(id.0).ok_or_else(|| id.unknown(count))
     }
@@ -248,6 +254,15 @@ impl Ik {
         if self.is_prepared {
             return Ok(());
         }
+        self.tasks.iter_mut().try_for_each(Task::prepare)?;
+        self.is_prepared = true;
+        if self.layout.iter().copied().eq(self.tasks.iter().map(Task::layout))
+            && self.pair_count == Some(self.pairs.len())
+        {
+            return Ok(());
+        }
+        self.layout = self.tasks.iter().map(Task::layout).collect();
+        self.pair_count = Some(self.pairs.len());
         let nv = self.model.nv();
         let mut priorities: Vec<u32> = self.tasks.iter().map(|task| task.priority).collect();
         priorities.sort_unstable();
@@ -255,7 +270,6 @@ impl Ik {
         if priorities.is_empty() {
             priorities.push(0);
         }
-        self.tasks.iter_mut().try_for_each(Task::prepare)?;
         let equations = if self.model.neq() > 0 || priorities.len() > 1 { nv } else { 0 };
         let rows = equations + self.pairs.len() + self.limits.balls();
         self.equations = Equations::new(equations, nv);
@@ -266,7 +280,6 @@ impl Ik {
         self.active = Vec::with_capacity(2 * nv + rows);
         // Each priority adds at most one limit, and each pair is relaxed once.
         self.conflicts = Vec::with_capacity(2 * nv + 2 * self.levels.len() + rows);
-        self.is_prepared = true;
         Ok(())
     }
 

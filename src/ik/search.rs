@@ -192,6 +192,7 @@ impl Ik {
                 continue;
             }
             let range = (model.jnt_limited()[joint] != 0).then(|| model.jnt_range()[joint]);
+            let range = range.filter(|range| range.iter().all(|end| end.is_finite()));
             let part: f64 = random.random_range(0.0..1.0);
             let uniform = |[from, to]: [f64; 2]| from + part * (to - from);
             match (JointType::of_field(model.jnt_type()[joint]), range) {

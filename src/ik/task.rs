@@ -136,6 +136,11 @@ impl Task {
         Ok(())
     }
 
+    /// Returns the priority and the size, on which the workspace depends.
+    pub(super) fn layout(&self) -> (u32, usize) {
+        (self.priority, self.size())
+    }
+
     /// Checks the number of weights, and creates the buffer of the residual.
     pub(super) fn prepare(&mut self) -> Result<()> {
         if self.weights.is_empty() {

@@ -1,6 +1,7 @@
 //! One tick: the constraints, the quadratic programs of all priorities, and the result.
 
 use super::Ik;
+use super::equations::dot;
 use super::limit::Limit;
 use super::limits::Motion;
 use super::objective::{Damping, Objective};
@@ -10,22 +11,23 @@ use crate::error::{Error, Result};
 use crate::math::{Qp, QpProblem, QpSolution, QpStatus};
 use crate::model::Model;
 
-/// Termination status of a tick.
+/// Half the width of the equations of higher priorities, relative to `1 + |x|`.
+const SLACK: f64 = 1e-10;
+
+/// Termination status of a tick. Unless it is [`Solved`](Self::Solved), the joints brake within
+/// their own limits. If only a lower priority has failed, the velocity is that of the higher ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum IkStatus {
     /// The velocity is the best one within all limits.
     Solved,
-    /// The limits contradict each other: see [`Tick::conflicts`]. The joints brake within their own
-    /// limits.
+    /// The limits contradict each other: see [`Tick::conflicts`].
     Infeasible,
-    /// A quadratic program did not converge. The joints brake within their own limits.
+    /// A quadratic program did not converge.
     IterationLimit,
-    /// The tasks leave freedom, and the regularisation is too small. The joints brake within their
-    /// own limits.
+    /// The tasks leave freedom, and the regularisation is too small.
     NotPositiveDefinite,
-    /// A number exceeded the range of `f64`. The joints brake within their own limits, or the
-    /// velocity is zero.
+    /// A number exceeded the range of `f64`.
     Overflow,
 }
 
@@ -195,7 +197,7 @@ impl Ik {
         for index in 0..=last {
             let priority = self.levels[index].priority;
             self.objective.assemble(&mut self.tasks, priority, data, dt, damping)?;
-            self.write_equations();
+            self.write_equations(index > 0);
             let mut solved = self.solve_level(data.model(), index)?;
             iterations += solved.1;
             if solved.0 == IkStatus::Infeasible && self.relax_distances() {
@@ -203,14 +205,15 @@ impl Ik {
                 iterations += solved.1;
             }
             if solved.0 != IkStatus::Solved {
-                self.brake();
+                if index == 0 {
+                    self.brake();
+                }
                 return Ok((solved.0, iterations));
             }
             if index < last {
                 let Self { objective, equations, displacement, tasks, .. } = self;
-                objective.for_each_row(tasks, priority, data, |row| {
-                    equations.push(row, row.iter().zip(&*displacement).map(|(row, change)| row * change).sum());
-                })?;
+                objective.for_each_row(tasks, priority, data, |row| equations.push(row))?;
+                equations.hold(displacement);
             }
         }
         Ok((IkStatus::Solved, iterations))
@@ -314,15 +317,25 @@ impl Ik {
         Ok(())
     }
 
-    /// Writes the equations to the rows of the constraints.
-    fn write_equations(&mut self) {
-        let Self { constraints, row_limits: [lower, upper], equations, .. } = self;
+    /// Writes the equations to the rows of the constraints. After the first priority, widens the
+    /// limits of all rows so that they contain the present displacement despite rounding.
+    fn write_equations(&mut self, contains_present: bool) {
+        let Self { constraints, row_limits: [lower, upper], equations, displacement, .. } = self;
+        let largest = displacement.iter().fold(0.0, |largest: f64, change| largest.max(change.abs()));
+        let slack = if contains_present { SLACK * (1.0 + largest) } else { 0.0 };
         for (index, (row, right)) in equations.iter().enumerate() {
             constraints.row_mut(index).copy_from_slice(row);
-            (lower[index], upper[index]) = (right, right);
+            (lower[index], upper[index]) = (right - slack, right + slack);
         }
         for index in equations.count()..equations.capacity() {
             (lower[index], upper[index]) = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        if contains_present {
+            for index in equations.capacity()..constraints.nrows() {
+                let value = dot(constraints.row(index), displacement);
+                lower[index] = lower[index].min(value);
+                upper[index] = upper[index].max(value);
+            }
         }
     }
 }

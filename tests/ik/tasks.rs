@@ -63,6 +63,38 @@ fn lower_priorities_do_not_change_the_higher_ones() {
 }
 
 #[test]
+fn priorities_stay_solvable_at_limits() {
+    let (mut data, _, _) = humanoid();
+    let model = data.model().clone();
+    let mut ik = Ik::new(&model);
+    ik.set_velocity_limits(0.5).unwrap();
+    let pose = |name: &str| FramePose::new(Frame::body(&model, name).unwrap());
+    let hand = ik.add_task(Task::new(pose("hand_left")).with_priority(1));
+    let head = ik.add_task(Task::new(pose("head")).with_priority(2));
+    ik.add_task(Task::new(FramePosition::body(&model, "foot_left").unwrap()));
+    ik.add_task(Task::new(JointPosition::all(&model)).with_priority(3));
+    ik.add_task(Task::rate(JointVelocity::all(&model)).with_priority(4));
+    for step in 0..300 {
+        let phase = 0.05 * f64::from(step);
+        ik.set_target(hand, &[phase.sin(), 1.0, 1.0 + phase.cos(), 1.0, 0.0, 0.0, 0.0]).unwrap();
+        ik.set_target(head, &[-phase.sin(), 0.0, 2.0, 0.0, 1.0, 0.0, 0.0]).unwrap();
+        let tick = ik.step(&mut data, DT).unwrap();
+        assert!(tick.is_solved(), "{tick:?}");
+        assert!(tick.velocity()[6..].iter().all(|rate| rate.abs() <= 0.5 + 1e-9));
+    }
+}
+
+#[test]
+fn a_replaced_task_is_used() {
+    let (mut data, mut ik, tasks) = humanoid();
+    let model = data.model().clone();
+    ik.step(&mut data, DT).unwrap();
+    *ik.task_mut(tasks[0]).unwrap() = Task::new(JointPosition::all(&model)).with_priority(3);
+    assert!(ik.step(&mut data, DT).unwrap().is_solved());
+    assert_eq!(ik.error(tasks[0]).unwrap().len(), model.nv());
+}
+
+#[test]
 fn weights_of_zero_leave_components_free_and_tasks_out() {
     let (mut data, _, _) = humanoid();
     let model = data.model().clone();

@@ -143,6 +143,7 @@ fn ticks_of_inverse_kinematics_do_not_allocate() {
     allocates_nothing("Ik::step", || {
         for step in 0..20 {
             ik.set_target(pose, &[0.1 * f64::from(step), 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]).unwrap();
+            ik.task_mut(pose).unwrap().weight = 1.0 + f64::from(step);
             ik.step(&mut data, 0.01).unwrap();
         }
     });

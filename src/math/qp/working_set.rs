@@ -14,7 +14,7 @@ use crate::numerics::vectorised;
 
 /// A normal whose part outside of the space of the working set is below this fraction of its length
 /// depends on the working set.
-const DEPENDENT: f64 = 1e-10;
+const DEPENDENT: f64 = 1e-8;
 
 /// Limit of a constraint that holds with equality.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
