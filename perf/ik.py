@@ -3,7 +3,8 @@
     ik.py MODEL.xml SOLVER < lines
 
 Prints `ready`, and for each line of input runs 200 ticks of the tasks of the bench, and prints the
-seconds of a tick and the mean errors of the five tasks with targets.
+median time of a tick in seconds, which does not contain interruptions by other programs, and the
+mean errors of the five tasks with targets.
 """
 
 import os
@@ -48,7 +49,7 @@ for step in range(TICKS):
 print("ready", flush=True)
 for _ in sys.stdin:
     configuration.update(start)
-    seconds = 0.0
+    seconds = []
     errors = np.zeros(5)
     for target in targets:
         for task, place in zip(hands, target):
@@ -56,7 +57,7 @@ for _ in sys.stdin:
         before = time.perf_counter()
         velocity = mink.solve_ik(configuration, tasks, DT, solver, limits=limits)
         configuration.integrate_inplace(velocity, DT)
-        seconds += time.perf_counter() - before
+        seconds.append(time.perf_counter() - before)
         for index, task in enumerate(feet):
             body = data.body(task.frame_name)
             aim = task.transform_target_to_world
@@ -68,4 +69,4 @@ for _ in sys.stdin:
                 data.body(task.frame_name).xpos - task.transform_target_to_world.translation()
             )
         errors[4] += np.linalg.norm(data.subtree_com[1] - com.target_com)
-    print(seconds / TICKS, *(errors / TICKS), flush=True)
+    print(np.median(seconds), *(errors / TICKS), flush=True)

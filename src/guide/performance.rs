@@ -116,7 +116,7 @@
 //! (`cargo bench --bench riccati`). The humanoid's regulator computes its controls in 0.4 µs
 //! without allocation; as a closure that allocates vectors it takes 1.08 times as long
 //! (`cargo bench --bench controller`). A tick of [inverse kinematics](crate::ik) of the humanoid
-//! with six tasks takes 0.028 times as long as with mink 1.3 and daqp, 18.8 µs, with smaller errors
+//! with six tasks takes 0.059 times as long as with mink 1.3 and daqp, 19 µs, with smaller errors
 //! of the tasks (`MUJOCO_PYTHON=python3 cargo bench --bench ik`).
 //!
 //! Frames per second of processor time relative to the engine's own renderer, with the same
