@@ -165,7 +165,7 @@ fn inverse_dynamics_agrees_with_its_differences() {
                 }
                 let column: Vec<f64> = ours.rows().map(|row| row[index]).collect();
                 let scale = column.iter().fold(1e-3, |largest: f64, value| largest.max(value.abs()));
-                let errors = [1e-1, 1e-2, 1e-3, 1e-4].map(|step| {
+                let errors = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6].map(|step| {
                     let step = step * value.abs().max(0.05);
                     let (Some(fine), Some(coarse)) = (slope(0.5 * step), slope(step)) else { return 0.0 };
                     let better: Vec<f64> =

@@ -84,6 +84,7 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, sink: &mut impl S
     let model = data.model();
     let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
     match *effect {
+        Effect::Gain { .. } | Effect::Bias { .. } | Effect::Gear(_) if !point.has_actuators => {}
         Effect::Inertial { body, ref change, ref centre } => inertial(point, body, change, centre, sink),
         Effect::Gravity(axis) => add_gravity(point, axis, sink),
         Effect::Armature(ref dofs) => {
@@ -279,7 +280,7 @@ fn value_of(data: &Data, actuator: usize, factor: Factor) -> f64 {
 /// Adds a derivative of the force of an actuator.
 fn add_actuator(point: Point<'_>, actuator: usize, force: f64, sink: &mut impl Sink) {
     let data = point.data;
-    if !point.has_actuators || force == 0.0 || actuators::actuation_is_disabled(data.model()) {
+    if force == 0.0 || actuators::actuation_is_disabled(data.model()) {
         return;
     }
     data.moment_row(actuator).iter().for_each(|(dof, arm)| sink.residual(dof, -arm * force));
@@ -306,7 +307,7 @@ fn add_gear(point: Point<'_>, actuator: usize, sink: &mut impl Sink) {
     if point.wants_sensors {
         explicit::add_transmission(model, actuator, [length, velocity], |address, value| sink.sensor(address, value));
     }
-    if actuators::actuation_is_disabled(model) || !point.has_actuators {
+    if actuators::actuation_is_disabled(model) {
         return;
     }
     let slope = ForceSlopes::new(data, actuator)

@@ -6,8 +6,11 @@ use mujoco_safe::callback::Callbacks;
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
-use mujoco_safe::derivative::{InverseForce, TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::derivative::{
+    CostSlopes, InverseForce, ModelParameter, TransitionMethod, TransitionOptions, TransitionOutputs,
+};
 use mujoco_safe::nalgebra::DMatrix;
+use mujoco_safe::rollout::Parameter;
 use mujoco_safe::{
     Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Model, Result, StateSpace, StateSpec,
 };
@@ -95,7 +98,76 @@ fn weights(bytes: &mut Bytes<'_>, nx: usize, nu: usize) -> LqrWeights {
     LqrWeights { s: bytes.once_in(3).then(|| matrix(bytes, nx, nu).into()), ..LqrWeights::new(q, r) }
 }
 
+/// Returns parameters of the model: of the inertia of bodies, and numbers of arrays.
+fn parameters(model: &Model, bytes: &mut Bytes<'_>) -> Vec<ModelParameter> {
+    const ARRAYS: [&str; 12] = [
+        "dof_damping",
+        "dof_frictionloss",
+        "qpos_spring",
+        "tendon_lengthspring",
+        "actuator_gainprm",
+        "actuator_biasprm",
+        "actuator_dynprm",
+        "actuator_gear",
+        "geom_friction",
+        "geom_solref",
+        "jnt_axis",
+        "body_iquat",
+    ];
+    let mut list = Vec::new();
+    for _ in 0..bytes.below(4) {
+        let body = model.bodies().nth(bytes.below(model.nbody())).expect("there is a world").id();
+        let array = ARRAYS[bytes.below(ARRAYS.len())];
+        list.push(match bytes.below(8) {
+            0 => ModelParameter::Mass(body),
+            1 => ModelParameter::Inertia(body, bytes.below(7)),
+            2 => ModelParameter::LogCholesky(body, bytes.below(10)),
+            3 => Parameter::Gravity(bytes.below(3)).into(),
+            _ => match ModelParameter::field(model, array, bytes.below(6), bytes.below(3)) {
+                Ok(parameter) => parameter,
+                Err(_) => continue,
+            },
+        });
+    }
+    list
+}
+
 pub(super) const CALLS: &[(&str, Call)] = &[
+    ("Lineariser::parameter_jacobian", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let parameters = parameters(data.model(), bytes);
+            let before = data.state(StateSpec::INTEGRATION);
+            let result = transition.parameter_jacobian(data, &parameters);
+            let after = data.state(StateSpec::INTEGRATION);
+            assert!(before.iter().map(|number| number.to_bits()).eq(after.iter().map(|number| number.to_bits())));
+            result.map(|result| drop(black_box(result)))
+        })
+    }),
+    ("Lineariser::inverse_parameter_jacobian", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let parameters = parameters(data.model(), bytes);
+            let force = [InverseForce::Total, InverseForce::WithoutActuators][bytes.below(2)];
+            transition.inverse_parameter_jacobian(data, &parameters, force).map(|result| drop(black_box(result)))
+        })
+    }),
+    ("Lineariser::cost_gradient", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let parameters = parameters(data.model(), bytes);
+            let steps = bytes.below(4);
+            let (controls, slope) = (controls(data, bytes, steps), bytes.number());
+            let cost = |_: usize, _: &Data, slopes: &mut CostSlopes<'_>| {
+                slopes.state.fill(slope);
+                slopes.sensors.fill(slope);
+                slope
+            };
+            transition.cost_gradient(data, &controls, &parameters, cost).map(|result| drop(black_box(result)))
+        })
+    }),
+    ("regressors", |scene, _| {
+        let body = scene.data.model().bodies().last().expect("there is a world").id();
+        black_box(scene.data.body_regressor(body)?);
+        scene.data.joint_regressor().map(|regressor| drop(black_box(regressor)))
+    }),
     ("Lineariser::linear_system", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, _| {
             let before = data.state(StateSpec::INTEGRATION);
