@@ -18,8 +18,10 @@ use crate::error::Result;
 use crate::model::{Model, ModelMut};
 use crate::numerics::linear_algebra::quotient;
 
-/// Step relative to the value, and factor of it for complete steps, whose solver has a tolerance.
+/// Step relative to the value, the same for small numbers without a unit, and the factor for
+/// complete steps, whose solver has a tolerance.
 const STEP: f64 = 1e-4;
+const RELATIVE_STEP: f64 = 1e-3;
 const FACTOR_OF_STEPS: f64 = 10.0;
 
 /// Least magnitude of a value to which the step is relative, for lengths, masses and the like.
@@ -285,7 +287,7 @@ impl Resolved {
     /// Returns the step of the differences.
     fn step(&self) -> f64 {
         let size = self.value.abs();
-        STEP * if self.is_relative && size > 0.0 { size } else { size.max(LEAST) }
+        if self.is_relative && size > 0.0 { RELATIVE_STEP * size } else { STEP * size.max(LEAST) }
     }
 }
 

@@ -27,7 +27,7 @@ const SMALLEST: f64 = 1e-9;
 
 /// Least size of a column that relative deviations refer to, and of one that is differenced, which
 /// has rounding errors of its own.
-const SMALL: f64 = 1e-6;
+const SMALL: f64 = 1e-4;
 const SMALL_IF_DIFFERENCED: f64 = 1e-2;
 
 /// Agreement of a column with differences.
