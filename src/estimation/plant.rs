@@ -15,8 +15,8 @@ use crate::numerics::linear_algebra::add;
 
 /// Simulation at an estimate, and the linear system there: `x' = f(x, u + w, α)` and `y = h(x, u +
 /// w, α)` with the state x, the controls u, the noise w of the controls, and the disturbance α of
-/// the accelerations. The last two are inputs of a step that are estimated: w if there is such noise,
-/// and α if there is noise of forces and accelerometers measure it.
+/// the accelerations. The last two are inputs of a step that are estimated: w if there is such
+/// noise, and α if there is noise of forces and accelerometers measure it.
 #[derive(Debug)]
 pub(super) struct Plant {
     pub(super) data: Data,

@@ -4,8 +4,8 @@ use std::fmt;
 
 use nalgebra::DMatrix;
 
+use super::column::Values;
 use super::shooting::{Point, Residuals, Shooting};
-use super::simulate::Values;
 use super::{Experiment, Identification, MeasurementError, Options};
 use crate::error::{Error, InvalidKind, Result};
 use crate::least_squares::{LeastSquaresOutcome, LeastSquaresStatus};

@@ -4,9 +4,9 @@
 //! ∂y/∂θ` are those of the readings. Derivatives by parameters are those at constant derived
 //! quantities, such as the inertias that weigh constraints.
 
+use super::column::{Column, Derivative, Values};
 use super::experiment::Source;
 use super::plan::Plan;
-use super::simulate::{Column, Derivative, Values};
 use super::unknown::{Kind, Unknown};
 use crate::data::Data;
 use crate::derivative::{
@@ -161,8 +161,8 @@ fn parameter(column: Column, values: &Values<'_>) -> Option<ModelParameter> {
     }
 }
 
-/// Returns the derivative of the value by which the lineariser differentiates by the coordinate of an
-/// unknown.
+/// Returns the derivative of the value by which the lineariser differentiates by the coordinate of
+/// an unknown.
 fn factor(column: Column, values: &Values<'_>) -> f64 {
     let Column::Unknown(index) = column else { return 1.0 };
     match parameter(column, values) {

@@ -1,9 +1,9 @@
 //! Differences between simulation and measurement.
 
 use super::Signal;
+use super::column::Values;
 use super::plan::Plan;
 use super::segment::{Between, Corrections};
-use super::simulate::Values;
 use crate::error::Result;
 use crate::matrix::Matrix;
 

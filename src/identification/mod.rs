@@ -79,6 +79,7 @@
 //! Bock for multiple shooting (1983).
 
 mod chain;
+mod column;
 mod experiment;
 mod fit;
 mod formulas;

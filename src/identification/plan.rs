@@ -1,7 +1,7 @@
 //! The steps, segments and samples of an experiment.
 
+use super::column::Column;
 use super::experiment::Source;
-use super::simulate::Column;
 use super::unknown::{Kind, Unknown};
 use super::{Experiment, Measurement};
 use crate::data::Data;

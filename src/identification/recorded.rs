@@ -34,9 +34,9 @@ impl Signal {
 }
 
 impl Experiment {
-    /// Creates an experiment from a [`Trajectory`], recorded or read from a CSV, NumPy or MCAP file:
-    /// with its first state, its controls and, if it has them, the readings of all sensors. Inputs
-    /// that a trajectory does not have, such as applied forces, are those of `data`.
+    /// Creates an experiment from a [`Trajectory`], recorded or read from a CSV, NumPy or MCAP
+    /// file: with its first state, its controls and, if it has them, the readings of all sensors.
+    /// Inputs that a trajectory does not have, such as applied forces, are those of `data`.
     ///
     /// The standard deviation of a measurement is the [noise](crate::Model::sensor_noise) of its
     /// sensor, or 1 if that is zero.
@@ -62,8 +62,8 @@ impl Experiment {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the model has other sizes, [`Error::Invalid`] for an empty trajectory and
-    /// for times that do not increase.
+    /// [`Error::Shape`] if the model has other sizes, [`Error::Invalid`] for an empty trajectory
+    /// and for times that do not increase.
     pub fn of_trajectory(name: impl Into<String>, data: &Data, trajectory: &Trajectory) -> Result<Self> {
         if trajectory.is_empty() {
             let expected = "with at least one record";

@@ -1,7 +1,8 @@
 //! The residuals of a segment, and their quadratic model.
 
+use super::column::{Derivative, Values};
 use super::plan::{Channel, Plan};
-use super::simulate::{Derivative, Simulated, Values};
+use super::simulate::Simulated;
 use crate::matrix::Matrix;
 use crate::numerics::linear_algebra::add;
 
@@ -106,8 +107,8 @@ pub(super) fn cost(plan: &Plan, segment: usize, readings: &[f64], values: &Value
     sum
 }
 
-/// Returns the quadratic model of the cost, given the derivatives by the columns of the state and of
-/// the unknowns that change the model.
+/// Returns the quadratic model of the cost, given the derivatives by the columns of the state and
+/// of the unknowns that change the model.
 pub(super) fn quadratic(
     plan: &Plan,
     segment: usize,

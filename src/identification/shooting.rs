@@ -10,11 +10,12 @@
 use nalgebra::DMatrix;
 
 use super::chain::Chain;
+use super::column::{Column, Derivative, Values};
 use super::formulas::Formulas;
 use super::measurement_error::{MeasurementError, errors_of};
 use super::plan::Plan;
 use super::segment::{self, Quadratic};
-use super::simulate::{Column, Derivative, Simulated, Values, Worker};
+use super::simulate::{Simulated, Worker};
 use super::states::{difference, first_errors, first_state, move_state};
 use super::unknown::Unknown;
 use crate::error::Result;
@@ -271,8 +272,8 @@ impl<'p> Shooting<'p> {
         Ok(())
     }
 
-    /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the start
-    /// of the next one.
+    /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the
+    /// start of the next one.
     fn end(&self, place: Place, derivatives: &[Derivative]) -> Result<DMatrix<f64>> {
         let plan = &self.plans[place.plan];
         let columns = plan.state_columns(place.segment) + self.unknowns.len();

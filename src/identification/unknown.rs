@@ -38,8 +38,8 @@ pub(super) enum Kind {
 
 impl Unknown {
     /// A [`Parameter`](crate::rollout::Parameter) of batches, which by
-    /// [`Parameter::field`](crate::rollout::Parameter::field) can be any number in the arrays of the
-    /// model, or a [`ModelParameter`] of the inertia of a body. It starts with its value in the
+    /// [`Parameter::field`](crate::rollout::Parameter::field) can be any number in the arrays of
+    /// the model, or a [`ModelParameter`] of the inertia of a body. It starts with its value in the
     /// model, and is between the bounds of all valid values. Derived quantities are updated
     /// ([`update_constants`](crate::ModelMut::update_constants)).
     ///

@@ -111,8 +111,8 @@ fn quadruped() {
     walk(&start, &log, vec![encoders(&log, model.nq())], &values, 2e-2);
 }
 
-/// Masses and a gear of a humanoid that moves on one leg, from sensors of its joints and the pose of
-/// its torso, in segments: with derivatives in closed form.
+/// Masses and a gear of a humanoid that moves on one leg, from sensors of its joints and the pose
+/// of its torso, in segments: with derivatives in closed form.
 #[test]
 fn humanoid() {
     let bare = sample::humanoid();
