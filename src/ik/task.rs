@@ -61,8 +61,8 @@ impl Task {
     /// let mut data = Data::new(sample::humanoid())?;
     /// let mut ik = Ik::new(data.model());
     /// // Rotate about the vertical axis.
-    /// let momentum = Subtree::angular_momentum(data.model(), "torso")?.with_target([0.0, 0.0,
-    /// 0.1]); ik.add_task(Task::rate(momentum));
+    /// let momentum = Subtree::angular_momentum(data.model(), "torso")?;
+    /// ik.add_task(Task::rate(momentum.with_target([0.0, 0.0, 0.1])));
     /// let velocity = ik.solve(&mut data, 0.01)?.velocity().to_vec();
     /// data.qvel_mut().copy_from_slice(&velocity);
     /// data.forward()?;

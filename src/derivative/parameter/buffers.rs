@@ -25,7 +25,8 @@ impl ParameterJacobian {
     }
 }
 
-/// Outputs of [`Lineariser::parameter_jacobian_into`]. Matrices that are `None` are not computed.
+/// Outputs of [`Lineariser::parameter_jacobian_into`](crate::Lineariser::parameter_jacobian_into).
+/// Matrices that are `None` are not computed.
 #[derive(Debug, Default)]
 pub struct ParameterOutputs<'a> {
     /// `(2 nv + na, n)`

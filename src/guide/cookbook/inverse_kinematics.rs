@@ -39,7 +39,8 @@
 //! ik.set_target(tip, &[0.4, 0.0, 0.3])?;
 //! for _ in 0..100 {
 //!     let tick = ik.step(&mut data, 0.01)?; // velocities, which also move the positions
-//!     assert!(tick.is_solved() && tick.velocity().iter().all(|rate| rate.abs() <= 2.0 + 1e-9));
+//!     assert!(tick.is_solved());
+//!     assert!(tick.velocity().iter().all(|rate| rate.abs() <= 2.0 + 1e-9));
 //! }
 //! data.kinematics()?;
 //! assert!((data.site(model.site("tip")?).xpos()[2] - 0.3).abs() < 1e-4);
@@ -48,7 +49,8 @@
 //! let mut ik = Ik::new(&model);
 //! ik.add_task(Task::new(FramePosition::site(&model, "tip")?.with_target([-0.5, 0.0, 0.2])));
 //! ik.add_task(Task::new(JointPosition::all(&model)).with_priority(1));
-//! let found = ik.search(&mut data, &SearchOptions::default())?.found().expect("a reachable target");
+//! let found = ik.search(&mut data, &SearchOptions::default())?.found();
+//! let found = found.expect("a reachable target");
 //! assert!(found.error < 1e-6);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```

@@ -13,7 +13,7 @@
 //! for which every step of an optimiser is a possible body.
 //!
 //! ```
-//! use mujoco_safe::derivative::{ModelParameter, TransitionOptions};
+//! use mujoco_safe::derivative::{CostSlopes, ModelParameter, TransitionOptions};
 //! use mujoco_safe::nalgebra::{DMatrix, DVector};
 //! use mujoco_safe::rollout::Parameter;
 //! use mujoco_safe::{Data, Lineariser, Matrix, Model};
@@ -48,7 +48,10 @@
 //!     controls.rows().map(step).collect::<Result<Vec<f64>, _>>()
 //! };
 //! let set = |data: &mut Data, values: &[f64]| {
-//!     data.edit_model(|model| parameters.iter().zip(values).try_for_each(|(parameter, &value)| parameter.set(model, value)))
+//!     data.edit_model(|model| {
+//!         let mut all = parameters.iter().zip(values);
+//!         all.try_for_each(|(parameter, &value)| parameter.set(model, value))
+//!     })
 //! };
 //! set(&mut data, &[0.25, 1.6])?;
 //! let measured = DVector::from_vec(velocities(&data)?);
@@ -60,20 +63,23 @@
 //!     set(&mut data, values.as_slice())?;
 //!     let residual = DVector::from_vec(velocities(&data)?) - &measured;
 //!     let (sensitivities, _) = lineariser.sensitivities(&mut data, &controls, &parameters)?;
-//!     let jacobian = DMatrix::from_fn(steps, 2, |step, parameter| sensitivities[step + 1][(1, parameter)]);
-//!     let normal = jacobian.transpose() * &jacobian;
-//!     values -= normal.cholesky().expect("the motion depends on both").solve(&(jacobian.transpose() * &residual));
+//!     let entry = |step, parameter| sensitivities[step + 1][(1, parameter)];
+//!     let jacobian = DMatrix::from_fn(steps, 2, entry);
+//!     let normal = jacobian.tr_mul(&jacobian).cholesky().expect("both have an effect");
+//!     values -= normal.solve(&jacobian.tr_mul(&residual));
 //! }
 //! assert!((values[0] - 0.25).abs() < 1e-6 && (values[1] - 1.6).abs() < 1e-6);
 //!
-//! // The gradient of the error, backwards, for any number of parameters: zero at the minimum.
+//! // The gradient of the error, backwards, for any number of parameters.
 //! set(&mut data, values.as_slice())?;
-//! let (gradient, _) = lineariser.cost_gradient(&mut data, &controls, &parameters, |step, data, slopes| {
-//!     let Some(measured) = step.checked_sub(1).map(|before| measured[before]) else { return 0.0 };
-//!     let error = data.qvel()[0] - measured;
+//! let error = |step: usize, data: &Data, slopes: &mut CostSlopes<'_>| {
+//!     let error = if step == 0 { 0.0 } else { data.qvel()[0] - measured[step - 1] };
 //!     slopes.state[1] = error;
 //!     0.5 * error * error
-//! })?;
-//! assert!(gradient.cost < 1e-12 && gradient.parameters.iter().all(|slope| slope.abs() < 1e-6));
+//! };
+//! let (gradient, _) = lineariser.cost_gradient(&mut data, &controls, &parameters, error)?;
+//! // Zero at the minimum.
+//! assert!(gradient.cost < 1e-12);
+//! assert!(gradient.parameters.iter().all(|slope| slope.abs() < 1e-6));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
