@@ -1,8 +1,11 @@
-//! Identification of a mass on a spring (one unknown, 1,500 steps) and of the armatures of an arm
-//! (five unknowns, 1,000 steps): the problems of the tests of `mujoco.sysid`.
+//! Identification of a mass on a spring (one unknown, 1,500 steps), of the armatures of an arm (five
+//! unknowns, 1,000 steps), which are the problems of the tests of `mujoco.sysid`, and of all
+//! inertias of the arm (50 unknowns).
 //!
 //! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]`, both solve the
-//! same problems alternately, and the ratio of the times and both errors are printed.
+//! same problems alternately, and the ratio of the times and both errors are printed: the largest
+//! error of an unknown or, for the inertias, of which the data determine only some combinations, the
+//! root mean square of the errors of the readings.
 //!
 //! ```text
 //! MUJOCO_PYTHON=python3 cargo bench --bench identification
@@ -51,6 +54,23 @@ late = sysid.TimeSeries.from_names(times[:-1] + model.opt.timestep, readings[:-1
 sequence = sysid.ModelSequences("problem", spec, "log", start, sysid.TimeSeries(times, controls), late)
 residual = sysid.build_residual_fn(models_sequences=[sequence])
 
+def unknown(kind, name, value):
+    if kind == "inertia":
+        return sysid.body_inertia_param(spec, model, name, inertia_type=sysid.InertiaType.Pseudo)
+    one = sysid.Parameter(name, nominal=value, min_value=low, max_value=high, modifier=write(kind, name))
+    one.value[:] = first
+    return one
+
+def rms(found):
+    changed = sysid.apply_param_modifiers(found, mujoco.MjSpec.from_string(xml))
+    data = mujoco.MjData(changed)
+    squares = 0.0
+    for control, reading in zip(controls, readings):
+        data.ctrl[:] = control
+        mujoco.mj_step(changed, data)
+        squares += np.mean((data.sensordata - reading) ** 2)
+    return np.sqrt(squares / len(readings))
+
 def write(kind, name):
     if kind == "mass":
         return lambda s, p: setattr(s.body(name), "mass", p.value[0])
@@ -59,13 +79,15 @@ def write(kind, name):
 print("ready", flush=True)
 for _ in sys.stdin:
     params = sysid.ParameterDict()
-    for name, value in zip(names, truth):
-        params.add(sysid.Parameter(name, nominal=value, min_value=low, max_value=high, modifier=write(kind, name)))
-        params[name].value[:] = first
+    for index, name in enumerate(names):
+        params.add(unknown(kind, name, truth[index] if kind != "inertia" else None))
     begin = time.perf_counter()
     found, _ = sysid.optimize(initial_params=params, residual_fn=residual, optimizer="mujoco", verbose=False)
     seconds = time.perf_counter() - begin
-    error = max(abs(found[name].value[0] - value) for name, value in zip(names, truth))
+    if kind == "inertia":
+        error = rms(found)
+    else:
+        error = max(abs(found[name].value[0] - value) for name, value in zip(names, truth))
     print(repr(seconds), repr(float(error)), file=sys.__stdout__, flush=True)
 "#;
 
@@ -92,14 +114,15 @@ fn spring() -> Result<Problem> {
     Problem::new(xml, "mass", vec!["mass".into()], vec![1.0], [2.0, 0.3, 3.0], 1500, push)
 }
 
-fn arm() -> Result<Problem> {
+/// Returns the arm with unknown armatures, or without any and with unknown inertias.
+fn arm(kind: &'static str) -> Result<Problem> {
     let truth = vec![0.5, 0.4, 0.3, 0.2, 0.1];
     let (mut bodies, mut motors, mut sensors) = (String::new(), String::new(), String::new());
     for (i, armature) in truth.iter().enumerate() {
         let (mass, axis) = ([1.0, 0.8, 0.6, 0.4, 0.2][i], ["0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0"][i]);
         let _ = write!(
             bodies,
-            r#"<body pos="0 0 .1"><inertial pos="0 0 .05" mass="{mass}" diaginertia="{0} {0} {1}"/>
+            r#"<body name="b{i}" pos="0 0 .1"><inertial pos="0 0 .05" mass="{mass}" diaginertia="{0} {0} {1}"/>
             <joint name="j{i}" axis="{axis}" armature="{armature}" damping="{2}"/><geom size=".03"/>"#,
             0.01 * mass,
             0.005 * mass,
@@ -117,8 +140,9 @@ fn arm() -> Result<Problem> {
         let rates = [0.5, 0.7, 0.4, 0.9, 0.6];
         (0..5).map(|i| (5 - i) as f64 * (TAU * rates[i] * time + 0.5 * i as f64).sin()).collect()
     };
-    let names = (0..5).map(|i| format!("j{i}")).collect();
-    Problem::new(&xml, "armature", names, truth, [0.01, 0.001, 1.0], 1000, control)
+    let letter = if kind == "inertia" { "b" } else { "j" };
+    let names = (0..5).map(|i| format!("{letter}{i}")).collect();
+    Problem::new(&xml, kind, names, truth, [0.01, 0.001, 1.0], 1000, control)
 }
 
 impl Problem {
@@ -135,6 +159,16 @@ impl Problem {
         let model = Arc::new(Model::from_xml_str(&xml)?);
         let mut data = Data::new(&model)?;
         let start = data.clone();
+        if kind == "inertia" {
+            // The data come from other inertias than those of the model.
+            data.edit_model(|model| {
+                for body in 1..model.nbody() {
+                    model.body_mut(body)?.scale_mass(1.4 - 0.15 * body as f64)?;
+                    model.body_ipos_mut()[body][0] += 0.01;
+                }
+                model.update_constants()
+            })?;
+        }
         let (mut times, mut controls, mut readings) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..steps {
             times.push(data.time());
@@ -154,14 +188,19 @@ impl Problem {
             let signal = Signal::scalar(times.clone(), values)?;
             experiment = experiment.with_measurement(Measurement::of_sensor(&model, sensor.id(), signal)?);
         }
-        let unknowns = names.iter().map(|name| {
+        let inertias =
+            names.iter().filter(|_| kind == "inertia").map(|name| Unknown::all_inertia(&model, model.body(name)?.id()));
+        let inertias: Vec<Unknown> = inertias.collect::<Result<Vec<_>>>()?.concat();
+        let unknowns = names.iter().filter(|_| kind != "inertia").map(|name| {
             let unknown = match kind {
                 "mass" => Unknown::parameter(&model, Parameter::MassFactor(model.body(name)?.id())),
                 _ => Unknown::parameter(&model, Parameter::JointArmature(model.joint(name)?.id())),
             };
             Ok(unknown?.starting_at(range[0]).between(range[1], range[2]))
         });
-        let identification = Identification::new(unknowns.collect::<Result<_>>()?)?.with_experiment(experiment)?;
+        let mut unknowns = unknowns.collect::<Result<Vec<_>>>()?;
+        unknowns.extend(inertias);
+        let identification = Identification::new(unknowns)?.with_experiment(experiment)?;
         Ok(Self { xml, kind, names, truth, range, times, controls, readings, identification })
     }
 
@@ -170,6 +209,10 @@ impl Problem {
         let start = Instant::now();
         let fit = self.identification.solve(Options::default()).expect("a search");
         let seconds = start.elapsed().as_secs_f64();
+        if self.kind == "inertia" {
+            let squares: f64 = fit.errors().iter().map(|error| error.rms.powi(2)).sum();
+            return (seconds, (squares / fit.errors().len() as f64).sqrt());
+        }
         let errors = fit.estimates().iter().zip(&self.truth).map(|(estimate, truth)| (estimate.value - truth).abs());
         (seconds, errors.fold(0.0, f64::max))
     }
@@ -218,7 +261,11 @@ impl Problem {
 }
 
 fn main() -> Result<()> {
-    for (name, problem) in [("mass on a spring", spring()?), ("armatures of an arm", arm()?)] {
+    for (name, problem) in [
+        ("mass on a spring", spring()?),
+        ("armatures of an arm", arm("armature")?),
+        ("inertias of an arm", arm("inertia")?),
+    ] {
         common::bench(name, 1, &mut || _ = problem.solve());
         if let Some(python) = env::var_os("MUJOCO_PYTHON")
             && let Err(error) = problem.beside_sysid(&python.to_string_lossy(), name)

@@ -30,6 +30,11 @@ const LEAST: f64 = 0.1;
 /// Factors of the step that are tried until differences agree.
 const TRIALS: [f64; 3] = [1.0, 0.1, 0.01];
 
+/// Largest disagreement of differences with a step and its double, as a multiple of that of a kink,
+/// with which they are not repeated. Those of a smooth function differ by the square of the step. A
+/// kink between them makes an error of the size of the disagreement.
+const SMOOTH: f64 = 0.005;
+
 /// Multiples of the step: of central differences, with which the sides are compared, and of those
 /// to the right.
 const CENTRAL: [f64; 5] = [-2.0, -1.0, 1.0, 2.0, 0.0];
@@ -212,7 +217,7 @@ impl ParameterDifferences {
             buffer.clear();
             buffer.resize(result.len(), 0.0);
         });
-        let mut least = f64::INFINITY;
+        let (mut best_score, mut least) = (f64::INFINITY, f64::INFINITY);
         for trial in TRIALS {
             let step = factor * trial * resolved.step();
             let is_central = !resolved.is_bounded || resolved.value >= 2.0 * step;
@@ -244,13 +249,15 @@ impl ParameterDifferences {
                 let pairs = one.iter().zip(other);
                 pairs.map(|(one, other)| scale.disagreement(one - other, *one)).fold(0.0, f64::max)
             };
-            let mut worst = worst_of(first, second);
+            let between = worst_of(first, second);
+            let mut worst = between;
             if is_central {
                 // The derivative to the right differs from the mean of both sides by half as much.
                 worst = worst.max(2.0 * worst_of(first, third));
             }
-            if worst < least || least.is_infinite() {
-                least = worst;
+            let score = worst.max(between / SMOOTH);
+            if score < best_score || best_score.is_infinite() {
+                (best_score, least) = (score, worst);
                 for (at, best) in best.iter_mut().enumerate() {
                     *best = factors[0] * first[at] + factors[1] * second[at];
                     if !is_central {
@@ -258,7 +265,7 @@ impl ParameterDifferences {
                     }
                 }
             }
-            if worst <= 1.0 {
+            if score <= 1.0 {
                 break;
             }
         }
