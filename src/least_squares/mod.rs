@@ -13,10 +13,9 @@
 //!
 //! The damped steps are those of D. W. Marquardt, *An algorithm for least-squares estimation of
 //! nonlinear parameters*, SIAM J. Appl. Math. 11, 1963; λ changes as in H. B. Nielsen, *Damping
-//! parameter in Marquardt's method*, IMM-REP-1999-05; bounds are those of
-//! [`BoxQp`]. The crate `levenberg-marquardt` has neither bounds nor manifolds,
-//! and builds all residuals and their Jacobian at once, which for a log of a robot takes gigabytes
-//! where `H` takes kilobytes.
+//! parameter in Marquardt's method*, IMM-REP-1999-05; bounds are those of [`BoxQp`]. The crate
+//! `levenberg-marquardt` has neither bounds nor manifolds, and needs the Jacobian of all residuals
+//! at once instead of H and g, which is what a log of a robot makes large.
 
 mod function;
 
