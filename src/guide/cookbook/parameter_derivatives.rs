@@ -63,7 +63,7 @@
 //!     set(&mut data, values.as_slice())?;
 //!     let residual = DVector::from_vec(velocities(&data)?) - &measured;
 //!     let (sensitivities, _) = lineariser.sensitivities(&mut data, &controls, &parameters)?;
-//!     let entry = |step, parameter| sensitivities[step + 1][(1, parameter)];
+//!     let entry = |step: usize, at: usize| sensitivities[step + 1][(1, at)];
 //!     let jacobian = DMatrix::from_fn(steps, 2, entry);
 //!     let normal = jacobian.tr_mul(&jacobian).cholesky().expect("both have an effect");
 //!     values -= normal.solve(&jacobian.tr_mul(&residual));

@@ -20,6 +20,8 @@ const TOLERANCE: f64 = 1e-7;
 /// Largest deviation of noisy differences, relative to the largest entry and to their estimated
 /// error.
 const NOISY_TOLERANCE: f64 = 1e-5;
+/// The same for columns that are differenced, which have an error next to kinks.
+const NOISY_TOLERANCE_IF_DIFFERENCED: f64 = 1e-4;
 const NOISE_FACTOR: f64 = 10.0;
 
 /// Largest error of a derivative that is zero, relative to the size of the samples.
@@ -49,8 +51,10 @@ fn deviation(one: &[f64], other: &[f64]) -> (f64, usize) {
 
 /// Compares a column with differences by one step after another, until they agree. The error of
 /// differences is estimated from their last extrapolation, and from the nearest ones by another
-/// step. Deviations are relative to the largest entry, or to `least`.
-fn compare(oracle: &Oracle, parameter: ModelParameter, column: &[f64], least: f64) -> Agreement {
+/// step. Deviations are relative to the largest entry, or to a least one.
+fn compare(oracle: &Oracle, parameter: ModelParameter, column: &[f64], is_differenced: bool) -> Agreement {
+    let (least, tolerance) =
+        if is_differenced { (SMALL_IF_DIFFERENCED, NOISY_TOLERANCE_IF_DIFFERENCED) } else { (SMALL, NOISY_TOLERANCE) };
     let scale = column.iter().fold(least, |largest: f64, value| largest.max(value.abs()));
     let mut estimates = Vec::new();
     for estimate in oracle.estimates(parameter) {
@@ -65,7 +69,8 @@ fn compare(oracle: &Oracle, parameter: ModelParameter, column: &[f64], least: f6
         let others = estimates.iter().enumerate().filter(|(other, _)| *other != index);
         let nearest =
             others.map(|(_, other)| deviation(&other.column, &estimate.column).0).fold(f64::INFINITY, f64::min);
-        let is_near = of_column <= NOISY_TOLERANCE * scale && of_column <= nearest.max(NOISE_FACTOR * estimate.error);
+        let is_near = of_column <= tolerance * scale
+            && (is_differenced || of_column <= nearest.max(NOISE_FACTOR * estimate.error));
         if is_near || of_column <= estimate.error && estimate.error <= SMALLEST * estimate.size {
             return Agreement::Noisy;
         }
@@ -165,8 +170,7 @@ fn compare_all(data: &mut Data, parameters: &[ModelParameter]) -> Result<[usize;
     for (index, &parameter) in parameters.iter().enumerate() {
         let rows = jacobian.state.rows().chain(jacobian.sensors.rows());
         let column: Vec<f64> = rows.map(|row| row[index]).collect();
-        let least = if differenced.contains(&parameter) { SMALL_IF_DIFFERENCED } else { SMALL };
-        match compare(&oracle, parameter, &column, least) {
+        match compare(&oracle, parameter, &column, differenced.contains(&parameter)) {
             Agreement::Close => close += 1,
             Agreement::Noisy => noisy += 1,
             Agreement::Far(text) => {

@@ -56,26 +56,46 @@ fn compare_models(
     sums
 }
 
-#[test]
-fn formulas_agree_with_differences() {
-    let [_, close, noisy] = compare_models(2000, cases(10, 510), 12, with_formulas, |_| ());
+fn formulas(models: usize) {
+    let [_, close, noisy] = compare_models(2000, models, 12, with_formulas, |_| ());
     assert!(20 * noisy <= close, "{noisy} of {close} columns are noisy");
 }
 
-#[test]
-fn differences_agree_with_differences_of_steps() {
-    let [_, close, noisy] = compare_models(3000, cases(6, 510), 8, without_formulas, |_| ());
+fn differences(models: usize) {
+    let [_, close, noisy] = compare_models(3000, models, 8, without_formulas, |_| ());
     assert!(5 * noisy <= close, "{noisy} of {close} columns are noisy");
 }
 
-#[test]
-fn formulas_with_the_implicit_integrator_agree_with_differences() {
+fn formulas_with_the_implicit_integrator(models: usize) {
     let implicit = |data: &mut Data| {
         data.edit_model(|model| {
             model.edit_options(|options| options.integrator = mujoco_safe::enums::Integrator::Implicit)
         })
         .unwrap();
     };
-    let [_, close, noisy] = compare_models(4000, cases(6, 510), 12, with_formulas, implicit);
+    let [_, close, noisy] = compare_models(4000, models, 12, with_formulas, implicit);
     assert!(20 * noisy <= close, "{noisy} of {close} columns are noisy");
+}
+
+#[test]
+fn formulas_agree_with_differences() {
+    formulas(cases(10, 40));
+}
+
+#[test]
+fn differences_agree_with_differences_of_steps() {
+    differences(cases(6, 40));
+}
+
+#[test]
+fn formulas_with_the_implicit_integrator_agree_with_differences() {
+    formulas_with_the_implicit_integrator(cases(6, 40));
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_models_agree_with_differences_by_parameters() {
+    formulas(510);
+    formulas_with_the_implicit_integrator(510);
+    differences(510);
 }
