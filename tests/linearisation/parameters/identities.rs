@@ -32,7 +32,7 @@ fn all_parameters(model: &Model) -> Vec<f64> {
 
 #[test]
 fn joint_regressors_give_inverse_dynamics_of_the_bodies() {
-    for data in random_data(0, cases(30, 100)) {
+    for data in random_data(0, cases(30, 60)) {
         let (model, regressor) = (data.model(), data.joint_regressor().unwrap());
         let parameters = all_parameters(model);
         let ours: Vec<f64> =
@@ -124,7 +124,7 @@ fn parameters_of_bodies_are_read_as_they_are_written() {
 #[test]
 fn inverse_dynamics_agrees_with_its_differences() {
     let mut compared = 0;
-    for (number, mut data) in random_data(100, cases(10, 60)).enumerate() {
+    for (number, mut data) in random_data(100, cases(10, 25)).enumerate() {
         vary_friction(&mut data);
         let model = data.model().clone();
         let (formulas, others) = (with_formulas(&model), without_formulas(&model));

@@ -79,17 +79,17 @@ fn formulas_with_the_implicit_integrator(models: usize) {
 
 #[test]
 fn formulas_agree_with_differences() {
-    formulas(cases(10, 40));
+    formulas(cases(10, 20));
 }
 
 #[test]
 fn differences_agree_with_differences_of_steps() {
-    differences(cases(6, 40));
+    differences(cases(6, 15));
 }
 
 #[test]
 fn formulas_with_the_implicit_integrator_agree_with_differences() {
-    formulas_with_the_implicit_integrator(cases(6, 40));
+    formulas_with_the_implicit_integrator(cases(6, 15));
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn with_sensors(seed: u64) -> String {
 #[test]
 fn sensors_agree_with_differences() {
     let (mut close, mut noisy, mut failures) = (0, 0, Vec::new());
-    for seed in 6000..6000 + cases(6, 40) {
+    for seed in 6000..6000 + cases(6, 15) {
         let text = with_sensors(seed);
         let mut data = Data::new(Model::from_xml_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"))).unwrap();
         randomise(&mut data, &mut Xoshiro256PlusPlus::seed_from_u64(seed));
