@@ -1,11 +1,11 @@
-//! Identification of a mass on a spring (one unknown, 1,500 steps), of the armatures of an arm (five
-//! unknowns, 1,000 steps), which are the problems of the tests of `mujoco.sysid`, and of all
+//! Identification of a mass on a spring (one unknown, 1,500 steps), of the armatures of an arm
+//! (five unknowns, 1,000 steps), which are the problems of the tests of `mujoco.sysid`, and of all
 //! inertias of the arm (50 unknowns).
 //!
 //! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]`, both solve the
 //! same problems alternately, and the ratio of the times and both errors are printed: the largest
-//! error of an unknown or, for the inertias, of which the data determine only some combinations, the
-//! root mean square of the errors of the readings.
+//! error of an unknown or, for the inertias, of which the data determine only some combinations,
+//! the root mean square of the errors of the readings.
 //!
 //! ```text
 //! MUJOCO_PYTHON=python3 cargo bench --bench identification
