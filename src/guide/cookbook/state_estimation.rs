@@ -8,7 +8,8 @@
 //! The theory and the meaning of each noise are in [`estimation`](crate::estimation). For a robot
 //! that walks, add noise of the [forces of
 //! contacts](crate::estimation::ProcessNoise::with_contact_forces), as the example
-//! `state_estimation` does.
+//! `state_estimation` does. The noise of this program needs the command `cargo add rand rand_distr
+//! rand_xoshiro`.
 //!
 //! ```
 //! use mujoco_safe::estimation::{ExtendedKalmanFilter, FixedLagSmoother};
