@@ -122,10 +122,10 @@ impl Formulas {
                             add(&mut readings, values, *factor);
                         }
                     }
-                    derivatives
-                        .iter_mut()
-                        .zip(&readings)
-                        .for_each(|(derivative, &value)| derivative.readings.push(value));
+                    explicit(&by_parameters.sensors, row, &mut readings);
+                    for (derivative, &value) in derivatives.iter_mut().zip(&readings) {
+                        derivative.readings.push(value);
+                    }
                 }
             }
             if step < last {

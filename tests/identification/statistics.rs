@@ -105,3 +105,65 @@ fn held_out_experiments_are_simulated() {
     assert!((errors[0].rms - 1e-3).abs() < 1e-6, "{}", errors[0].rms);
     assert_eq!(errors[0].simulated.times(), signal.times());
 }
+
+/// Readings that depend on the parameters themselves, not only by the state: an accelerometer and
+/// the force of a motor. The sensors have formulas; closures that read the same numbers are
+/// differenced.
+#[test]
+fn formulas_and_differences_give_the_same_information() {
+    let bodies: String = (0..4)
+        .map(|i| {
+            format!(
+                r#"<body name="b{i}" pos=".2 0 0"><joint name="j{i}" axis="0 1 0" damping=".2" armature=".01"/>
+           <geom type="capsule" fromto="0 0 0 .2 0 0" size=".02" mass=".3"/>"#
+            )
+        })
+        .collect::<Vec<_>>()
+        .concat();
+    let model = model(&format!(
+        r#"<mujoco><worldbody>{bodies}<site name="imu" pos=".2 0 0"/>{}</worldbody>
+           <actuator><position name="servo" joint="j0" kp="3"/></actuator>
+           <sensor><accelerometer name="acceleration" site="imu"/><actuatorfrc name="force" actuator="servo"/></sensor>
+           </mujoco>"#,
+        "</body>".repeat(4)
+    ));
+    let start = Data::new(&model).unwrap();
+    let log = record(start.clone(), 60, |time| vec![(9.0 * time).sin()]);
+    let mut noise = Noise(5);
+    let mut unknowns = Vec::new();
+    for name in ["b0", "b1", "b2", "b3"] {
+        let body = model.body(name).unwrap().id();
+        unknowns.push(Unknown::parameter(&model, Parameter::MassFactor(body)).unwrap());
+    }
+    for name in ["j0", "j1", "j2", "j3"] {
+        let joint = model.joint(name).unwrap().id();
+        unknowns.push(Unknown::parameter(&model, Parameter::JointDamping(joint)).unwrap());
+    }
+    let actuator = model.actuator("servo").unwrap().id();
+    unknowns.push(Unknown::parameter(&model, Parameter::ActuatorGain(actuator, 0)).unwrap());
+    let signals =
+        ["acceleration", "force"].map(|name| (name, add_noise(&log.sensor(&model, name, 1), 1e-3, &mut noise)));
+    let solve = |has_formulas: bool| {
+        let measurements = signals.clone().map(|(name, signal)| {
+            let range = model.sensor(name).unwrap().data_range();
+            if has_formulas {
+                return Measurement::of_sensor(&model, name, signal).unwrap();
+            }
+            Measurement::of(name, signal, move |data, output| {
+                output.copy_from_slice(&data.sensordata()[range.clone()]);
+                Ok(())
+            })
+        });
+        let experiment = Experiment::new("log", &start).with_controls(log.controls());
+        let experiment = measurements
+            .into_iter()
+            .fold(experiment, |experiment, measurement| experiment.with_measurement(measurement.with_deviation(1e-3)));
+        let identification = Identification::new(unknowns.clone()).unwrap().with_experiment(experiment).unwrap();
+        identification.solve(Options::default()).unwrap()
+    };
+    let [formulas, differences] = [true, false].map(solve);
+    for (one, other) in formulas.estimates().iter().zip(differences.estimates()) {
+        assert!((one.deviation / other.deviation - 1.0).abs() < 1e-4, "{formulas}{differences}");
+        assert!((one.value - other.value).abs() < 1e-2 * other.deviation, "{formulas}{differences}");
+    }
+}
