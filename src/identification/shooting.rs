@@ -16,7 +16,7 @@ use super::measurement_error::{MeasurementError, errors_of};
 use super::plan::Plan;
 use super::segment::{self, Quadratic};
 use super::simulate::{Simulated, Worker};
-use super::states::{difference, first_errors, first_state, move_state};
+use super::states::{first_errors, first_state};
 use super::unknown::Unknown;
 use crate::error::Result;
 use crate::least_squares::{Problem, damp};
@@ -231,7 +231,7 @@ impl<'p> Shooting<'p> {
         }
         let model = &self.plans[place.plan].experiment.model;
         let mut gap = vec![0.0; self.plans[place.plan].experiment.uncertainty.len()];
-        difference(model, &point.nodes[place.node + 1], end, &mut gap)?;
+        model.differentiate_state_into(&point.nodes[place.node + 1], end, &mut gap)?;
         Ok(gap.iter().zip(&self.weights[place.node]).map(|(gap, weight)| 0.5 * (gap * weight).powi(2)).sum())
     }
 
@@ -279,7 +279,7 @@ impl<'p> Shooting<'p> {
         let columns = plan.state_columns(place.segment) + self.unknowns.len();
         let mut end = DMatrix::zeros(plan.experiment.uncertainty.len(), columns + 1);
         let (next, base) = (&self.present.nodes[place.node + 1], &self.present_base[place.node].end);
-        difference(&plan.experiment.model, next, base, end.column_mut(columns).as_mut_slice())?;
+        plan.experiment.model.differentiate_state_into(next, base, end.column_mut(columns).as_mut_slice())?;
         for derivative in derivatives {
             end.column_mut(plan.column(place.segment, derivative.column)).copy_from_slice(&derivative.end);
         }
@@ -415,7 +415,7 @@ impl Problem for Shooting<'_> {
                     0 => plan.free.iter().zip(change.iter()).for_each(|(&place, &value)| all[place] = value),
                     _ => all.copy_from_slice(change.as_slice()),
                 }
-                move_state(&plan.experiment.model, &mut candidate.nodes[node], &all)?;
+                plan.experiment.model.integrate_state(&mut candidate.nodes[node], &all)?;
                 node += 1;
             }
         }

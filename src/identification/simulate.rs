@@ -6,7 +6,6 @@ use super::column::{Column, Derivative, EPS, Values};
 use super::experiment::Source;
 use super::formulas::Formulas;
 use super::plan::Plan;
-use super::states::difference;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -61,7 +60,7 @@ impl Worker {
         }
         let step = values.step(column);
         let mut end = vec![0.0; plan.experiment.uncertainty.len()];
-        difference(&plan.experiment.model, &base.end, &moved.end, &mut end)?;
+        plan.experiment.model.differentiate_state_into(&base.end, &moved.end, &mut end)?;
         for value in &mut end {
             *value /= step;
         }

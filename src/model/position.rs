@@ -81,6 +81,24 @@ impl Model {
         unsafe { sys::mj_normalizeQuat(self.as_ptr(), qpos.as_mut_ptr()) };
         Ok(())
     }
+
+    /// Writes the difference between two physics states `[qpos; qvel; act]` in tangent coordinates,
+    /// `(2 nv + na)`.
+    pub(crate) fn differentiate_state_into(&self, from: &[f64], to: &[f64], result: &mut [f64]) -> Result<()> {
+        let (nq, nv) = (self.nq(), self.nv());
+        self.differentiate_pos_into(1.0, &from[..nq], &to[..nq], &mut result[..nv])?;
+        let rest = from[nq..].iter().zip(&to[nq..]);
+        result[nv..].iter_mut().zip(rest).for_each(|(result, (from, to))| *result = to - from);
+        Ok(())
+    }
+
+    /// Moves a physics state by a vector of tangent coordinates.
+    pub(crate) fn integrate_state(&self, state: &mut [f64], by: &[f64]) -> Result<()> {
+        let (nq, nv) = (self.nq(), self.nv());
+        self.integrate_pos(&mut state[..nq], &by[..nv], 1.0)?;
+        state[nq..].iter_mut().zip(&by[nv..]).for_each(|(value, by)| *value += by);
+        Ok(())
+    }
 }
 
 fn check_interval(dt: f64, allowed: bool, expected: &str) -> Result<()> {

@@ -8,7 +8,6 @@ use crate::estimation::covariance::{self, dot};
 use crate::estimation::filter::ExtendedKalmanFilter;
 use crate::estimation::update::Correction;
 use crate::matrix::Matrix;
-use crate::model::Model;
 use crate::numerics::linear_algebra::add;
 
 /// Buffers of the passes.
@@ -97,7 +96,7 @@ impl Passes {
 
     /// Sets the prior of the first step.
     fn begin(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
-        difference(filter.data().model(), &step.prior_state, &step.state, &mut self.difference)?;
+        filter.data().model().differentiate_state_into(&step.prior_state, &step.state, &mut self.difference)?;
         self.predicted.as_mut_slice().copy_from_slice(step.prior_covariance.as_slice());
         self.set_prior(filter, step, None);
         Ok(())
@@ -150,7 +149,7 @@ impl Passes {
         // The transition leads to the tangent space at the state after the step of the simulation,
         // from there to that of the trajectory.
         let next = &mut steps[index + 1];
-        difference(plant.data.model(), &self.state, &next.state, &mut self.difference)?;
+        plant.data.model().differentiate_state_into(&self.state, &next.state, &mut self.difference)?;
         covariance::transport_rows(&mut plant.transition, &filter.rotations, &self.difference);
         let step = &mut steps[index];
         for (row, values) in plant.transition.rows().enumerate() {
@@ -227,23 +226,12 @@ impl Passes {
 /// Moves a step of the trajectory to its estimate.
 fn move_step(filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
     let model = filter.data().model();
-    let (nq, nv, nx) = (model.nq(), model.nv(), step.covariance.nrows());
+    let (nv, nx) = (model.nv(), step.covariance.nrows());
     step.previous_state.copy_from_slice(&step.state);
     step.previous_inputs.copy_from_slice(&step.inputs);
-    let (position, rest) = step.state.split_at_mut(nq);
     let (state, inputs) = step.deviation.split_at(nx);
-    model.integrate_pos(position, &state[..nv], 1.0)?;
-    add(rest, &state[nv..], 1.0);
+    model.integrate_state(&mut step.state, state)?;
     add(&mut step.inputs, inputs, 1.0);
     covariance::transport(&mut step.covariance, &filter.rotations, &state[..nv]);
-    Ok(())
-}
-
-/// Computes the difference `to ⊟ from` of two states `[qpos; qvel; act]` in tangent coordinates.
-fn difference(model: &Model, from: &[f64], to: &[f64], result: &mut [f64]) -> Result<()> {
-    let (nq, nv) = (model.nq(), model.nv());
-    model.differentiate_pos_into(1.0, &from[..nq], &to[..nq], &mut result[..nv])?;
-    let rest = from[nq..].iter().zip(&to[nq..]);
-    result[nv..].iter_mut().zip(rest).for_each(|(result, (from, to))| *result = to - from);
     Ok(())
 }
