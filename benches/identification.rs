@@ -1,14 +1,13 @@
 //! Identification of a mass on a spring (one unknown, 1,500 steps), of the armatures of an arm
-//! (five unknowns, 1,000 steps), which are the problems of the tests of `mujoco.sysid`, and of all
-//! inertias of the arm (50 unknowns).
+//! (five unknowns, 1,000 steps), which are the problems of the tests of `mujoco.sysid`, and of the
+//! inertia of the arm's load with its armatures and dampings (20 unknowns).
 //!
-//! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]`, both solve the
-//! same problems alternately, and the ratio of the times and both errors are printed: the largest
-//! error of an unknown or, for the inertias, of which the data determine only some combinations,
-//! the root mean square of the errors of the readings.
+//! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]` of the engine's
+//! version, both solve the same problems alternately, and the ratio of the times and the largest
+//! error of an unknown are printed, of those that are no inertia.
 //!
 //! ```text
-//! MUJOCO_PYTHON=python3 cargo bench --bench identification
+//! MUJOCO_DIR=$(scripts/engine 3.17.0) MUJOCO_PYTHON=python3 cargo bench --bench identification
 //! ```
 
 mod common;
@@ -21,15 +20,16 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
+use mujoco_safe::derivative::ModelParameter;
 use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Signal, Unknown};
 use mujoco_safe::rollout::Parameter;
 use mujoco_safe::{Data, Matrix, Model, Result};
 
 const PAIRS: usize = 15;
 
-/// Program that reads the model, the names of the joints whose armature is unknown (or of the body
-/// whose mass is), the truth, the first value, the bounds, the times, the controls and the
-/// readings, and solves the problem once per input line.
+/// Program that reads the model, the unknowns (what, and of which joint or body), the truth, the
+/// first value, the bounds, the times, the controls and the readings, and solves the problem once
+/// per input line.
 const SYSID: &str = r#"
 import sys, time
 import mujoco, numpy as np
@@ -39,7 +39,7 @@ def numbers():
     return np.array([float(number) for number in sys.stdin.readline().split()])
 
 xml = sys.stdin.readline()
-kind, *names = sys.stdin.readline().split()
+unknowns = [unknown.split(":") for unknown in sys.stdin.readline().split()]
 truth = numbers()
 first, low, high = numbers()
 times = numbers()
@@ -54,48 +54,47 @@ late = sysid.TimeSeries.from_names(times[:-1] + model.opt.timestep, readings[:-1
 sequence = sysid.ModelSequences("problem", spec, "log", start, sysid.TimeSeries(times, controls), late)
 residual = sysid.build_residual_fn(models_sequences=[sequence])
 
-def unknown(kind, name, value):
-    if kind == "inertia":
-        return sysid.body_inertia_param(spec, model, name, inertia_type=sysid.InertiaType.Pseudo)
-    one = sysid.Parameter(name, nominal=value, min_value=low, max_value=high, modifier=write(kind, name))
-    one.value[:] = first
-    return one
-
-def rms(found):
-    changed = sysid.apply_param_modifiers(found, mujoco.MjSpec.from_string(xml))
-    data = mujoco.MjData(changed)
-    squares = 0.0
-    for control, reading in zip(controls, readings):
-        data.ctrl[:] = control
-        mujoco.mj_step(changed, data)
-        squares += np.mean((data.sensordata - reading) ** 2)
-    return np.sqrt(squares / len(readings))
-
 def write(kind, name):
     if kind == "mass":
         return lambda s, p: setattr(s.body(name), "mass", p.value[0])
-    return lambda s, p: setattr(s.joint(name), "armature", p.value[0])
+    if kind == "armature":
+        return lambda s, p: setattr(s.joint(name), "armature", p.value[0])
+    def damping(s, p):
+        joint = s.joint(name)
+        joint.damping = p.value[0] if np.isscalar(joint.damping) else [p.value[0], 0.0, 0.0]
+    return damping
+
+def unknown(kind, name, value):
+    if kind == "inertia":
+        # Its own function for this sets a rotation that the compiler does not accept.
+        def modify(s, p):
+            sysid.apply_body_inertia(s, name, p)
+            s.body(name).iquat = [1.0, 0.0, 0.0, 0.0]
+        return sysid.body_inertia_param(spec, model, name, inertia_type=sysid.InertiaType.Pseudo, modifier=modify)
+    one = sysid.Parameter(f"{kind}:{name}", nominal=value, min_value=low, max_value=high, modifier=write(kind, name))
+    one.value[:] = first
+    return one
 
 print("ready", flush=True)
 for _ in sys.stdin:
     params = sysid.ParameterDict()
-    for index, name in enumerate(names):
-        params.add(unknown(kind, name, truth[index] if kind != "inertia" else None))
+    for (kind, name), value in zip(unknowns, truth):
+        params.add(unknown(kind, name, value))
     begin = time.perf_counter()
     found, _ = sysid.optimize(initial_params=params, residual_fn=residual, optimizer="mujoco", verbose=False)
     seconds = time.perf_counter() - begin
-    if kind == "inertia":
-        error = rms(found)
-    else:
-        error = max(abs(found[name].value[0] - value) for name, value in zip(names, truth))
+    named = [(f"{kind}:{name}", value) for (kind, name), value in zip(unknowns, truth) if kind != "inertia"]
+    error = max(abs(found[name].value[0] - value) for name, value in named)
     print(repr(seconds), repr(float(error)), file=sys.__stdout__, flush=True)
 "#;
 
+/// What is unknown (`mass` or `inertia` of a body, `armature` or `damping` of a joint), of which
+/// element, and the truth.
+type Hidden = (&'static str, String, f64);
+
 struct Problem {
     xml: String,
-    kind: &'static str,
-    names: Vec<String>,
-    truth: Vec<f64>,
+    hidden: Vec<Hidden>,
     /// First value, and bounds.
     range: [f64; 3],
     times: Vec<f64>,
@@ -111,12 +110,12 @@ fn spring() -> Result<Problem> {
         <actuator><motor name="push" joint="slide"/></actuator>
         <sensor><jointpos name="position" joint="slide"/><jointvel name="velocity" joint="slide"/></sensor></mujoco>"#;
     let push = |time: f64| vec![5.0 * (TAU * 1.5 * time).sin() + 3.0 * (TAU * 3.7 * time).sin()];
-    Problem::new(xml, "mass", vec!["mass".into()], vec![1.0], [2.0, 0.3, 3.0], 1500, push)
+    Problem::new(xml, vec![("mass", "mass".into(), 1.0)], [2.0, 0.3, 3.0], 1500, push)
 }
 
-/// Returns the arm with unknown armatures, or without any and with unknown inertias.
-fn arm(kind: &'static str) -> Result<Problem> {
-    let truth = vec![0.5, 0.4, 0.3, 0.2, 0.1];
+/// Returns the arm with unknown armatures and, if it carries a load, its inertia and dampings.
+fn arm(has_load: bool) -> Result<Problem> {
+    let truth = [0.5, 0.4, 0.3, 0.2, 0.1];
     let (mut bodies, mut motors, mut sensors) = (String::new(), String::new(), String::new());
     for (i, armature) in truth.iter().enumerate() {
         let (mass, axis) = ([1.0, 0.8, 0.6, 0.4, 0.2][i], ["0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0"][i]);
@@ -140,17 +139,23 @@ fn arm(kind: &'static str) -> Result<Problem> {
         let rates = [0.5, 0.7, 0.4, 0.9, 0.6];
         (0..5).map(|i| (5 - i) as f64 * (TAU * rates[i] * time + 0.5 * i as f64).sin()).collect()
     };
-    let letter = if kind == "inertia" { "b" } else { "j" };
-    let names = (0..5).map(|i| format!("{letter}{i}")).collect();
-    Problem::new(&xml, kind, names, truth, [0.01, 0.001, 1.0], 1000, control)
+    let joints = |what: &'static str, factor: f64| {
+        truth.iter().enumerate().map(move |(i, armature)| (what, format!("j{i}"), factor * armature))
+    };
+    let mut hidden: Vec<Hidden> = joints("armature", 1.0).collect();
+    if has_load {
+        hidden.extend(joints("damping", 2.0));
+        hidden.push(("inertia", "b4".into(), f64::NAN));
+    }
+    // From far away, a search for all of them ends in another minimum.
+    let first = if has_load { 0.25 } else { 0.01 };
+    Problem::new(&xml, hidden, [first, 0.001, 2.0], 1000, control)
 }
 
 impl Problem {
     fn new(
         xml: &str,
-        kind: &'static str,
-        names: Vec<String>,
-        truth: Vec<f64>,
+        hidden: Vec<Hidden>,
         range: [f64; 3],
         steps: usize,
         control: impl Fn(f64) -> Vec<f64>,
@@ -159,15 +164,32 @@ impl Problem {
         let model = Arc::new(Model::from_xml_str(&xml)?);
         let mut data = Data::new(&model)?;
         let start = data.clone();
-        if kind == "inertia" {
-            // The data come from other inertias than those of the model.
-            data.edit_model(|model| {
-                for body in 1..model.nbody() {
-                    model.body_mut(body)?.scale_mass(1.4 - 0.15 * body as f64)?;
-                    model.body_ipos_mut()[body][0] += 0.01;
+        let mut unknowns = Vec::new();
+        for (what, name, _) in &hidden {
+            if *what == "inertia" {
+                // The data come from another inertia than that of the model.
+                let body = model.body(name)?.id();
+                data.edit_model(|model| {
+                    model.body_mut(body).scale_mass(1.8)?;
+                    model.body_ipos_mut()[body.index()] = [0.01, 0.02, 0.06];
+                    model.update_constants()
+                })?;
+                // The bounds of `mujoco.sysid`: a tenth to ten times the mass, half to twice the
+                // moments, and half a metre.
+                let near = [0.5 * 10_f64.ln(), 0.5 * 2_f64.ln(), 0.5, 0.5];
+                for (at, unknown) in Unknown::all_inertia(&model, body)?.into_iter().enumerate() {
+                    let first = ModelParameter::LogCholesky(body, at).value(&model)?;
+                    let near = near[[0, 1, 1, 1, 2, 2, 2, 3, 3, 3][at]];
+                    unknowns.push(unknown.between(first - near, first + near));
                 }
-                model.update_constants()
-            })?;
+                continue;
+            }
+            let parameter = match *what {
+                "mass" => Parameter::MassFactor(model.body(name)?.id()),
+                "armature" => Parameter::JointArmature(model.joint(name)?.id()),
+                _ => Parameter::JointDamping(model.joint(name)?.id()),
+            };
+            unknowns.push(Unknown::parameter(&model, parameter)?.starting_at(range[0]).between(range[1], range[2]));
         }
         let (mut times, mut controls, mut readings) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..steps {
@@ -188,20 +210,8 @@ impl Problem {
             let signal = Signal::scalar(times.clone(), values)?;
             experiment = experiment.with_measurement(Measurement::of_sensor(&model, sensor.id(), signal)?);
         }
-        let inertias =
-            names.iter().filter(|_| kind == "inertia").map(|name| Unknown::all_inertia(&model, model.body(name)?.id()));
-        let inertias: Vec<Unknown> = inertias.collect::<Result<Vec<_>>>()?.concat();
-        let unknowns = names.iter().filter(|_| kind != "inertia").map(|name| {
-            let unknown = match kind {
-                "mass" => Unknown::parameter(&model, Parameter::MassFactor(model.body(name)?.id())),
-                _ => Unknown::parameter(&model, Parameter::JointArmature(model.joint(name)?.id())),
-            };
-            Ok(unknown?.starting_at(range[0]).between(range[1], range[2]))
-        });
-        let mut unknowns = unknowns.collect::<Result<Vec<_>>>()?;
-        unknowns.extend(inertias);
         let identification = Identification::new(unknowns)?.with_experiment(experiment)?;
-        Ok(Self { xml, kind, names, truth, range, times, controls, readings, identification })
+        Ok(Self { xml, hidden, range, times, controls, readings, identification })
     }
 
     /// Returns the seconds and the largest error.
@@ -209,11 +219,8 @@ impl Problem {
         let start = Instant::now();
         let fit = self.identification.solve(Options::default()).expect("a search");
         let seconds = start.elapsed().as_secs_f64();
-        if self.kind == "inertia" {
-            let squares: f64 = fit.errors().iter().map(|error| error.rms.powi(2)).sum();
-            return (seconds, (squares / fit.errors().len() as f64).sqrt());
-        }
-        let errors = fit.estimates().iter().zip(&self.truth).map(|(estimate, truth)| (estimate.value - truth).abs());
+        let errors = fit.estimates().iter().zip(&self.hidden).filter(|(_, (what, ..))| *what != "inertia");
+        let errors = errors.map(|(estimate, (_, _, truth))| (estimate.value - truth).abs());
         (seconds, errors.fold(0.0, f64::max))
     }
 
@@ -224,8 +231,10 @@ impl Problem {
         let mut input = child.stdin.take().expect("the stream is piped");
         let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
         let text = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:e}")).collect::<Vec<_>>().join(" ");
-        writeln!(input, "{}\n{} {}", self.xml, self.kind, self.names.join(" "))?;
-        for numbers in [&self.truth, &self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()] {
+        let names: Vec<String> = self.hidden.iter().map(|(what, name, _)| format!("{what}:{name}")).collect();
+        let truth: Vec<f64> = self.hidden.iter().map(|(_, _, truth)| *truth).collect();
+        writeln!(input, "{}\n{}", self.xml, names.join(" "))?;
+        for numbers in [&truth, &self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()] {
             writeln!(input, "{}", text(numbers))?;
         }
         let mut line = || loop {
@@ -263,14 +272,19 @@ impl Problem {
 fn main() -> Result<()> {
     for (name, problem) in [
         ("mass on a spring", spring()?),
-        ("armatures of an arm", arm("armature")?),
-        ("inertias of an arm", arm("inertia")?),
+        ("armatures of an arm", arm(false)?),
+        ("load, armatures and dampings of an arm", arm(true)?),
     ] {
-        common::bench(name, 1, &mut || _ = problem.solve());
-        if let Some(python) = env::var_os("MUJOCO_PYTHON")
-            && let Err(error) = problem.beside_sysid(&python.to_string_lossy(), name)
-        {
-            println!("{name}: mujoco.sysid cannot be compared: {error}");
+        if !common::is_selected(name) {
+            continue;
+        }
+        match env::var_os("MUJOCO_PYTHON") {
+            None => common::bench(name, 1, &mut || _ = problem.solve()),
+            Some(python) => {
+                if let Err(error) = problem.beside_sysid(&python.to_string_lossy(), name) {
+                    println!("{name}: mujoco.sysid cannot be compared: {error}");
+                }
+            }
         }
     }
     Ok(())

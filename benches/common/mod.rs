@@ -80,7 +80,7 @@ fn decimals(number: f64) -> usize {
 }
 
 /// Returns `true` if the command line selects this benchmark.
-fn is_selected(name: &str) -> bool {
+pub(crate) fn is_selected(name: &str) -> bool {
     // Cargo adds the option `--bench`.
     let mut words = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).peekable();
     words.peek().is_none() || words.any(|word| name.contains(&word))

@@ -124,6 +124,7 @@ impl Lineariser {
             None => Box::new(Adjoint::new(data)?),
         };
         mem::swap(&mut adjoint.resolved, &mut self.parameters.resolved);
+        self.parameters.clear();
         let result = self.propagate(data, controls, &mut adjoint, cost, gradient);
         self.adjoint = Some(adjoint);
         result

@@ -287,6 +287,7 @@ impl Lineariser {
         data.check_inputs()?;
         if is_edited(self.workers[0].point.data.model(), data, "the data to linearise")? {
             self.obstacles = Obstacles::of(data.model());
+            self.parameters.clear();
         }
         self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
         Ok(())

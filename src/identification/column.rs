@@ -1,8 +1,9 @@
 //! Columns of a Jacobian, and the values of the unknowns.
 
 use super::unknown::{Kind, Unknown};
-use crate::derivative::ModelParameter;
+use crate::derivative::{InertialParameters, ModelParameter};
 use crate::error::{Error, Result};
+use crate::id::BodyId;
 use crate::model::{Model, ModelMut};
 
 /// Step of differences by coordinates of the state, in m, rad and their rates, and by unknowns,
@@ -68,10 +69,15 @@ impl Values<'_> {
     pub(super) fn write(&self, moved: Option<usize>, pristine: &Model, model: &mut ModelMut<'_>) -> Result<bool> {
         let mut has_derived_constants = false;
         for (index, unknown) in self.unknowns.iter().enumerate() {
-            let value = if moved == Some(index) { unknown.value(self.moved(index)) } else { self.value(index) };
+            let value = self.value_after(moved, index);
             match &unknown.kind {
                 Kind::Parameter(parameter) => {
                     match parameter {
+                        ModelParameter::LogCholesky(body, _) => {
+                            if !self.write_inertia(moved, *body, index, model)? {
+                                return Ok(false);
+                            }
+                        }
                         ModelParameter::Number(parameter) => parameter.write(value, pristine, model)?,
                         _ => match parameter.set(model, value) {
                             Err(Error::Invalid { .. }) => return Ok(false),
@@ -88,5 +94,40 @@ impl Values<'_> {
             model.update_constants()?;
         }
         Ok(true)
+    }
+
+    /// Writes all coordinates of the inertia of a body at once if `first` is the first of them.
+    /// Returns `false` if the inertia is impossible, or so thin that the model rounds an extent to
+    /// zero.
+    fn write_inertia(
+        &self,
+        moved: Option<usize>,
+        body: BodyId,
+        first: usize,
+        model: &mut ModelMut<'_>,
+    ) -> Result<bool> {
+        let coordinate = |unknown: &Unknown| match unknown.kind {
+            Kind::Parameter(ModelParameter::LogCholesky(other, at)) if other == body => Some(at),
+            _ => None,
+        };
+        if self.unknowns[..first].iter().any(|unknown| coordinate(unknown).is_some()) {
+            return Ok(true);
+        }
+        let Some(mut coordinates) = InertialParameters::of(model, body).log_cholesky() else { return Ok(false) };
+        for (index, unknown) in self.unknowns.iter().enumerate() {
+            if let Some(at) = coordinate(unknown) {
+                coordinates[at] = self.value_after(moved, index);
+            }
+        }
+        match InertialParameters::from_log_cholesky(&coordinates).write(model, body) {
+            Ok(()) => Ok(InertialParameters::of(model, body).log_cholesky().is_some()),
+            Err(Error::Invalid { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Returns the value of an unknown, after a step of differences if it is the moved one.
+    fn value_after(&self, moved: Option<usize>, index: usize) -> f64 {
+        if moved == Some(index) { self.unknowns[index].value(self.moved(index)) } else { self.value(index) }
     }
 }

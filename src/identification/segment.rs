@@ -153,9 +153,12 @@ pub(super) fn quadratic(
         let weight = measurement.norm.weight(residual);
         for (column, &value) in row.iter().enumerate() {
             if value != 0.0 {
-                add(matrix.row_mut(column), &row, weight * value);
+                add(&mut matrix.row_mut(column)[column..], &row[column..], weight * value);
             }
         }
     });
+    for column in 0..=columns {
+        (0..column).for_each(|other| matrix[(column, other)] = matrix[(other, column)]);
+    }
     Quadratic { cost, matrix, count, squares }
 }

@@ -18,7 +18,7 @@ use super::segment::{self, Quadratic};
 use super::simulate::{Simulated, Worker};
 use super::states::{first_errors, first_state};
 use super::unknown::Unknown;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::least_squares::{Problem, damp};
 use crate::matrix::Matrix;
 use crate::parallel::for_each_item;
@@ -190,7 +190,12 @@ impl<'p> Shooting<'p> {
         let values = Values { unknowns, coordinates: &point.coordinates, version: *version };
         for_each_item(workers, &mut jobs, |worker, _, (Place { plan, segment, node }, result)| {
             let state = &point.nodes[*node];
-            if !worker.simulate(&plans[*plan], *segment, state, Column::Nothing, &values, result)? {
+            let is_stable = match worker.simulate(&plans[*plan], *segment, state, Column::Nothing, &values, result) {
+                // Values with which the engine cannot compute are no candidate.
+                Err(Error::Engine { .. }) if is_candidate => false,
+                outcome => outcome?,
+            };
+            if !is_stable {
                 *result = Simulated::default();
             }
             Ok(())

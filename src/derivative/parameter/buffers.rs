@@ -52,8 +52,16 @@ pub(in crate::derivative) struct ParameterBuffers {
 }
 
 impl ParameterBuffers {
-    /// Resolves parameters.
+    /// Forgets the parameters, since the model changes.
+    pub(in crate::derivative) fn clear(&mut self) {
+        self.resolved.clear();
+    }
+
+    /// Resolves parameters, unless they are the last ones.
     pub(in crate::derivative) fn resolve(&mut self, model: &Model, parameters: &[ModelParameter]) -> Result<()> {
+        if self.resolved.iter().map(|resolved| &resolved.parameter).eq(parameters) {
+            return Ok(());
+        }
         self.resolved.clear();
         for &parameter in parameters {
             self.resolved.push(Resolved::new(model, parameter)?);
