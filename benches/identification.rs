@@ -15,11 +15,10 @@ mod common;
 use std::env;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
+use common::peer::{Comparison, Peer, line};
 use mujoco_safe::derivative::ModelParameter;
 use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Signal, Unknown};
 use mujoco_safe::rollout::Parameter;
@@ -226,44 +225,23 @@ impl Problem {
 
     /// Solves the problem alternately with `mujoco.sysid`.
     fn beside_sysid(&self, python: &str, name: &str) -> std::io::Result<()> {
-        let mut child =
-            Command::new(python).args(["-c", SYSID]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-        let mut input = child.stdin.take().expect("the stream is piped");
-        let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
-        let text = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:e}")).collect::<Vec<_>>().join(" ");
         let names: Vec<String> = self.hidden.iter().map(|(what, name, _)| format!("{what}:{name}")).collect();
-        let truth: Vec<f64> = self.hidden.iter().map(|(_, _, truth)| *truth).collect();
-        writeln!(input, "{}\n{}", self.xml, names.join(" "))?;
-        for numbers in [&truth, &self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()] {
-            writeln!(input, "{}", text(numbers))?;
-        }
-        let mut line = || loop {
-            let line = output.next().unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()))?;
-            // The search prints a report.
-            if line == "ready" || line.split(' ').all(|word| word.parse::<f64>().is_ok()) {
-                return Ok::<_, std::io::Error>(line);
-            }
-        };
-        line()?;
-        let (mut ratios, mut ours, mut theirs) = (Vec::new(), (0.0, 0.0), (0.0, 0.0));
-        for _ in 0..PAIRS {
-            ours = self.solve();
-            writeln!(input)?;
-            let answer = line()?;
-            let (seconds, error) = answer.split_once(' ').unwrap_or((&answer, "nan"));
-            theirs = (seconds.parse().unwrap_or(f64::NAN), error.parse().unwrap_or(f64::NAN));
-            ratios.push(theirs.0 / ours.0);
-        }
-        ratios.sort_unstable_by(f64::total_cmp);
+        let mut lines = vec![self.xml.clone(), names.join(" ")];
+        lines.push(line(self.hidden.iter().map(|(_, _, truth)| *truth)));
+        let numbers = [&self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()];
+        lines.extend(numbers.map(|numbers| line(numbers.iter().copied())));
+        let mut peer = Peer::start(python, &["-c", SYSID], &lines)?;
+        let mut error = 0.0;
+        let Comparison { ours, theirs, ratio: [low, middle, high], rest } = peer.compare(PAIRS, "", || {
+            let (seconds, found) = self.solve();
+            error = found;
+            seconds
+        })?;
         println!(
-            "{name}: mujoco.sysid {:.1} ms (error {:.1e}), this library {:.1} ms (error {:.1e}), ratio {:.1} [{:.1}, {:.1}]",
-            1e3 * theirs.0,
-            theirs.1,
-            1e3 * ours.0,
-            ours.1,
-            common::median(ratios.clone()),
-            ratios[PAIRS / 5],
-            ratios[PAIRS - 1 - PAIRS / 5]
+            "{name}: {:.1} ms (error {error:.1e}), mujoco.sysid {:.1} ms (error {:.1e}), ratio {middle:.3} [{low:.3}, {high:.3}]",
+            1e3 * ours,
+            1e3 * theirs,
+            rest.first().unwrap_or(&f64::NAN),
         );
         Ok(())
     }

@@ -15,11 +15,10 @@ mod common;
 
 use std::env;
 use std::hint::black_box;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
+use common::peer::{Comparison, Peer};
 use mujoco_safe::control::residual::{Frame, FramePose, JointPosition, Subtree};
 use mujoco_safe::ik::{Ik, Task, TaskId};
 use mujoco_safe::math::{Qp, QpProblem};
@@ -120,37 +119,14 @@ fn text(errors: &[f64]) -> String {
 
 /// Runs the ticks alternately with mink.
 fn beside_mink(python: &str, tracking: &mut Tracking) -> std::io::Result<()> {
-    let arguments = [PEER, MODEL, "daqp"];
-    let mut child = Command::new(python).args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-    let mut input = child.stdin.take().expect("the stream is piped");
-    let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
-    if output.next().transpose()?.as_deref() != Some("ready") {
-        println!("ik: mink is not available for {python}");
-        return Ok(());
-    }
-    let (mut times, mut ratios, mut errors) = (Vec::new(), Vec::new(), Vec::new());
-    for _ in 0..PAIRS {
+    let mut peer = Peer::start(python, &[PEER, MODEL, "daqp"], &[])?;
+    let Comparison { ours, theirs, ratio, rest } = peer.compare(PAIRS, "", || {
         let begin = Instant::now();
         tracking.run();
-        let ours = begin.elapsed().as_secs_f64() / TICKS as f64;
-        writeln!(input)?;
-        let line = output.next().transpose()?.unwrap_or_default();
-        let numbers: Vec<f64> = line.split_whitespace().filter_map(|number| number.parse().ok()).collect();
-        let [theirs, rest @ ..] = numbers.as_slice() else { return Err(std::io::Error::other(line)) };
-        times.push((ours, *theirs));
-        ratios.push(ours / theirs);
-        errors = rest.to_vec();
-    }
-    drop(input);
-    child.wait()?;
-    let median = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
-    let ours = median(times.iter().map(|(ours, _)| *ours).collect());
-    let theirs = median(times.iter().map(|(_, theirs)| *theirs).collect());
-    println!("ik/step {:.1} µs, mink {:.1} µs, ratio {:.4}", 1e6 * ours, 1e6 * theirs, median(ratios));
-    println!("ik/errors of mink {}", text(&errors));
+        begin.elapsed().as_secs_f64() / TICKS as f64
+    })?;
+    println!("ik/step {:.1} µs, mink {:.1} µs, ratio {:.4}", 1e6 * ours, 1e6 * theirs, ratio[1]);
+    println!("ik/errors of mink {}", text(&rest));
     Ok(())
 }
 

@@ -16,6 +16,7 @@
 
 pub(crate) mod episode;
 pub(crate) mod models;
+pub(crate) mod peer;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
