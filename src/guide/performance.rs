@@ -167,8 +167,9 @@
 //! `scripts/compare` measures this crate, the engine called from C, the official Python bindings,
 //! SciPy, NumPy and SLICOT in one run: steps, rollouts, batches (from 3.17 also with
 //! `mujoco.batch`), linearisations, Riccati equations and control laws; then it runs the benchmarks
-//! beside mink, Pinocchio, Crocoddyl and `mujoco.sysid`. `MUJOCO_PYTHON` is an interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one
-//! if it finds a Python 3.7 to 3.10.
+//! beside mink, Pinocchio, Crocoddyl and `mujoco.sysid`. `MUJOCO_PYTHON` is an interpreter with
+//! `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one if it finds a
+//! Python 3.7 to 3.10.
 //!
 //! `cargo bench` in this repository compares each call with the raw C call in one process, and
 //! prints the ratio with its confidence interval (`cargo bench -- ÷` prints only the ratios). In a
