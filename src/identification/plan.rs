@@ -6,6 +6,7 @@ use super::unknown::{Kind, Unknown};
 use super::{Experiment, Measurement};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
+use crate::memory;
 
 /// Difference of times that counts as rounding, relative to a time step.
 const SAME: f64 = 1e-6;
@@ -71,6 +72,10 @@ impl Plan {
             return Err(Error::out_of_range(what, steps, "at most 1e9"));
         }
         let steps = steps as usize;
+        // Derivatives keep the readings of all steps.
+        let columns = 1 + experiment.uncertainty.len() + unknowns.len();
+        let what = format!("steps of the experiment {}", experiment.name);
+        memory::check(&what, steps + 1, size_of::<f64>() * width * columns)?;
         let length = (experiment.segment / h).round().clamp(1.0, steps as f64) as usize;
         // A short rest belongs to the segment before it.
         let mut nodes: Vec<usize> = (0..steps).step_by(length).filter(|node| steps - node > length / 2).collect();

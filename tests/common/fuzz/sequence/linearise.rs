@@ -99,7 +99,7 @@ fn weights(bytes: &mut Bytes<'_>, nx: usize, nu: usize) -> LqrWeights {
 }
 
 /// Returns parameters of the model: of the inertia of bodies, and numbers of arrays.
-fn parameters(model: &Model, bytes: &mut Bytes<'_>) -> Vec<ModelParameter> {
+pub(super) fn parameters(model: &Model, bytes: &mut Bytes<'_>) -> Vec<ModelParameter> {
     const ARRAYS: [&str; 12] = [
         "dof_damping",
         "dof_frictionloss",

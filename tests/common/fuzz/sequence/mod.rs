@@ -11,6 +11,7 @@ mod edit;
 mod elements;
 mod environments;
 mod files;
+mod inference;
 mod linearise;
 mod math;
 mod parts;
@@ -81,6 +82,7 @@ const TABLES: &[Table] = &[
     Table { weight: 2, needs_step: false, calls: math::CALLS },
     Table { weight: 2, needs_step: false, calls: control::CALLS },
     Table { weight: 2, needs_step: false, calls: linearise::CALLS },
+    Table { weight: 2, needs_step: false, calls: inference::CALLS },
     Table { weight: 1, needs_step: false, calls: rollouts::CALLS },
     Table { weight: 1, needs_step: false, calls: environments::CALLS },
     Table { weight: 1, needs_step: false, calls: batches::CALLS },
