@@ -11,6 +11,12 @@
 //! drifted, which no sensor sees. A second filter, without noise of the contact forces, shows why
 //! that is needed.
 //!
+//! The estimate knows the height and the velocity of the trunk only by the feet that touch the
+//! floor. With the default seed all feet of the estimate have left it after 3.4 s, and the error of
+//! the velocity leaves its band. For longer walks, measure which feet stand
+//! ([`FramePosition`](mujoco_safe::control::residual::FramePosition) of a standing foot is a
+//! reading).
+//!
 //! `--help` lists the options.
 
 #[path = "common/mod.rs"]

@@ -26,9 +26,9 @@ impl Lineariser {
     /// parameter has no formula. The report names these
     /// [`PARAMETERS`](DifferencedTerms::PARAMETERS) and [`SENSORS`](DifferencedTerms::SENSORS).
     ///
-    /// Where the closed form of a step does not apply, or with another
-    /// [method](crate::derivative::TransitionOptions::method) in the options, complete steps are
-    /// differenced, and the method is [`Columns`](TransitionMethod::Columns).
+    /// Complete steps are differenced, and the method is [`Columns`](TransitionMethod::Columns), if
+    /// the model or the state has no [closed form](TransitionMethod::Analytic), and if the options
+    /// ask for another [method](crate::derivative::TransitionOptions::method).
     ///
     /// A parameter at the end of its range, such as a damping of zero, has the derivative inside
     /// the range. For other kinks see [`Kinks`].

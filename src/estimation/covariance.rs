@@ -67,7 +67,7 @@ fn is_semidefinite(matrix: &mut Matrix) -> bool {
         let pivot = remaining.swap_remove(largest);
         let value = matrix[(pivot, pivot)];
         if value <= tolerance || value.is_nan() {
-            // What remains of a semidefinite matrix is zero.
+            // The rest of a semidefinite matrix is zero up to rounding.
             remaining.push(pivot);
             let entries = remaining.iter().flat_map(|&row| remaining.iter().map(move |&column| (row, column)));
             return entries.map(|index| matrix[index]).all(|value| value.abs() <= tolerance);

@@ -10,7 +10,7 @@ use crate::model::{Model, ModelMut};
 /// relative to their scale.
 pub(super) const EPS: f64 = 1e-6;
 
-/// What differs from the present point in a simulation.
+/// Coordinate that a simulation changes relative to the present point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     Nothing,

@@ -1,4 +1,4 @@
-//! What was done and measured.
+//! Experiments: an initial state, the controls, and the measurements.
 
 use std::fmt;
 use std::sync::Arc;

@@ -23,6 +23,7 @@
 //! | `find_load` | the load of an arm is identified from a log, and compensated |
 //! | `replay -- repeat FILE` | repeats and searches files of the flight recorder |
 //! | `arm_obstacles` | inverse kinematics: an arm follows a target between two pillars |
+//! | `retarget` | inverse kinematics: a person's motion is transferred to the humanoid |
 //! | `learn_gait` | a half cheetah learns to run in minutes, by random search |
 //!
 //! With `--features renderer`:
