@@ -14,7 +14,7 @@ const licence = read('node_modules/three/LICENSE').trim();
 
 const { outputFiles } = buildSync({
   absWorkingDir: process.cwd(),
-  entryPoints: ['src/main.js'],
+  entryPoints: ['src/start.js'],
   bundle: true,
   minify: true,
   format: 'iife',

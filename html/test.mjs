@@ -1,7 +1,8 @@
-// Tests the pages in a folder in Chromium and Firefox, and stores screenshots there:
+// Tests the pages in a folder, and those that the addresses in its files *.url serve, in Chromium and
+// Firefox, and stores screenshots there:
 // node test.mjs FOLDER [chromium|firefox]
 
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import assert from 'node:assert/strict';
@@ -38,9 +39,12 @@ async function open(browser, file, { width, height, scale = 1, touch = false, da
   await page.setViewport({ width, height, deviceScaleFactor: scale, hasTouch: touch });
   if (dark) await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }]);
   const start = Date.now();
-  await page.goto(pathToFileURL(join(folder, file)).href + hash);
+  const served = file.endsWith('.url');
+  const address = served ? readFileSync(join(folder, file), 'utf8') : pathToFileURL(join(folder, file)).href;
+  await page.goto(address + hash);
   await page.waitForFunction(() => document.documentElement.dataset.state, { timeout: 60000 });
   assert.equal(await page.evaluate(() => document.documentElement.dataset.state), 'ready', problems.join('\n'));
+  if (served) await page.waitForFunction(() => document.documentElement.dataset.live === 'open', { timeout: 60000 });
   return { page, problems, seconds: (Date.now() - start) / 1000 };
 }
 
@@ -178,19 +182,146 @@ async function testHostile(browser) {
   await page.close();
 }
 
+/** Waits until a value that a function reads in the page fulfils a condition, and returns it. */
+async function until(page, read, condition, what) {
+  for (const start = Date.now(); ; await settle(page)) {
+    const value = await read(page);
+    if (condition(value)) return value;
+    assert.ok(Date.now() - start < 30000, `${what}: ${value}`);
+  }
+}
+
+const isPlaying = (page) => page.$eval('#play', (button) => button.getAttribute('aria-pressed') === 'true');
+const height = async (page) => Number.parseFloat((await text(page, '#selection')).split(',').pop());
+const slider = (page) => page.$eval('#plots label', (row) => [row.classList.contains('held'), Number(row.querySelector('output').textContent)]);
+
+async function testLive(browser, name) {
+  const { page, problems, seconds } = await open(browser, 'live.url', { width: 1280, height: 720 });
+  const reset = async () => {
+    await page.keyboard.press('r');
+    await until(page, time, (now) => now === 0, 'a reset restores the time');
+  };
+  if (!(await isPlaying(page))) await page.keyboard.press(' ');
+  await until(page, time, (now) => now > 0.2, 'the simulation runs');
+  await page.keyboard.press(' ');
+  await until(page, isPlaying, (playing) => !playing, 'the space bar pauses');
+  const paused = await time(page);
+  const moved = await canvas(page);
+  await settle(page);
+  await settle(page);
+  assert.equal(await time(page), paused, 'a pause lasts');
+  for (let i = 0; i < 9; i++) await page.click('#advance');
+  await page.keyboard.press('ArrowRight');
+  // The time has two decimals, and a step takes 5 ms.
+  const after = await until(page, time, (now) => now > paused + 0.03, 'steps advance');
+  assert.ok(after <= paused + 0.06, `ten steps: ${paused} to ${after}`);
+  await reset();
+  assert.equal(await isPlaying(page), false, 'a reset keeps the pause');
+  await settle(page);
+  const standing = await canvas(page);
+  assert.ok(difference(moved, standing) > 0.5, 'a reset changes the picture');
+
+  await page.focus('#plots input');
+  await page.keyboard.press('End');
+  await until(page, slider, ([held, value]) => held && value === 1, 'a slider holds its control');
+  await page.click('#plots button');
+  await until(page, slider, ([held]) => !held, 'the button releases it');
+
+  const box = await (await page.$('#canvas')).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.click('#pull');
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 100, y, { steps: 4 });
+  await until(page, canvas, (picture) => difference(standing, picture) > 0.5, 'while paused, a pull moves the body');
+  await page.screenshot({ path: join(folder, `${name}-live-dragged.png`) });
+  await page.mouse.up();
+  await page.click('#pull');
+  assert.equal(await time(page), 0);
+  await reset();
+  await page.keyboard.press('Escape');
+  await until(page, canvas, (picture) => difference(standing, picture) < 0.1, 'a reset moves it back');
+  await page.mouse.click(x, y);
+  const start = await until(page, height, Number.isFinite, 'the pulled body is selected');
+  await page.keyboard.down('Control');
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y - 250, { steps: 4 });
+  await page.evaluate(() => document.getElementById('play').click());
+  await until(page, height, (now) => now > start + 0.1, 'a pull lifts the body');
+  await page.screenshot({ path: join(folder, `${name}-live-pulled.png`) });
+  await page.mouse.up();
+  await page.keyboard.up('Control');
+  await until(page, height, (now) => now < start, 'a released body falls');
+
+  // Another page sees the same simulation, and an empty page, of another origin, cannot connect.
+  await page.keyboard.press(' ');
+  await until(page, isPlaying, (playing) => !playing, 'the space bar pauses');
+  const other = await open(browser, 'live.url', { width: 390, height: 844, scale: 2 });
+  const shown = await time(page);
+  await until(other.page, time, (now) => now === shown, 'two pages show one simulation');
+  await other.page.keyboard.press(' ');
+  await until(page, isPlaying, (playing) => playing, 'each page resumes the other');
+  await reset();
+  await other.page.close();
+  assert.deepEqual(problems, []);
+  await page.close();
+  const blank = await browser.newPage();
+  const address = `${readFileSync(join(folder, 'live.url'), 'utf8').replace('http', 'ws')}/live`;
+  const connect = (url) =>
+    new Promise((done) => {
+      const socket = new WebSocket(url);
+      socket.onopen = () => done('open');
+      socket.onerror = () => done('refused');
+    });
+  assert.equal(await blank.evaluate(connect, address), 'refused');
+  await blank.close();
+  return seconds;
+}
+
+/** The servers end. */
+async function testEnd(browser, name) {
+  const { page } = await open(browser, 'live.url', { width: 1280, height: 720 });
+  writeFileSync(join(folder, 'stop'), '');
+  await page.waitForFunction(() => document.documentElement.dataset.live === 'lost', { timeout: 60000 });
+  assert.match(await text(page, '#note'), /No connection/);
+  await page.screenshot({ path: join(folder, `${name}-live-lost.png`) });
+  await page.close();
+}
+
+async function testHostileLive(browser) {
+  const { page, problems } = await open(browser, 'hostile.url', { width: 1280, height: 720 });
+  const box = await (await page.$('#canvas')).boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await settle(page);
+  assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
+  assert.equal(await page.$$eval('img, [onerror]', (found) => found.length), 0);
+  for (const selector of ['#plots', '#selection']) assert.match(await text(page, selector), /<img src=x/);
+  assert.match(await text(page, '#title'), /<script>/);
+  assert.deepEqual(problems, []);
+  await page.close();
+}
+
 async function takeScreenshots(browser, name) {
   const sizes = { laptop: { width: 1280, height: 720 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
-  for (const file of ['humanoid', 'ghosts', 'robot', 'hostile']) {
+  for (const file of ['humanoid', 'ghosts', 'robot', 'hostile', 'live.url', 'hostile.url']) {
+    const [served, shown] = [file.endsWith('.url'), file.replace('.url', '-live')];
     for (const [size, options] of Object.entries(sizes)) {
       // WebDriver BiDi of Firefox cannot select a colour scheme or a touch screen.
       const dark = file === 'ghosts' && name === 'chromium';
-      const { page, problems } = await open(browser, `${file}.html`, { ...options, dark, hash: '#t=0.6' });
+      const { page, problems } = await open(browser, served ? file : `${file}.html`, { ...options, dark, hash: '#t=0.6' });
       await settle(page);
       assert.ok(contrast(await canvas(page)) > 5, `${file} has a picture`);
       const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
       assert.ok(overflow <= 0, `${file} fits into ${options.width} pixels`);
-      await page.screenshot({ path: join(folder, `${name}-${file}-${size}.png`) });
-      if (options.touch && name === 'chromium') {
+      await page.screenshot({ path: join(folder, `${name}-${shown}-${size}.png`) });
+      if (served && options.touch) {
+        await page.click('#show');
+        await settle(page);
+        await page.screenshot({ path: join(folder, `${name}-${shown}-${size}-controls.png`) });
+      }
+      if (options.touch && name === 'chromium' && !served) {
         await page.tap('#play');
         await page.waitForFunction(() => Number.parseFloat(document.getElementById('time').textContent) !== 0.6);
       }
@@ -211,9 +342,13 @@ for (const [name, options] of Object.entries(BROWSERS)) {
       console.log(`${name}: ${model} differs from the renderer by ${value.toFixed(2)} of 255`);
     }
     await testHostile(browser);
+    await testHostileLive(browser);
     console.log(`${name}: hostile names run no script`);
+    const connected = await testLive(browser, name);
+    console.log(`${name}: live page, first picture of the running humanoid after ${connected.toFixed(2)} s`);
     await takeScreenshots(browser, name);
     console.log(`${name}: screenshots`);
+    if (only || name === Object.keys(BROWSERS).at(-1)) await testEnd(browser, name);
   } finally {
     await browser.close();
   }

@@ -81,7 +81,7 @@
 //! All features are off by default. `renderer`: rendering and animations, without a window or a
 //! display. `viewer`: the window. `mjz`: models and their files in one archive, as MuJoCo's `.mjz`.
 //! `npz`: trajectories, rollouts and other arrays as NumPy files. `mcap`: logs for Foxglove and
-//! Rerun. `html`: trajectories as web pages. `ndarray`: matrices as arrays of the crate `ndarray`,
+//! Rerun. `html`: trajectories as web pages. `live`: running simulations in a browser. `ndarray`: matrices as arrays of the crate `ndarray`,
 //! without a copy. `serde`: options, states, matrices and trajectories as plain data in the formats
 //! of serde. `bindgen`: bindings for an engine without committed ones. `download`: the build
 //! installs MuJoCo if it finds no engine (see [`guide::engines`]).
@@ -149,6 +149,9 @@ pub mod kind;
 mod layout;
 #[doc(alias("levenberg-marquardt", "gauss-newton", "curve fit", "minimize"))]
 pub mod least_squares;
+#[cfg(feature = "live")]
+#[doc(alias("browser", "web viewer", "websocket", "remote", "ssh"))]
+pub mod live;
 mod macros;
 pub mod math;
 pub mod matrix;

@@ -26,6 +26,10 @@ impl<O> Episode<O> {
         Ok(Self { data, observer, start, controls })
     }
 
+    pub(crate) fn observer(&self) -> &O {
+        &self.observer
+    }
+
     pub(crate) fn run(&mut self, step: impl Fn(&mut O, &mut Data) -> Result<()>) {
         let Self { data, observer, start, controls } = self;
         data.set_state(StateSpec::INTEGRATION, start).expect("the state has the right length");

@@ -2,27 +2,24 @@
 
 import { Raycaster, Vector2 } from 'three';
 import { Cameras } from './cameras.js';
-import { read } from './data.js';
 import { Track } from './motion.js';
 import { Plots } from './plots.js';
 import { Stage } from './stage.js';
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-const element = (id) => document.getElementById(id);
+export const element = (id) => document.getElementById(id);
 
-class Player {
-  static async create(buffer) {
-    const player = new Player();
-    const data = read(buffer);
-    const { tracks, steps, frames, look, bodies, title, notes } = data.description;
+export class Player {
+  static async create(data) {
+    const player = new this();
+    const { look, bodies, title, notes } = data.description;
     player.data = data.description;
-    player.tracks = tracks.map((track) => new Track(data.binary, track, steps, frames));
+    player.tracks = player.createTracks(data);
     player.start = Math.min(...player.tracks.map((track) => track.start));
     player.end = Math.max(...player.tracks.map((track) => track.end));
     player.canvas = element('canvas');
     player.stage = await Stage.create(player.canvas, data, player.tracks);
     player.cameras = new Cameras(player.canvas, look, player.stage.frames[0], () => (player.isDirty = true));
-    player.plots = new Plots(element('plots'), player.tracks[0], (time) => player.seek(time));
     player.bodies = bodies;
     player.notes = notes.slice().sort((a, b) => a[0] - b[0]);
     player.speed = 1;
@@ -30,14 +27,23 @@ class Player {
     player.connect();
     player.describe();
     player.selectCamera(data.description.camera === null ? 0 : data.description.camera + 1);
-    const hash = /^#t=([\d.]+)$/.exec(location.hash);
-    player.seek(hash ? Number(hash[1]) : player.start);
-    const isStill = hash || player.start === player.end || matchMedia('(prefers-reduced-motion: reduce)').matches;
-    player.play(!isStill);
+    player.begin();
     new ResizeObserver(() => player.resize()).observe(player.canvas.parentElement);
     player.resize();
     requestAnimationFrame((now) => player.frame(now));
     return player;
+  }
+
+  createTracks({ description: { tracks, steps, frames }, binary }) {
+    return tracks.map((track) => new Track(binary, track, steps, frames));
+  }
+
+  begin() {
+    this.connectTimeline();
+    const hash = /^#t=([\d.]+)$/.exec(location.hash);
+    this.seek(hash ? Number(hash[1]) : this.start);
+    const isStill = hash || this.start === this.end || matchMedia('(prefers-reduced-motion: reduce)').matches;
+    this.play(!isStill);
   }
 
   resize() {
@@ -51,13 +57,14 @@ class Player {
   frame(now) {
     const elapsed = Math.min((now - (this.now ?? now)) / 1000, 0.1);
     this.now = now;
-    if (this.isPlaying) this.advance(elapsed * this.speed);
+    this.tick(elapsed);
     if (this.isDirty) this.draw();
     requestAnimationFrame((next) => this.frame(next));
   }
 
-  advance(step) {
-    let time = this.time + step;
+  tick(elapsed) {
+    if (!this.isPlaying) return;
+    let time = this.time + elapsed * this.speed;
     if (time > this.end) {
       if (this.isLooping) time = this.start;
       else this.play(false);
@@ -74,15 +81,19 @@ class Player {
 
   seek(time) {
     this.time = Math.min(Math.max(time, this.start), this.end);
-    const followed = this.followed?.position;
-    const before = followed?.clone();
-    this.stage.setTime(this.time);
-    if (followed) this.cameras.move(before, followed);
     element('seek').value = this.time;
     element('time').textContent = `${this.time.toFixed(2)} / ${this.end.toFixed(2)} s`;
     const note = this.notes.filter(([at]) => at <= this.time && this.time < at + 2).pop();
     element('note').textContent = note ? note[1] : '';
     this.plots.draw(this.time);
+    this.showPoses();
+  }
+
+  showPoses() {
+    const followed = this.followed?.position;
+    const before = followed?.clone();
+    this.stage.setTime(this.time);
+    if (followed) this.cameras.move(before, followed);
     this.showSelection();
     this.isDirty = true;
   }
@@ -128,12 +139,18 @@ class Player {
     this.isDirty = true;
   }
 
-  pick(event) {
+  /** Returns the ray at the place of an event. */
+  ray(event) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const point = new Vector2(((event.clientX - left) / width) * 2 - 1, 1 - ((event.clientY - top) / height) * 2);
     const ray = new Raycaster();
     ray.setFromCamera(point, this.cameras.get(this.aspect));
-    this.select(ray.intersectObjects(this.stage.meshes, false)[0]?.object);
+    return ray;
+  }
+
+  /** Returns the first intersection with a geom at the place of an event. */
+  hit(event) {
+    return this.ray(event).intersectObjects(this.stage.meshes, false)[0];
   }
 
   select(mesh) {
@@ -177,7 +194,8 @@ class Player {
     element('warning').hidden = look.left_out.length === 0;
   }
 
-  connect() {
+  connectTimeline() {
+    this.plots = new Plots(element('plots'), this.tracks[0], (time) => this.seek(time));
     const seek = element('seek');
     Object.assign(seek, { min: this.start, max: this.end });
     seek.addEventListener('input', () => this.seek(Number(seek.value)));
@@ -187,34 +205,34 @@ class Player {
       mark.style.left = `${(100 * (time - this.start)) / (this.end - this.start || 1)}%`;
       element('marks').append(mark);
     }
-    element('play').addEventListener('click', () => this.play(!this.isPlaying));
     element('loop').addEventListener('click', () => this.loop(!this.isLooping));
-    element('follow').addEventListener('click', () => this.follow(!this.followed));
-    for (const id of ['help', 'warning']) element(id).addEventListener('click', () => element('about').showModal());
     options('speed', SPEEDS, (speed) => `${speed}×`, (speed) => speed);
     element('speed').addEventListener('change', (event) => this.setSpeed(Number(event.target.value)));
-    options('camera', this.cameras.list, ({ name }) => name, (_, index) => index);
-    element('camera').addEventListener('change', (event) => this.selectCamera(Number(event.target.value)));
     this.setSpeed(1);
     this.loop(true);
-    let down = null;
-    this.canvas.addEventListener('pointerdown', (event) => (down = [event.clientX, event.clientY]));
-    this.canvas.addEventListener('pointerup', (event) => {
-      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.pick(event);
-      down = null;
-    });
-    window.addEventListener('keydown', (event) => this.key(event));
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.plots.draw(this.time));
   }
 
-  key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || element('about').open) return;
-    const isButton = event.target instanceof HTMLButtonElement;
-    if (event.target instanceof HTMLSelectElement || (isButton && [' ', 'Enter'].includes(event.key))) return;
+  connect() {
+    element('play').addEventListener('click', () => this.play(!this.isPlaying));
+    element('follow').addEventListener('click', () => this.follow(!this.followed));
+    for (const id of ['help', 'warning']) element(id).addEventListener('click', () => element('about').showModal());
+    options('camera', this.cameras.list, ({ name }) => name, (_, index) => index);
+    element('camera').addEventListener('change', (event) => this.selectCamera(Number(event.target.value)));
+    let down = null;
+    this.canvas.addEventListener('pointerdown', (event) => (down = [event.clientX, event.clientY]));
+    this.canvas.addEventListener('pointerup', (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.hit(event)?.object);
+      down = null;
+    });
+    window.addEventListener('keydown', (event) => this.key(event));
+  }
+
+  /** Actions of keys. */
+  actions(event) {
     const faster = (step) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + step, 0), SPEEDS.length - 1)];
     const arrow = (direction) => (event.shiftKey ? this.seek(this.time + direction) : this.step(direction));
-    const actions = {
-      ' ': () => this.play(!this.isPlaying),
+    return {
       ArrowLeft: () => arrow(-1),
       ArrowRight: () => arrow(1),
       ArrowUp: () => this.setSpeed(faster(1)),
@@ -222,6 +240,16 @@ class Player {
       Home: () => this.seek(this.start),
       End: () => this.seek(this.end),
       l: () => this.loop(!this.isLooping),
+    };
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || element('about').open) return;
+    const isButton = event.target instanceof HTMLButtonElement;
+    if (event.target instanceof HTMLSelectElement || (isButton && [' ', 'Enter'].includes(event.key))) return;
+    const actions = {
+      ...this.actions(event),
+      ' ': () => this.play(!this.isPlaying),
       f: () => this.follow(!this.followed),
       c: () => this.selectCamera((this.cameras.selected + 1) % this.cameras.list.length),
       Escape: () => this.select(undefined),
@@ -234,18 +262,16 @@ class Player {
   }
 }
 
-function tag(name, text) {
+export function tag(name, text) {
   const result = document.createElement(name);
   result.textContent = text;
   return result;
 }
 
-function press(id, isPressed) {
+export function press(id, isPressed) {
   element(id).setAttribute('aria-pressed', isPressed);
 }
 
 function options(id, items, text, value) {
   items.forEach((item, index) => element(id).append(new Option(text(item), value(item, index))));
 }
-
-globalThis.replay(Player.create);

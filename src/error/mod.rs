@@ -179,6 +179,15 @@ pub enum Error {
         source: std::io::Error,
     },
 
+    /// An address could not be served.
+    #[error("cannot serve a page at {address}: {source}")]
+    Serve {
+        /// Address of the server.
+        address: String,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+
     /// The model has no element with this name.
     #[error(
         "there is no {kind} named '{name}'{}{}",

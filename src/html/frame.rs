@@ -6,7 +6,7 @@ use crate::model::Model;
 
 /// A moving frame, by the index of its element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Frame {
+pub(crate) enum Frame {
     Body(usize),
     /// Camera that tracks a body or points at one.
     Camera(usize),
@@ -18,7 +18,7 @@ pub(super) enum Frame {
 const FIXED: i32 = mujoco_sys::mjCAMLIGHT_FIXED as i32;
 
 /// Returns the frames of a model: first all bodies.
-pub(super) fn all(model: &Model) -> Vec<Frame> {
+pub(crate) fn all(model: &Model) -> Vec<Frame> {
     let moving = |modes: &[i32]| -> Vec<usize> { (0..modes.len()).filter(|&index| modes[index] != FIXED).collect() };
     let cameras = moving(model.cam_mode()).into_iter().map(Frame::Camera);
     let lights = moving(model.light_mode()).into_iter().map(Frame::Light);
@@ -27,22 +27,22 @@ pub(super) fn all(model: &Model) -> Vec<Frame> {
 
 /// Position, m, and orientation in the world frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pose {
-    pub(super) pos: [f64; 3],
-    pub(super) quat: [f64; 4],
+pub(crate) struct Pose {
+    pub(crate) pos: [f64; 3],
+    pub(crate) quat: [f64; 4],
 }
 
 impl Pose {
     /// Selects the sign of the quaternion that is nearer to the one before, so that a motion has no
     /// jumps.
-    pub(super) fn near(self, before: Option<[f64; 4]>) -> Self {
+    pub(crate) fn near(self, before: Option<[f64; 4]>) -> Self {
         let product: f64 = before.iter().flatten().zip(self.quat).map(|(a, b)| a * b).sum();
         if product < 0.0 { Self { quat: self.quat.map(|part| -part), ..self } } else { self }
     }
 }
 
 /// Returns the pose of a frame, of which the positions have been computed.
-pub(super) fn pose(data: &Data, frame: Frame) -> Pose {
+pub(crate) fn pose(data: &Data, frame: Frame) -> Pose {
     match frame {
         Frame::Body(index) => Pose { pos: data.xpos()[index], quat: data.xquat()[index] },
         Frame::Camera(index) => Pose { pos: data.cam_xpos()[index], quat: mat2quat(&data.cam_xmat()[index]) },

@@ -47,7 +47,7 @@
 //! program). Its sources are in the folder `html/` of the repository.
 
 mod assets;
-mod frame;
+pub(crate) mod frame;
 mod look;
 mod motion;
 mod options;
@@ -68,7 +68,7 @@ use self::stream::Binary;
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::file;
-use crate::model::IntoModel;
+use crate::model::{IntoModel, Model};
 use crate::trajectory::Trajectory;
 
 /// Description of the data of a page. The binary data follows.
@@ -87,6 +87,18 @@ struct Description<'d> {
     notes: &'d [(f64, String)],
     /// Index of the camera at the start; `None` for the free camera.
     camera: Option<usize>,
+    /// Actuators, if the page shows a running simulation instead of tracks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    live: Option<&'d [Slider<'d>]>,
+}
+
+/// Slider of a control.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Slider<'d> {
+    /// Name of the actuator.
+    pub(crate) name: Option<&'d str>,
+    /// Ends of the slider.
+    pub(crate) range: [f64; 2],
 }
 
 /// Writes trajectories of a model as one HTML page. Returns descriptions of what the page does not
@@ -133,10 +145,7 @@ pub fn save<'t>(
     let extent = model.statistics().extent;
     let steps = Steps::new(options, extent)?;
     let frames = frame::all(&model);
-    let camera = match &options.camera {
-        Some(name) => Some(model.camera(name)?.id().index()),
-        None => None,
-    };
+    let camera = camera(&model, options)?;
     let mut binary = Binary::default();
     let (mut tracks, mut look) = (Vec::new(), None);
     for (label, trajectory) in trajectories {
@@ -157,10 +166,7 @@ pub fn save<'t>(
             "at least one",
         ));
     };
-    let left_out: Vec<String> = look.left_out.iter().cloned().collect();
-    for element in &left_out {
-        log::warn!("an HTML page does not draw {element}");
-    }
+    let left_out = left_out(&look);
     let description = Description {
         title: &options.title,
         bodies: model.bodies().map(|body| body.name()).collect(),
@@ -171,10 +177,56 @@ pub fn save<'t>(
         tracks,
         notes: &options.notes,
         camera,
+        live: None,
     };
     let page = page::text(&description, binary.bytes()).map_err(Error::file(path.as_ref()))?;
     file::replace(path.as_ref(), |out| out.write_all(page.as_bytes()))?;
     Ok(left_out)
+}
+
+/// Returns the index of the camera at the start.
+fn camera(model: &Model, options: &HtmlOptions) -> Result<Option<usize>> {
+    options.camera.as_ref().map(|name| Ok(model.camera(name)?.id().index())).transpose()
+}
+
+/// Returns and logs the descriptions of what a page does not draw.
+fn left_out(look: &Look) -> Vec<String> {
+    let left_out: Vec<String> = look.left_out.iter().cloned().collect();
+    for element in &left_out {
+        log::warn!("an HTML page does not draw {element}");
+    }
+    left_out
+}
+
+/// Returns the text of a page for a running simulation, of which the positions have been computed,
+/// and descriptions of what the page does not draw.
+#[cfg(feature = "live")]
+pub(crate) fn live(
+    data: &mut Data,
+    frames: &[frame::Frame],
+    sliders: &[Slider<'_>],
+    options: &HtmlOptions,
+) -> Result<(String, Vec<String>)> {
+    let model = data.model().clone();
+    let extent = model.statistics().extent;
+    let mut binary = Binary::default();
+    let look = Look::new(&mut binary, data, frames, options)?;
+    let left_out = left_out(&look);
+    let description = Description {
+        title: &options.title,
+        bodies: model.bodies().map(|body| body.name()).collect(),
+        look,
+        steps: Steps::new(options, extent)?,
+        frames: frames.len(),
+        extent,
+        tracks: Vec::new(),
+        notes: &[],
+        camera: camera(&model, options)?,
+        live: Some(sliders),
+    };
+    let text = page::text(&description, binary.bytes())
+        .map_err(|error| Error::Unsupported(format!("the description of the page: {error}")))?;
+    Ok((text, left_out))
 }
 
 impl Trajectory {

@@ -12,6 +12,8 @@ mod allocations;
 mod allocations_in_control;
 mod allocations_in_environments;
 mod allocations_in_estimation;
+#[cfg(feature = "live")]
+mod allocations_in_live;
 #[cfg(feature = "mcap")]
 mod allocations_in_logs;
 mod allocator;

@@ -42,6 +42,12 @@
 //! |---|---|
 //! | `web_replay -- --model model.xml` | a motion as a page that a browser plays |
 //!
+//! With `--features live`:
+//!
+//! | name | contents |
+//! |---|---|
+//! | `live -- --address 127.0.0.1:8000` | a balancing humanoid in a browser, to be pulled |
+//!
 //! With `--features viewer`:
 //!
 //! | name | contents |
@@ -78,6 +84,8 @@ pub mod identification;
 pub mod inverse_kinematics;
 #[doc(alias("laser scanner"))]
 pub mod lidar;
+#[doc(alias("live", "websocket", "remote", "ssh", "interactive"))]
+pub mod live_page;
 #[doc(alias("csv", "logger", "mcap", "save data", "save results"))]
 pub mod logging;
 #[doc(alias("regressor", "sensitivity", "differentiable simulation", "adjoint", "backpropagation", "gradient"))]

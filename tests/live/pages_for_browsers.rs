@@ -1,0 +1,41 @@
+//! Servers for the tests of `scripts/try-html`.
+
+use std::path::PathBuf;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use mujoco_safe::html::HtmlOptions;
+use mujoco_safe::live::{LiveOptions, LivePage};
+use mujoco_safe::{Data, Model, ZeroController, sample};
+
+/// Runs until the file `stop` is in the folder.
+#[test]
+#[ignore = "scripts/try-html runs it"]
+fn pages_are_served() {
+    let folder = PathBuf::from(std::env::var_os("HTML_PAGES").expect("HTML_PAGES is the folder for the pages"));
+    let stop = folder.join("stop");
+    let hostile = "&lt;img src=x onerror=globalThis.hacked=1>";
+    let hostile = Model::from_xml_str(&format!(
+        "<mujoco><worldbody><light pos='0 0 3'/><body name=\"{hostile}\"><joint name=\"{hostile}\"/>
+           <geom name=\"{hostile}\" size='.3' pos='0 0 -.2' rgba='.8 .3 .2 1'/></body></worldbody>
+           <actuator><motor name=\"{hostile}\" joint=\"{hostile}\"/></actuator></mujoco>"
+    ))
+    .unwrap();
+    let serve = |name: &str, mut data: Data, title: &str| {
+        let options = HtmlOptions::default().with_title(title);
+        let mut page = LivePage::bind(data.model(), &LiveOptions::default().with_page(options)).unwrap();
+        std::fs::write(folder.join(format!("{name}.url")), page.url()).unwrap();
+        let start = Instant::now();
+        while !stop.exists() && start.elapsed() < Duration::from_secs(900) {
+            page.run_for(Duration::from_millis(200), &mut data, &mut ZeroController).ok();
+        }
+    };
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut data = Data::new(sample::humanoid()).unwrap();
+            data.reset_to_key("stand").unwrap();
+            serve("live", data, "Live humanoid");
+        });
+        scope.spawn(|| serve("hostile", Data::new(hostile).unwrap(), "<script>globalThis.hacked = 1</script>"));
+    });
+}
