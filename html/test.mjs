@@ -262,9 +262,12 @@ async function testLive(browser, name) {
   const shown = await time(page);
   await until(other.page, time, (now) => now === shown, 'two pages show one simulation');
   await other.page.keyboard.press(' ');
-  await until(page, isPlaying, (playing) => playing, 'each page resumes the other');
-  await reset();
+  await until(other.page, isPlaying, (playing) => playing, 'the other page resumes');
   await other.page.close();
+  await page.bringToFront();
+  await until(page, isPlaying, (playing) => playing, 'both pages show it');
+  await page.keyboard.press('r');
+  await until(page, time, (now) => now < shown, 'a reset restores the time');
   assert.deepEqual(problems, []);
   await page.close();
   const blank = await browser.newPage();

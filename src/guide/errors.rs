@@ -36,6 +36,7 @@
 //! | [`Load`](Error::Load) | the XML is not a valid model for the engine | the message has the line; see [troubleshooting](super::troubleshooting#models) |
 //! | [`InvalidBinary`](Error::InvalidBinary) | a damaged binary model, or one of another version | compile the XML again |
 //! | [`File`](Error::File) | a file cannot be read or written | check path and permissions |
+//! | [`Serve`](Error::Serve) | the address of a live page is in use, or not one of this machine | another port or address |
 //! | [`XmlLosesEdits`](Error::XmlLosesEdits), [`XmlReplaced`](Error::XmlReplaced) | XML cannot represent the model, or another model was loaded since | [`Model::save_binary`](crate::Model::save_binary) |
 //! | [`Save`](Error::Save) | the engine cannot write a model, or a recording failed | the message; install `ffmpeg`, or another format |
 //! | [`NoSuchName`](Error::NoSuchName), [`NoSuchIndex`](Error::NoSuchIndex), [`NoSuchField`](Error::NoSuchField) | an unknown name or index | the error lists the known names |

@@ -203,7 +203,7 @@ impl From<Error> for Ended {
 /// Answers each request for a state by one, so a browser receives no more than it asks for. Returns
 /// when the page is closed.
 fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result<(), Ended> {
-    let (mut number, mut bytes, mut last) = (0, Vec::new(), Instant::now());
+    let (mut bytes, mut last) = (Vec::new(), Instant::now());
     loop {
         let message = match socket.read()? {
             tungstenite::Message::Text(text) => site.limits.parse(&text).map_err(Ended::Wrong)?,
@@ -220,8 +220,9 @@ fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result
         }
         thread::sleep(SHORTEST_PERIOD.saturating_sub(last.elapsed()));
         last = Instant::now();
-        let Some(newest) = site.slots.next(number, LONGEST_PERIOD, &mut bytes) else { return Ok(()) };
-        number = newest;
+        if !site.slots.next(LONGEST_PERIOD, &mut bytes) {
+            return Ok(());
+        }
         socket.send(tungstenite::Message::Binary(Bytes::copy_from_slice(&bytes)))?;
     }
 }

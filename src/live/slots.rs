@@ -11,10 +11,10 @@ use super::message::{Message, Pull};
 
 /// State in the form in which browsers receive it.
 #[derive(Debug, Default)]
-pub(super) struct Snapshot {
+struct Snapshot {
     /// Number of states so far.
-    pub(super) number: u64,
-    pub(super) bytes: Vec<u8>,
+    number: u64,
+    bytes: Vec<u8>,
 }
 
 /// Requests since the simulation has last taken them.
@@ -141,19 +141,21 @@ impl Slots {
         self.new_snapshot.notify_all();
     }
 
-    /// Waits for a newer snapshot than the one of this number, and copies it. After the timeout,
-    /// copies the latest. Returns its number, or `None` if the page is closed.
-    pub(super) fn next(&self, number: u64, timeout: Duration, bytes: &mut Vec<u8>) -> Option<u64> {
+    /// Waits for a snapshot that is written after this call, and copies it. After the timeout,
+    /// copies the latest. Returns `false` if the page is closed.
+    pub(super) fn next(&self, timeout: Duration, bytes: &mut Vec<u8>) -> bool {
+        let latest = lock(&self.snapshot);
+        let number = latest.number;
         let is_old = |snapshot: &mut Snapshot| {
-            let is_old = snapshot.number <= number && !self.is_closed();
+            let is_old = snapshot.number == number && !self.is_closed();
             self.is_wanted.fetch_or(is_old, Ordering::AcqRel);
             is_old
         };
-        let snapshot = self.new_snapshot.wait_timeout_while(lock(&self.snapshot), timeout, is_old);
+        let snapshot = self.new_snapshot.wait_timeout_while(latest, timeout, is_old);
         let (snapshot, _) = snapshot.unwrap_or_else(PoisonError::into_inner);
         bytes.clear();
         bytes.extend_from_slice(&snapshot.bytes);
-        (!self.is_closed()).then_some(snapshot.number)
+        !self.is_closed()
     }
 
     /// Adds a request of a client.
@@ -199,6 +201,7 @@ fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
 
 #[cfg(test)]
 mod tests {
+    use std::thread;
     use std::time::Duration;
 
     use super::{Grip, Requests, Setting, Slots, lock};
@@ -215,12 +218,20 @@ mod tests {
             assert!(!slots.take(&mut requests));
         }
         assert!(slots.is_wanted(), "the next tick tries again");
-        slots.publish(|bytes| bytes.push(7));
+        slots.publish(|bytes| bytes.push(6));
         assert!(!slots.is_wanted());
         assert!(slots.take(&mut requests) && requests.reset);
+        // A browser receives a state that is published after its request.
         let mut bytes = Vec::new();
-        assert_eq!(slots.next(0, Duration::from_secs(60), &mut bytes), Some(1));
-        assert_eq!(bytes, [7]);
+        thread::scope(|scope| {
+            let received = scope.spawn(|| slots.next(Duration::from_secs(60), &mut bytes));
+            while !slots.is_wanted() {
+                thread::yield_now();
+            }
+            slots.publish(|bytes| bytes.push(7));
+            assert!(received.join().unwrap());
+        });
+        assert_eq!(bytes, [6, 7]);
     }
 
     #[test]
@@ -228,10 +239,10 @@ mod tests {
         let slots = Slots::new(0);
         slots.publish(|bytes| bytes.push(7));
         let mut bytes = Vec::new();
-        assert_eq!(slots.next(1, Duration::from_millis(1), &mut bytes), Some(1));
+        assert!(slots.next(Duration::from_millis(1), &mut bytes));
         assert!(slots.is_wanted() && bytes == [7]);
         slots.close();
-        assert_eq!(slots.next(1, Duration::from_secs(60), &mut bytes), None);
+        assert!(!slots.next(Duration::from_secs(60), &mut bytes));
     }
 
     #[test]
