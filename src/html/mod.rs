@@ -88,11 +88,13 @@ struct Description<'d> {
     /// Index of the camera at the start; `None` for the free camera.
     camera: Option<usize>,
     /// Actuators, if the page shows a running simulation instead of tracks.
+    #[cfg(feature = "live")]
     #[serde(skip_serializing_if = "Option::is_none")]
     live: Option<&'d [Slider<'d>]>,
 }
 
 /// Slider of a control.
+#[cfg(feature = "live")]
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Slider<'d> {
     /// Name of the actuator.
@@ -177,6 +179,7 @@ pub fn save<'t>(
         tracks,
         notes: &options.notes,
         camera,
+        #[cfg(feature = "live")]
         live: None,
     };
     let page = page::text(&description, binary.bytes()).map_err(Error::file(path.as_ref()))?;

@@ -35,9 +35,9 @@
 //!
 //! A state is copied only if a browser waits for one, which is at most 125 times per second. The
 //! simulation never waits for a browser: there is one slot for the latest state and one for merged
-//! requests, and no queue. If a browser is copying a slot, the simulation goes on, and uses the slot
-//! in its next tick. A tick does not allocate. `cargo bench --features live --bench live` compares
-//! with a step without a page.
+//! requests, and no queue. If a browser is copying a slot, the simulation goes on, and uses the
+//! slot in its next tick. A tick does not allocate. `cargo bench --features live --bench live`
+//! compares with a step without a page.
 //!
 //! # Safety of the server
 //!
@@ -47,13 +47,13 @@
 //!   [`LiveOptions::hosts`], so that no other name leads to the server (DNS rebinding).
 //! - A connection needs an `Origin` that is the page itself, which other pages cannot have.
 //! - Messages have at most 1 kB. An unknown or wrong one ends its connection, and has no effect: a
-//!   number that is not finite, a control outside of its range, an index that does not exist. A pull
-//!   reaches at most two extents of the model, so its force is limited.
+//!   number that is not finite, a control outside of its range, an index that does not exist. A
+//!   pull reaches at most two extents of the model, so its force is limited.
 //! - The numbers of browsers and of other connections are limited, and so are the times in which a
 //!   request must arrive and a browser must read. A browser that sends nothing for 30 s is
 //!   disconnected; the page connects again when it is visible.
-//! - Names of a model are data, as in [`html`](crate::html). The content security policy allows only
-//!   the page's program, and connections to its own server.
+//! - Names of a model are data, as in [`html`](crate::html). The content security policy allows
+//!   only the page's program, and connections to its own server.
 //!
 //! The connection is not encrypted.
 //!
@@ -244,8 +244,8 @@ impl LivePage {
     /// - A pull adds to [`xfrc_applied`](Data::xfrc_applied) until the next call. It sets the pose
     ///   of a mocap body, and of a free body while paused.
     ///
-    /// The poses are those of the last step, as [`Data::step`] leaves them. If the data is unusable,
-    /// the page shows the error, and the user can reset the simulation.
+    /// The poses are those of the last step, as [`Data::step`] leaves them. If the data is
+    /// unusable, the page shows the error, and the user can reset the simulation.
     ///
     /// # Errors
     ///
@@ -328,8 +328,8 @@ impl LivePage {
         }
     }
 
-    /// Ends a pull, removes its force, and releases the held controls, which keep their values. Call
-    /// it before a simulation continues without the page.
+    /// Ends a pull, removes its force, and releases the held controls, which keep their values.
+    /// Call it before a simulation continues without the page.
     ///
     /// # Panics
     ///

@@ -109,7 +109,7 @@ fn accept(listener: &TcpListener, site: &Arc<Site>) {
                 // A failure affects only this connection.
                 let _ = connect(&mut connections, stream, site, client);
             }
-            Ok(_) => log::warn!("a live page has too many connections, and refuses another one"),
+            Ok(_) => log::debug!("a live page has too many connections, and refuses another one"),
             Err(error) => {
                 // Such as too many open files.
                 log::warn!("a live page cannot accept a connection: {error}");
