@@ -82,9 +82,9 @@
 //! display. `viewer`: the window. `mjz`: models and their files in one archive, as MuJoCo's `.mjz`.
 //! `npz`: trajectories, rollouts and other arrays as NumPy files. `mcap`: logs for Foxglove and
 //! Rerun. `html`: trajectories as web pages. `live`: running simulations in a browser. `ndarray`:
-//! matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states, matrices and
-//! trajectories as plain data in the formats of serde. `bindgen`: bindings for an engine without
-//! committed ones. `download`: the build installs MuJoCo if it finds no engine (see
+//! matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states, matrices
+//! and trajectories as plain data in the formats of serde. `bindgen`: bindings for an engine
+//! without committed ones. `download`: the build installs MuJoCo if it finds no engine (see
 //! [`guide::engines`]).
 //!
 //! # Units and conventions

@@ -28,8 +28,9 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A program with a loop of its own calls `LivePage::step` instead of
-//! [`Data::step`](crate::Data::step), or `exchange` before it.
+//! A program with a loop of its own calls [`LivePage::step`](crate::live::LivePage::step) instead
+//! of [`Data::step`](crate::Data::step), or [`exchange`](crate::live::LivePage::exchange) before
+//! it.
 //!
 //! For a program on the machine `robot` with the address `127.0.0.1:8000`, a tunnel leads there:
 //!
