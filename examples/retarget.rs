@@ -196,7 +196,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if let Some(out) = &arguments.out {
         chart::save(out, "retarget.svg", 260, &panels(&run, &errors))?;
         #[cfg(feature = "html")]
-        run.trajectory.save_html(&run.model, out.join("retarget.html"), &Default::default())?;
+        run.trajectory.save_html(&run.model, out.join("retarget.html"), &mujoco_safe::html::HtmlOptions::default())?;
     }
     Ok(())
 }
