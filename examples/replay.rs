@@ -1,4 +1,4 @@
-//! Repeats a file of the flight recorder, and searches it.
+//! Repeats a file of the flight recorder, searches it, and compares two engines.
 //!
 //! ```text
 //! cargo run --release --example replay -- repeat failure.flight
@@ -6,18 +6,31 @@
 //! cargo run --release --features viewer --example replay -- show failure.flight
 //! ```
 //!
-//! The program fails if a call does not have its recorded results, bit for bit.
+//! `repeat` fails if a call does not have its recorded results, bit for bit.
+//!
+//! Two engines, or two builds of one, need two builds of this program. The first one writes a
+//! trace, and the other compares it with its own results. It fails if they differ by more than
+//! rounding. The input is a recording, or a model, which is simulated with random controls:
+//!
+//! ```text
+//! old/replay trace robot.xml --output robot.trace
+//! new/replay compare robot.trace --model robot.xml
+//! new/replay compare robot.xml --other old/replay      # both in one command
+//! ```
 
 #[path = "common/mod.rs"]
 mod common;
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use common::command_line;
-use mujoco_safe::Data;
-use mujoco_safe::flight::Recording;
+use mujoco_safe::flight::{Comparison, Recording, Tracer};
+use mujoco_safe::{Controller, Data, Model, RandomController};
 
 /// Repeats a file of the flight recorder.
 #[derive(Parser)]
@@ -41,6 +54,40 @@ enum Command {
     },
     /// Play the states in the viewer (requires `--features viewer`)
     Show { file: PathBuf },
+    /// Write a trace of a recording, or of a model with random controls, for `compare`
+    Trace {
+        /// A recording, or a model as MJCF or URDF (.xml, .urdf)
+        file: PathBuf,
+        /// File of the trace; by default, the standard output
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+        #[command(flatten)]
+        simulation: Simulation,
+    },
+    /// Compare a trace of another engine with this one
+    Compare {
+        /// A trace, `-` for the standard input; with `--other`, a recording or a model
+        file: PathBuf,
+        /// Model for this engine; by default, the one of the trace
+        #[arg(long)]
+        model: Option<PathBuf>,
+        /// This program with the other engine, which writes the trace
+        #[arg(long)]
+        other: Option<PathBuf>,
+        #[command(flatten)]
+        simulation: Simulation,
+    },
+}
+
+/// Simulation of a model. It starts from the first keyframe, if there is one.
+#[derive(Args)]
+struct Simulation {
+    /// Number of steps
+    #[arg(long, default_value_t = 100)]
+    steps: u32,
+    /// Seed of the random controls
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 fn main() -> std::process::ExitCode {
@@ -66,8 +113,62 @@ fn run(command: &Command) -> Result<(), Box<dyn Error>> {
             }
         }
         Command::Show { file } => show(&Recording::read(file)?)?,
+        Command::Trace { file, output: None, simulation } => trace(file, std::io::stdout().lock(), simulation)?,
+        Command::Trace { file, output: Some(output), simulation } => trace(file, File::create(output)?, simulation)?,
+        Command::Compare { file, model, other: Some(other), simulation } => {
+            let Simulation { steps, seed } = simulation;
+            let arguments = ["--steps", &steps.to_string(), "--seed", &seed.to_string()].map(str::to_owned);
+            let mut writer =
+                Process::new(other).arg("trace").arg(file).args(arguments).stdout(Stdio::piped()).spawn()?;
+            let trace = writer.stdout.take().ok_or("the other program has no output")?;
+            let model = model.as_ref().or(is_model(file).then_some(file));
+            let result = compare(trace, model);
+            let status = writer.wait()?;
+            return if status.success() { result } else { Err(format!("the other program failed ({status})").into()) };
+        }
+        Command::Compare { file, model, .. } if file.as_os_str() == "-" => {
+            compare(std::io::stdin().lock(), model.as_ref())?;
+        }
+        Command::Compare { file, model, .. } => compare(File::open(file)?, model.as_ref())?,
     }
     Ok(())
+}
+
+fn is_model(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension == "xml" || extension == "urdf")
+}
+
+fn trace(file: &Path, out: impl Write, simulation: &Simulation) -> Result<(), Box<dyn Error>> {
+    let out = BufWriter::new(out);
+    if !is_model(file) {
+        Recording::read(file)?.trace(out)?;
+        return Ok(());
+    }
+    let mut data = Data::new(Model::from_xml_path(file)?)?;
+    if data.model().nkey() > 0 {
+        data.reset_to_key(0)?;
+    }
+    let mut tracer = Tracer::new(out, None)?;
+    let mut random = RandomController::new(simulation.seed);
+    for _ in 0..simulation.steps {
+        random.control(&mut data)?;
+        if let Err(error) = tracer.step(&mut data) {
+            eprintln!("the simulation ends: {error}");
+            break;
+        }
+    }
+    tracer.finish()?;
+    Ok(())
+}
+
+fn compare(trace: impl Read, model: Option<&PathBuf>) -> Result<(), Box<dyn Error>> {
+    let model = model.map(Model::from_xml_path).transpose()?;
+    let comparison = Comparison::new(BufReader::new(trace), model.as_ref())?;
+    print!("{comparison}");
+    match comparison.divergences.first() {
+        Some(first) => Err(format!("first difference: {first}").into()),
+        None => Ok(()),
+    }
 }
 
 fn info(recording: &Recording) {

@@ -132,6 +132,7 @@ mod file;
 #[doc(alias = "black box")]
 #[doc(alias = "replay")]
 #[doc(alias = "reproduce")]
+#[doc(alias("regression", "upgrade", "determinism", "compare engines"))]
 pub mod flight;
 pub mod guide;
 #[cfg(feature = "html")]

@@ -1,5 +1,5 @@
 //! Flight recorder: a bounded record of everything that enters a simulation, which repeats its last
-//! steps bit for bit.
+//! steps bit for bit; and a comparison of two engines, which finds the first difference.
 //!
 //! A [`FlightRecorder`] makes the calls of the simulation, and stores for each what has changed
 //! since the previous one. After an error or a panic it writes a file, from which
@@ -80,6 +80,32 @@
 //! Calls other than the four of the recorder compute results that no later step reads. They are not
 //! repeated; the state that they leave is.
 //!
+//! # Comparison of engines
+//!
+//! A process has one engine, so two engines, or two builds of one, are compared by a trace: a
+//! [`Tracer`] or [`Recording::trace`] writes the inputs of each call and about sixty quantities of
+//! its stages. A [`Comparison`] in a program with the other engine reads it, call by call. It
+//!
+//! - compares the sizes, options and arrays of the two compiled models;
+//! - sets the inputs of each call to those of the trace, so that a difference is one of this call,
+//!   and is not inherited from earlier ones;
+//! - reports for each quantity the first call in which it differs by more than rounding, with the
+//!   element that differs most, in the order of the stages. The first stage makes the difference;
+//! - lists the fields that one of the engines does not have.
+//!
+//! The effect of rounding on a value is measured: the call is repeated three times with inputs that
+//! are changed by 4 ε of their values or of one, or by the largest difference of two constants of
+//! the models that counts as rounding (below 10⁻¹⁰ of their row). A difference up to 100 times the
+//! largest change, plus ε times the largest value of the row, is rounding. An iterative solver that
+//! stops early adds an error of its own. It is measured too, by ten times as many iterations with
+//! the tolerance zero: up to ten times this error, a difference counts as one of
+//! [convergence](Comparison::convergence). Contacts and constraint rows that the engines list in
+//! different orders are matched. Matrices are compared by their product with a constant vector.
+//!
+//! The trace has the model's fields, and loads with another build of the same engine. Another
+//! engine needs the [text](FlightRecorder::with_xml) or the [model](Comparison::new); without both,
+//! the comparison is an error. The [recipe](crate::guide::cookbook::upgrades) has an example.
+//!
 //! # File
 //!
 //! Numbers are little-endian, strings and blocks have their length before them, `[…]` is repeated:
@@ -102,18 +128,28 @@
 //! by safe methods.
 
 mod change;
+mod compare;
+mod divergence;
 mod format;
 mod inputs;
+mod matched;
+mod model_difference;
 mod model_image;
 mod origin;
+mod quantities;
 mod recorder;
 mod recording;
 mod repeat;
+mod report;
 mod ring;
 #[cfg(test)]
 mod tests;
+mod trace;
 
+pub use self::compare::Comparison;
+pub use self::divergence::Divergence;
 pub use self::origin::Origin;
 pub use self::recorder::FlightRecorder;
 pub use self::recording::Recording;
 pub use self::repeat::{Difference, Repeat};
+pub use self::trace::Tracer;

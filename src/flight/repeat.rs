@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::format::Reader;
-use super::inputs;
+use super::inputs::{self, Call};
 use super::recorder::shortened;
 use super::recording::{Entry, Recording, Run, Segment};
 use crate::data::Data;
@@ -92,7 +92,7 @@ impl Recording {
         let mut player = Player::new(self, 0, prepare);
         let mut repeat = Repeat { calls: 0, difference: None };
         loop {
-            match player.play()? {
+            match player.play(|_, _| ())? {
                 Played::AsRecorded => repeat.calls += 1,
                 Played::Differs(difference) => {
                     repeat.difference = Some(difference);
@@ -114,7 +114,7 @@ impl Recording {
     /// before the condition holds.
     pub fn first(&self, mut condition: impl FnMut(&Data) -> bool) -> Result<Option<u64>> {
         let mut player = Player::new(self, 0, |_: &mut Data| ());
-        while player.play_as_recorded()? {
+        while player.play_as_recorded(|_, _| ())? {
             if condition(player.data()) {
                 return Ok(Some(player.next - 1));
             }
@@ -151,7 +151,7 @@ impl Recording {
     /// If the recording does not contain the call.
     pub fn data_after(&self, call: u64) -> Result<Data> {
         let mut player = self.player_before(call)?;
-        player.play_as_recorded()?;
+        player.play_as_recorded(|_, _| ())?;
         Ok(player.into_data())
     }
 
@@ -162,7 +162,7 @@ impl Recording {
         let segment = self.segments.partition_point(|segment| segment.first <= call) - 1;
         let mut player = Player::new(self, segment, |_: &mut Data| ());
         while player.next < call {
-            player.play_as_recorded()?;
+            player.play_as_recorded(|_, _| ())?;
         }
         Ok(player)
     }
@@ -195,7 +195,7 @@ enum Played {
 }
 
 /// Repetition in progress.
-struct Player<'r, P> {
+pub(super) struct Player<'r, P> {
     recording: &'r Recording,
     prepare: P,
     /// The segment after the present one.
@@ -212,7 +212,7 @@ struct Player<'r, P> {
 
 impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     /// Starts before a segment.
-    fn new(recording: &'r Recording, segment: usize, prepare: P) -> Self {
+    pub(super) fn new(recording: &'r Recording, segment: usize, prepare: P) -> Self {
         let next = recording.segments.get(segment).map_or(0, |segment| segment.first);
         Self {
             recording,
@@ -234,8 +234,9 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     }
 
     /// Makes the next call, whose results must be the recorded ones. Returns `false` at the end.
-    fn play_as_recorded(&mut self) -> Result<bool> {
-        match self.play()? {
+    /// `before` receives the call and the simulation before it.
+    pub(super) fn play_as_recorded(&mut self, before: impl FnOnce(Call, &Data)) -> Result<bool> {
+        match self.play(before)? {
             Played::AsRecorded => Ok(true),
             Played::Differs(Difference { call, reason, .. }) => Err(Error::NotRepeated { call, reason }),
             Played::End => Ok(false),
@@ -243,9 +244,10 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     }
 
     /// Makes the next call, and compares its results.
-    fn play(&mut self) -> Result<Played> {
+    fn play(&mut self, before: impl FnOnce(Call, &Data)) -> Result<Played> {
         let Some(entry) = self.prepare_call()? else { return Ok(Played::End) };
         let (data, _) = self.simulation.as_mut().expect("Bug: the call was prepared");
+        before(entry.call, data);
         let time = data.time();
         let result = entry.call.make(data);
         let is_open = entry.has_closures && !data.has_callbacks();

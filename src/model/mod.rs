@@ -29,7 +29,7 @@ mod parts;
 mod pipeline_features;
 mod position;
 mod relation;
-mod save;
+pub(crate) mod save;
 mod schema;
 mod shared;
 mod survivors;

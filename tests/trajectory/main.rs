@@ -10,6 +10,7 @@ mod cases;
 #[path = "../common/child.rs"]
 mod child;
 
+mod comparison;
 #[cfg(validates_binaries)]
 mod flight;
 #[cfg(any(feature = "mcap", feature = "npz"))]

@@ -21,7 +21,7 @@
 //! | `humanoid_predictive` | predictive sampling recovers from pushes under which the LQR falls |
 //! | `humanoid_stand_up`, `arm_tracking` | predictive control: from a squat to standing; an arm follows a target |
 //! | `find_load` | the load of an arm is identified from a log, and compensated |
-//! | `replay -- repeat FILE` | repeats and searches files of the flight recorder |
+//! | `replay -- repeat FILE` | repeats and searches files of the flight recorder; compares two engines |
 //! | `arm_obstacles` | inverse kinematics: an arm follows a target between two pillars |
 //! | `retarget` | inverse kinematics: a person's motion is transferred to the humanoid |
 //! | `learn_gait` | a half cheetah learns to run in minutes, by random search |
@@ -107,6 +107,8 @@ pub mod task_space;
 pub mod testing;
 #[doc(alias("multithreading", "thread"))]
 pub mod threads;
+#[doc(alias("upgrade", "regression", "new version", "migration"))]
+pub mod upgrades;
 pub mod variations;
 #[doc(alias("save video", "mp4", "movie", "animation", "film"))]
 pub mod video;

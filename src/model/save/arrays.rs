@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::field_docs::FieldDoc;
+use crate::generated::model_sizes;
 use crate::kind::Kind;
 use crate::model::Model;
 
@@ -61,7 +62,7 @@ const OWNERS: [(&str, Kind, &[&str]); 42] = [
 ];
 
 /// Arrays of a model.
-pub(super) struct Arrays<'m> {
+pub(crate) struct Arrays<'m> {
     model: &'m Model,
     /// The binary form from the first array.
     bytes: Vec<u8>,
@@ -70,10 +71,10 @@ pub(super) struct Arrays<'m> {
 }
 
 impl<'m> Arrays<'m> {
-    /// Reads the arrays of a model with these sizes.
-    pub(super) fn of(model: &'m Model, sizes: impl Iterator<Item = (&'static str, i128)>) -> Result<Self> {
+    /// Reads the arrays of a model.
+    pub(crate) fn of(model: &'m Model) -> Result<Self> {
         let constant = ("mjNTEXROLE", mujoco_sys::mjNTEXROLE as usize);
-        let sizes = sizes.map(|(name, size)| (name, size.try_into().unwrap_or(0))).chain([constant]).collect();
+        let sizes = sizes(model).map(|(name, size)| (name, size.try_into().unwrap_or(0))).chain([constant]).collect();
         let mut arrays = Self { model, bytes: model.to_binary()?, places: HashMap::new(), sizes };
         let mut end = 0;
         for field in Model::fields().filter(|field| field.is_array) {
@@ -95,22 +96,34 @@ impl<'m> Arrays<'m> {
     }
 
     /// Returns the length of a row in bytes.
-    pub(super) fn row_length(&self, field: &FieldDoc) -> usize {
-        self.extent(field.columns) * element_size(field.ctype)
+    pub(crate) fn row_length(&self, field: &FieldDoc) -> usize {
+        self.columns(field) * element_size(field.ctype)
+    }
+
+    /// Returns the number of columns of an array.
+    pub(crate) fn columns(&self, field: &FieldDoc) -> usize {
+        self.extent(field.columns)
     }
 
     /// Returns the bytes of an array.
-    pub(super) fn bytes(&self, name: &str) -> &[u8] {
+    pub(crate) fn bytes(&self, name: &str) -> &[u8] {
         &self.bytes[self.places[name].1.clone()]
     }
 
     /// Returns the name or index of the element to which a row of an array belongs.
-    pub(super) fn owner(&self, field: &FieldDoc, row: usize) -> String {
-        let Some((_, kind, starts)) = OWNERS.into_iter().find(|(rows, ..)| *rows == field.rows) else {
-            return row.to_string();
-        };
-        let index = starts.iter().fold(row, |row, starts| self.last_start(starts, row));
+    pub(crate) fn owner(&self, field: &FieldDoc, row: usize) -> String {
+        let Some((kind, index)) = self.element(field, row) else { return row.to_string() };
         self.model.name_at(kind, index).map_or_else(|| index.to_string(), str::to_owned)
+    }
+
+    /// Returns the kind and the name or index of this element.
+    pub(crate) fn described(&self, field: &FieldDoc, row: usize) -> String {
+        self.element(field, row).map_or_else(|| format!("row {row}"), |(kind, index)| self.model.described(kind, index))
+    }
+
+    fn element(&self, field: &FieldDoc, row: usize) -> Option<(Kind, usize)> {
+        let (_, kind, starts) = OWNERS.into_iter().find(|(rows, ..)| *rows == field.rows)?;
+        Some((kind, starts.iter().fold(row, |row, starts| self.last_start(starts, row))))
     }
 
     /// Returns the element whose data contain a row: the last element that starts at or before it.
@@ -122,8 +135,17 @@ impl<'m> Arrays<'m> {
     }
 }
 
+/// Returns the names and values of the model's sizes.
+#[allow(clippy::cast_lossless, reason = "sizes have several types, and some engines have only one of them")]
+pub(crate) fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i128)> {
+    macro_rules! list {
+        ($($name:ident)*) => { [$((stringify!($name), model.raw().$name as i128)),*] };
+    }
+    model_sizes! { list }.into_iter()
+}
+
 /// Returns the size of one element in bytes.
-pub(super) fn element_size(ctype: &str) -> usize {
+pub(crate) fn element_size(ctype: &str) -> usize {
     match ctype {
         "mjtNum" | "mjtSize" => 8,
         "float" | "int" => 4,
@@ -132,7 +154,7 @@ pub(super) fn element_size(ctype: &str) -> usize {
 }
 
 /// Decodes numbers.
-pub(super) fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
+pub(crate) fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
     let ((doubles, _), (words, _)) = (bytes.as_chunks::<8>(), bytes.as_chunks::<4>());
     match ctype {
         "mjtNum" => doubles.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect(),

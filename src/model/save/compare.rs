@@ -5,11 +5,11 @@
 //! `mjModel` outside of the table are flags and a signature that the compiler derives from the
 //! fields.
 
-use super::arrays::{Arrays, decode};
+use super::arrays::{Arrays, decode, sizes};
 use super::order::{Orders, is_place_of_names, sorted_names};
 use crate::error::{Result, UnsavedField};
 use crate::field_docs::FieldDoc;
-use crate::generated::{model_settings, model_sizes};
+use crate::generated::model_settings;
 use crate::model::Model;
 
 /// Largest difference between two values that are considered equal, relative to the largest value
@@ -81,17 +81,8 @@ pub(super) fn differing_sizes(a: &Model, b: &Model) -> impl Iterator<Item = &'st
     sizes(a).zip(sizes(b)).filter(|(own, other)| own != other).map(|((name, _), _)| name)
 }
 
-/// Returns the names and values of the model's sizes.
-#[allow(clippy::cast_lossless, reason = "sizes have several types, and some engines have only one of them")]
-fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i128)> {
-    macro_rules! list {
-        ($($name:ident)*) => { [$((stringify!($name), model.raw().$name as i128)),*] };
-    }
-    model_sizes! { list }.into_iter()
-}
-
 /// Returns the names and values of options, visualiser settings and statistics.
-fn settings(model: &Model) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
+pub(crate) fn settings(model: &Model) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
     macro_rules! list {
         ($($group:ident $(.$part:ident)+;)*) => {
             [$((concat!(stringify!($group) $(, ".", stringify!($part))+), model.raw().$group$(.$part)+.numbers())),*]
@@ -141,7 +132,7 @@ fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
 /// Compares all arrays of two models with the same elements. An array whose length depends on a
 /// derived size may have another length.
 fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) -> Result<()> {
-    let (own, other) = (Arrays::of(model, sizes(model))?, Arrays::of(reloaded, sizes(reloaded))?);
+    let (own, other) = (Arrays::of(model)?, Arrays::of(reloaded)?);
     let orders = Orders::of([(model, &own), (reloaded, &other)]);
     for field in Model::fields().filter(|field| field.is_array) {
         let name = field.name;

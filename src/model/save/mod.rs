@@ -17,6 +17,8 @@ use std::path::Path;
 
 use mujoco_sys::{self as sys, guard};
 
+pub(crate) use self::arrays::{Arrays, decode, sizes};
+pub(crate) use self::compare::settings;
 use super::Model;
 use crate::error::{Error, Result, UnsavedField};
 use crate::{ffi, file};

@@ -1,0 +1,321 @@
+//! Comparison of a trace with the results of this engine.
+
+use std::collections::HashSet;
+use std::io::Read;
+
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::divergence::{Divergence, Pair};
+use super::inputs;
+use super::matched::{Order, align};
+use super::model_difference::{self, ModelDifferences};
+use super::origin::Origin;
+use super::quantities::{self, INTEGRATION, NEXT_STATE, QUANTITIES, Quantity, Series};
+use super::trace::{Record, Results, Trace, TracedCall, TracedModel, evaluate, fields};
+use crate::data::Data;
+use crate::engine::engine_version;
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+/// Number of evaluations with disturbed inputs.
+const DISTURBANCES: u64 = 3;
+/// Least relative size of a disturbance.
+const DISTURBANCE: f64 = 4.0 * f64::EPSILON;
+/// Ratio of a difference to the effect of rounding up to which it counts as rounding.
+const MOST_ROUNDING: f64 = 100.0;
+/// Ratio of a difference to the remaining error of the solver up to which it counts as such.
+const MOST_CONVERGENCE: f64 = 10.0;
+/// Inputs that are disturbed.
+const DISTURBED: [&str; 8] = ["qpos", "qvel", "act", "ctrl", "qfrc_applied", "xfrc_applied", "mocap_pos", "mocap_quat"];
+/// Inputs that may have another length with another engine.
+const INTERNAL: [&str; 6] = ["plugin", "plastic", "history", "sensordata", "act_dot", "eq_active"];
+/// Stages whose results depend on the convergence of the solver.
+const AFTER_SOLVER: [&str; 3] = ["fwd_constraint", "sensors", INTEGRATION];
+
+/// Differences of a trace from this engine. See [Comparison of engines](crate::flight).
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// The program that has written the trace.
+    pub origin: Origin,
+    /// Number of calls.
+    pub calls: u64,
+    /// Number of calls whose quantities all have the same bits.
+    pub identical: u64,
+    /// The first difference of each quantity that rounding does not explain, in the order of the
+    /// calls and of the stages. Those of the model have the stage `model`.
+    pub divergences: Vec<Divergence>,
+    /// The first difference of each quantity that the incomplete convergence of the solver
+    /// explains.
+    pub convergence: Vec<Divergence>,
+    /// Fields of the model that differ, but do not enter a simulation: names, addresses, colours.
+    pub other_fields: Vec<String>,
+    /// Fields that only the engine of the trace has.
+    pub only_there: Vec<String>,
+    /// Fields that only this engine has.
+    pub only_here: Vec<String>,
+}
+
+impl Comparison {
+    /// Compares a trace with the results of this engine. Each call starts from the inputs in the
+    /// trace. `model` is the model here; by default, this is the model of the trace with its edits.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidRecording`] for a damaged trace, [`Error::NotRepeated`] if this engine
+    /// cannot load the model of the trace or the models have states of different lengths, and
+    /// [`Error::File`] if the trace cannot be read.
+    pub fn new(trace: impl Read, model: Option<&Model>) -> Result<Self> {
+        let mut trace = Trace::open(trace)?;
+        let mut comparison = Self {
+            origin: trace.origin.clone(),
+            calls: 0,
+            identical: 0,
+            divergences: Vec::new(),
+            convergence: Vec::new(),
+            other_fields: Vec::new(),
+            only_there: Vec::new(),
+            only_here: Vec::new(),
+        };
+        comparison.compare_fields(&trace.fields);
+        let (mut first, mut side) = (None::<TracedModel>, None);
+        loop {
+            match trace.next()? {
+                Record::Model(traced) => {
+                    let model = match model {
+                        Some(model) => model.try_clone()?,
+                        None => comparison.load(&trace.xml, &traced, first.as_ref())?,
+                    };
+                    let disturbance = comparison.compare_models(&traced, &model)?;
+                    side = Some(Side::new(model, disturbance)?);
+                    first.get_or_insert(traced);
+                }
+                Record::Call(call) => {
+                    let side = side.as_mut().ok_or_else(|| Error::InvalidRecording {
+                        source_name: "the trace".to_owned(),
+                        reason: "a call precedes the first model".to_owned(),
+                    })?;
+                    comparison.compare_call(side, &call)?;
+                    comparison.calls += 1;
+                }
+                Record::End => return Ok(comparison),
+            }
+        }
+    }
+
+    fn compare_fields(&mut self, there: &[String]) {
+        let here: HashSet<String> = fields().collect();
+        let there: HashSet<String> = there.iter().cloned().collect();
+        let missing = |from: &HashSet<String>, other: &HashSet<String>| {
+            let mut names: Vec<String> = from.difference(other).cloned().collect();
+            names.sort();
+            names
+        };
+        self.only_there = missing(&there, &here);
+        self.only_here = missing(&here, &there);
+    }
+
+    /// Loads the model of the trace.
+    fn load(&self, xml: &str, traced: &TracedModel, first: Option<&TracedModel>) -> Result<Model> {
+        let here = engine_version().to_string();
+        let mut reason = format!("the engine was {}, here it is {here}", self.origin.engine);
+        if self.origin.engine == here && !traced.binary.is_empty() {
+            match Model::from_binary(&traced.binary) {
+                Ok(model) => return Ok(model),
+                Err(error) => reason = error.to_string(),
+            }
+        }
+        if xml.is_empty() {
+            reason += ", and the trace has no MJCF: pass the model";
+            return Err(Error::NotRepeated { call: self.calls, reason });
+        }
+        let mut model = Model::from_xml_str(xml)?;
+        if let Some(first) = first {
+            model_difference::follow(&mut model.edit(), first, traced);
+        }
+        Ok(model)
+    }
+
+    /// Compares the models, and returns the size of disturbances: at least that of the differences
+    /// of the models that rounding explains.
+    fn compare_models(&mut self, there: &TracedModel, here: &Model) -> Result<f64> {
+        let ModelDifferences { divergences, other_fields, rounding } =
+            model_difference::compare(there, here, self.calls, self.origin.engine == engine_version().to_string())?;
+        for divergence in divergences {
+            if !has(&self.divergences, &divergence.field) {
+                self.divergences.push(divergence);
+            }
+        }
+        self.other_fields.extend(other_fields);
+        self.other_fields.sort();
+        self.other_fields.dedup();
+        Ok(DISTURBANCE.max(rounding))
+    }
+
+    fn compare_call(&mut self, side: &mut Side, traced: &TracedCall) -> Result<()> {
+        let values = side.inputs(traced, self.calls)?;
+        let time = values[0];
+        let here = evaluate(&mut side.data, traced.call, &values);
+        let there = &traced.results;
+        if there.error != here.error {
+            let text = |error: &Option<String>| error.as_deref().unwrap_or("success").to_owned();
+            let element = format!("there: {}; here: {}", text(&there.error), text(&here.error));
+            if !has(&self.divergences, "result") {
+                let flag = |error: &Option<String>| f64::from(u8::from(error.is_some()));
+                let (there, here) = (flag(&there.error), flag(&here.error));
+                let field = "result".to_owned();
+                let (stage, rounding) = ("call", 0.0);
+                self.divergences.push(Divergence {
+                    call: self.calls,
+                    time,
+                    stage,
+                    field,
+                    element,
+                    there,
+                    here,
+                    rounding,
+                });
+            }
+        }
+        let order = Order::of(&there.values, &here.values);
+        let mut pairs = Vec::new();
+        for quantity in QUANTITIES.iter().chain(NEXT_STATE) {
+            let (Some(there), Some(here)) = (find(&there.values, quantity), find(&here.values, quantity)) else {
+                continue;
+            };
+            let there = align(quantity, there, &order);
+            // Matched constraints have the same objects.
+            let is_matched = quantity.name == "efc_id" && order.has_constraints();
+            if is_matched {
+                continue;
+            }
+            if there.columns != here.columns || !has_same_bits(&there.values, &here.values) {
+                pairs.push((quantity, there, here));
+            }
+        }
+        if pairs.is_empty() {
+            self.identical += u64::from(there.error == here.error);
+            return Ok(());
+        }
+        let is_known = |quantity: &Quantity| has(&self.divergences, quantity.name);
+        if pairs.iter().all(|(quantity, ..)| is_known(quantity)) {
+            return Ok(());
+        }
+        let disturbed = side.disturbed(traced, &values);
+        let converged = evaluate(&mut side.converged, traced.call, &values);
+        let (mut divergences, mut convergence) = (Vec::new(), Vec::new());
+        for (quantity, there, values) in pairs.into_iter().filter(|(quantity, ..)| !is_known(quantity)) {
+            let disturbed = disturbed.iter().map(|results| find(&results.values, quantity));
+            let Some(pair) = Pair::worst(&there, values, &disturbed.collect::<Vec<_>>()) else { continue };
+            if pair.ratio <= MOST_ROUNDING {
+                continue;
+            }
+            let element = pair.element(quantity, &here.values, side.data.model());
+            let divergence = Divergence {
+                call: self.calls,
+                time,
+                stage: quantity.stage,
+                field: quantity.name.to_owned(),
+                element,
+                there: pair.there,
+                here: pair.here,
+                rounding: pair.rounding,
+            };
+            let error = if AFTER_SOLVER.contains(&quantity.stage) {
+                find(&converged.values, quantity).map_or(0.0, |converged| pair.error(quantity, converged, values))
+            } else {
+                0.0
+            };
+            if (pair.there - pair.here).abs() <= MOST_CONVERGENCE * error + MOST_ROUNDING * pair.rounding {
+                convergence.push(divergence);
+            } else {
+                divergences.push(divergence);
+            }
+        }
+        self.divergences.extend(divergences);
+        convergence.retain(|divergence| !has(&self.convergence, &divergence.field));
+        self.convergence.extend(convergence);
+        Ok(())
+    }
+}
+
+fn has(divergences: &[Divergence], field: &str) -> bool {
+    divergences.iter().any(|known| known.field == field)
+}
+
+fn find<'v>(values: &'v [Series], quantity: &Quantity) -> Option<&'v Series> {
+    values.iter().find(|values| values.name == quantity.name)
+}
+
+fn has_same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
+/// Simulations of this engine.
+struct Side {
+    data: Data,
+    /// Simulation whose solver converges further.
+    converged: Data,
+    /// Inputs after a reset.
+    default: Vec<f64>,
+    /// Relative size of disturbances.
+    disturbance: f64,
+}
+
+impl Side {
+    fn new(model: Model, disturbance: f64) -> Result<Self> {
+        let data = Data::new(model)?;
+        let mut converged = Data::new(data.model().clone())?;
+        converged.edit_model(|model| {
+            model.edit_options(|options| {
+                options.tolerance = 0.0;
+                options.iterations = options.iterations.clamp(20, 100_000) * 10;
+            })
+        })?;
+        let mut default = Vec::new();
+        inputs::read(&data, &mut default);
+        Ok(Self { data, converged, default, disturbance })
+    }
+
+    /// Returns the inputs of a call in the order of this engine.
+    fn inputs(&self, traced: &TracedCall, call: u64) -> Result<Vec<f64>> {
+        let mut values = self.default.clone();
+        let mut place = 0;
+        for (name, length) in quantities::inputs(self.data.model()) {
+            let target = &mut values[place..][..length];
+            place += length;
+            match traced.inputs.iter().find(|input| input.name == name) {
+                Some(input) if input.values.len() == length => target.copy_from_slice(&input.values),
+                Some(input) if !INTERNAL.contains(&&*name) => {
+                    let reason = format!("the trace has {} values of {name}, the model {length}", input.values.len());
+                    return Err(Error::NotRepeated { call, reason });
+                }
+                _ => {}
+            }
+        }
+        Ok(values)
+    }
+
+    /// Returns the results of a call from inputs that differ by rounding.
+    fn disturbed(&mut self, traced: &TracedCall, values: &[f64]) -> Vec<Results> {
+        let parts = quantities::inputs(self.data.model());
+        let with_seed = |seed| {
+            let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+            let mut disturbed = values.to_vec();
+            let mut rest = &mut disturbed[..];
+            for (name, length) in &parts {
+                let (part, after) = std::mem::take(&mut rest).split_at_mut(*length);
+                if DISTURBED.contains(&&**name) {
+                    for value in part {
+                        let size = self.disturbance * value.abs().max(1.0);
+                        *value += if random.random() { size } else { -size };
+                    }
+                }
+                rest = after;
+            }
+            evaluate(&mut self.data, traced.call, &disturbed)
+        };
+        (0..DISTURBANCES).map(with_seed).collect()
+    }
+}

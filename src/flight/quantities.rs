@@ -1,0 +1,239 @@
+//! Quantities of the stages of a step that two engines compute, in forms that do not depend on the
+//! engine's layout.
+
+use crate::data::{Data, StateSpec};
+use crate::error::Result;
+use crate::kind::Kind;
+use crate::layout::Row;
+use crate::model::Model;
+
+/// Objects to which the rows of a quantity belong.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rows {
+    Elements(Kind),
+    Positions,
+    Dofs,
+    Activations,
+    Outputs,
+    Readings,
+    Contacts,
+    Constraints,
+    One,
+}
+
+/// Quantity that a stage computes.
+pub(super) struct Quantity {
+    pub(super) name: &'static str,
+    /// The method of [`Data`] that computes it, or `integration`.
+    pub(super) stage: &'static str,
+    pub(super) rows: Rows,
+    pub(super) columns: usize,
+    read: fn(&Data, &mut Vec<f64>),
+}
+
+/// Stage that advances the state.
+pub(super) const INTEGRATION: &str = "integration";
+
+macro_rules! quantities {
+    ($($stage:ident { $($name:literal $columns:literal $rows:expr, $data:ident => $values:expr;)* })*) => {
+        &[$($(Quantity {
+            name: $name,
+            stage: stringify!($stage),
+            rows: $rows,
+            columns: $columns,
+            read: |$data, out| $values.put(out),
+        }),*),*]
+    };
+}
+
+const BODIES: Rows = Rows::Elements(Kind::Body);
+const JOINTS: Rows = Rows::Elements(Kind::Joint);
+const GEOMS: Rows = Rows::Elements(Kind::Geom);
+const SITES: Rows = Rows::Elements(Kind::Site);
+const CAMERAS: Rows = Rows::Elements(Kind::Camera);
+const TENDONS: Rows = Rows::Elements(Kind::Tendon);
+
+/// All quantities, in the order in which the engine computes them. Matrices, which versions of the
+/// engine store differently, are multiplied by a [test vector](test_vector). The inertia `cinert`
+/// has the principal axes `ximat`, which are not unique.
+#[rustfmt::skip]
+pub(super) static QUANTITIES: &[Quantity] = quantities! {
+    kinematics {
+        "xpos" 3 BODIES, data => data.xpos();
+        "xquat" 4 BODIES, data => data.xquat();
+        "xipos" 3 BODIES, data => data.xipos();
+        "xanchor" 3 JOINTS, data => data.xanchor();
+        "xaxis" 3 JOINTS, data => data.xaxis();
+        "geom_xpos" 3 GEOMS, data => data.geom_xpos();
+        "geom_xmat" 9 GEOMS, data => data.geom_xmat();
+        "site_xpos" 3 SITES, data => data.site_xpos();
+        "site_xmat" 9 SITES, data => data.site_xmat();
+    }
+    com_pos {
+        "subtree_com" 3 BODIES, data => data.subtree_com();
+        "cinert" 10 BODIES, data => data.cinert();
+        "cdof" 6 Rows::Dofs, data => data.cdof();
+    }
+    camlight {
+        "cam_xpos" 3 CAMERAS, data => data.cam_xpos();
+        "cam_xmat" 9 CAMERAS, data => data.cam_xmat();
+    }
+    compute_tendon {
+        "ten_length" 1 TENDONS, data => data.ten_length();
+        "ten_J·u" 1 TENDONS, data => products(data, data.model().ntendon(), Data::tendon_row);
+    }
+    compute_crb {
+        "crb" 10 BODIES, data => data.crb();
+        "M·u" 1 Rows::Dofs, data => product(data, data.model().nv(), |data, u, to| data.mul_m_into(u, to));
+    }
+    collision {
+        "contact.geom" 2 Rows::Contacts, data => contacts(data, |contact| {
+            contact.geoms().map_or([-1.0; 2], |geoms| geoms.map(|geom| geom.index() as f64))
+        });
+        "contact.pos" 3 Rows::Contacts, data => contacts(data, |contact| *contact.pos());
+        "contact.dist" 1 Rows::Contacts, data => contacts(data, |contact| [contact.dist()]);
+        "contact.frame" 9 Rows::Contacts, data => contacts(data, |contact| *contact.frame());
+        "contact.dim" 1 Rows::Contacts, data => contacts(data, |contact| [contact.dim() as f64]);
+        "contact.friction" 5 Rows::Contacts, data => contacts(data, |contact| *contact.friction());
+    }
+    make_constraint {
+        "efc_type" 1 Rows::Constraints, data => data.efc_type();
+        "efc_id" 1 Rows::Constraints, data => data.efc_id();
+        "efc_J·u" 1 Rows::Constraints, data =>
+            product(data, data.nefc(), |data, u, to| data.mul_jac_vec_into(u, to));
+        "efc_pos" 1 Rows::Constraints, data => data.efc_pos();
+        "efc_margin" 1 Rows::Constraints, data => data.efc_margin();
+        "efc_frictionloss" 1 Rows::Constraints, data => data.efc_frictionloss();
+        "efc_KBIP" 4 Rows::Constraints, data => data.efc_KBIP();
+        "efc_R" 1 Rows::Constraints, data => data.efc_R();
+    }
+    transmission {
+        "actuator_length" 1 Rows::Outputs, data => data.actuator_length();
+        "actuator_moment·u" 1 Rows::Outputs, data =>
+            products(data, data.model().actuator_length0().len(), Data::moment_row);
+    }
+    compute_ten_velocity { "ten_velocity" 1 TENDONS, data => data.ten_velocity(); }
+    compute_actuator_velocity { "actuator_velocity" 1 Rows::Outputs, data => data.actuator_velocity(); }
+    com_vel {
+        "cvel" 6 BODIES, data => data.cvel();
+        "cdof_dot" 6 Rows::Dofs, data => data.cdof_dot();
+    }
+    passive { "qfrc_passive" 1 Rows::Dofs, data => data.qfrc_passive(); }
+    reference_constraint {
+        "efc_vel" 1 Rows::Constraints, data => data.efc_vel();
+        "efc_aref" 1 Rows::Constraints, data => data.efc_aref();
+    }
+    compute_qfrc_bias { "qfrc_bias" 1 Rows::Dofs, data => data.qfrc_bias(); }
+    fwd_actuation {
+        "act_dot" 1 Rows::Activations, data => data.act_dot();
+        "actuator_force" 1 Rows::Outputs, data => data.actuator_force();
+        "qfrc_actuator" 1 Rows::Dofs, data => data.qfrc_actuator();
+    }
+    fwd_acceleration {
+        "qfrc_smooth" 1 Rows::Dofs, data => data.qfrc_smooth();
+        "qacc_smooth" 1 Rows::Dofs, data => data.qacc_smooth();
+    }
+    fwd_constraint {
+        "efc_force" 1 Rows::Constraints, data => data.efc_force();
+        "qfrc_constraint" 1 Rows::Dofs, data => data.qfrc_constraint();
+        "qacc" 1 Rows::Dofs, data => data.qacc();
+    }
+    sensors { "sensordata" 1 Rows::Readings, data => data.sensordata(); }
+};
+
+/// Quantities after the step.
+#[rustfmt::skip]
+pub(super) static NEXT_STATE: &[Quantity] = quantities! {
+    integration {
+        "next time" 1 Rows::One, data => &[data.time()][..];
+        "next qpos" 1 Rows::Positions, data => data.qpos();
+        "next qvel" 1 Rows::Dofs, data => data.qvel();
+        "next act" 1 Rows::Activations, data => data.act();
+    }
+};
+
+/// Values of one quantity.
+#[derive(Clone, Default)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) columns: usize,
+    pub(super) values: Vec<f64>,
+}
+
+/// Reads quantities.
+pub(super) fn read(quantities: &'static [Quantity], data: &Data, into: &mut Vec<Series>) {
+    for &Quantity { name, columns, read, .. } in quantities {
+        let mut values = Vec::new();
+        read(data, &mut values);
+        into.push(Series { name: name.to_owned(), columns, values });
+    }
+}
+
+/// Returns the names and lengths of the inputs of a call, in the order of
+/// [`inputs::parts`](super::inputs::parts).
+pub(super) fn inputs(model: &Model) -> Vec<(String, usize)> {
+    let parts = StateSpec::INTEGRATION.iter_names();
+    let mut inputs: Vec<_> = parts.map(|(name, part)| (name.to_lowercase(), model.state_size(part))).collect();
+    let others = super::inputs::count(model) - model.state_size(StateSpec::INTEGRATION);
+    if cfg!(not(engine_since = "3.0.0")) {
+        inputs.push(("act_dot".to_owned(), others));
+    } else {
+        inputs.push(("sensordata".to_owned(), others - model.neq()));
+        inputs.push(("eq_active".to_owned(), model.neq()));
+    }
+    inputs
+}
+
+/// Numbers of one quantity.
+trait Numbers {
+    fn put(self, out: &mut Vec<f64>);
+}
+
+impl Numbers for &[f64] {
+    fn put(self, out: &mut Vec<f64>) {
+        out.extend_from_slice(self);
+    }
+}
+
+impl<const N: usize> Numbers for &[[f64; N]] {
+    fn put(self, out: &mut Vec<f64>) {
+        out.extend_from_slice(self.as_flattened());
+    }
+}
+
+impl Numbers for &[i32] {
+    fn put(self, out: &mut Vec<f64>) {
+        out.extend(self.iter().map(|&value| f64::from(value)));
+    }
+}
+
+impl Numbers for Vec<f64> {
+    fn put(self, out: &mut Vec<f64>) {
+        out.extend(self);
+    }
+}
+
+fn contacts<const N: usize>(data: &Data, numbers: impl Fn(&crate::data::Contact<'_>) -> [f64; N]) -> Vec<f64> {
+    data.contacts().flat_map(|contact| numbers(&contact)).collect()
+}
+
+/// Returns a vector without zeros, whose products with two different rows of numbers differ.
+fn test_vector(length: usize) -> Vec<f64> {
+    (0..length).map(|index| 1.0 + (0.618_033_988_749_895 * index as f64).fract()).collect()
+}
+
+/// Returns the product of a matrix and the test vector. A matrix that was not computed has no
+/// product.
+fn product(data: &Data, rows: usize, multiply: impl Fn(&Data, &[f64], &mut [f64]) -> Result<()>) -> Vec<f64> {
+    let mut product = vec![0.0; rows];
+    match multiply(data, &test_vector(data.model().nv()), &mut product) {
+        Ok(()) => product,
+        Err(_) => Vec::new(),
+    }
+}
+
+/// Returns the products of rows and the test vector.
+fn products<'d>(data: &'d Data, rows: usize, row: impl Fn(&'d Data, usize) -> Row<'d>) -> Vec<f64> {
+    let vector = test_vector(data.model().nv());
+    (0..rows).map(|index| row(data, index).iter().map(|(column, value)| value * vector[column]).sum()).collect()
+}
