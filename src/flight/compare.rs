@@ -11,8 +11,8 @@ use super::inputs;
 use super::matched::{Order, align};
 use super::model_difference::{self, ModelDifferences};
 use super::origin::Origin;
-use super::quantities::{self, INTEGRATION, NEXT_STATE, QUANTITIES, Quantity, Series};
-use super::trace::{Record, Results, Trace, TracedCall, TracedModel, evaluate, fields};
+use super::quantities::{self, AFTER_SOLVER, NEXT_STATE, QUANTITIES, Quantity, Series};
+use super::trace::{CONVERGED, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate, fields};
 use crate::data::Data;
 use crate::engine::engine_version;
 use crate::error::{Error, Result};
@@ -30,8 +30,6 @@ const MOST_CONVERGENCE: f64 = 10.0;
 const DISTURBED: [&str; 8] = ["qpos", "qvel", "act", "ctrl", "qfrc_applied", "xfrc_applied", "mocap_pos", "mocap_quat"];
 /// Inputs that may have another length with another engine.
 const INTERNAL: [&str; 6] = ["plugin", "plastic", "history", "sensordata", "act_dot", "eq_active"];
-/// Stages whose results depend on the convergence of the solver.
-const AFTER_SOLVER: [&str; 3] = ["fwd_constraint", "sensors", INTEGRATION];
 
 /// Differences of a trace from this engine. See [Comparison of engines](crate::flight).
 #[derive(Clone, Debug)]
@@ -222,11 +220,19 @@ impl Comparison {
                 here: pair.here,
                 rounding: pair.rounding,
             };
-            let error = if AFTER_SOLVER.contains(&quantity.stage) {
-                find(&converged.values, quantity).map_or(0.0, |converged| pair.error(quantity, converged, values))
-            } else {
-                0.0
-            };
+            let mut error = 0.0;
+            if AFTER_SOLVER.contains(&quantity.stage) {
+                let of_trace = traced
+                    .results
+                    .values
+                    .iter()
+                    .find(|series| series.name.strip_prefix(CONVERGED).is_some_and(|name| name == quantity.name));
+                let there = of_trace.zip(find(&traced.results.values, quantity));
+                let here = find(&converged.values, quantity).map(|converged| (converged, values));
+                for (converged, values) in there.into_iter().chain(here) {
+                    error = pair.error(quantity, converged, values).max(error);
+                }
+            }
             if (pair.there - pair.here).abs() <= MOST_CONVERGENCE * error + MOST_ROUNDING * pair.rounding {
                 convergence.push(divergence);
             } else {
@@ -266,13 +272,7 @@ struct Side {
 impl Side {
     fn new(model: Model, disturbance: f64) -> Result<Self> {
         let data = Data::new(model)?;
-        let mut converged = Data::new(data.model().clone())?;
-        converged.edit_model(|model| {
-            model.edit_options(|options| {
-                options.tolerance = 0.0;
-                options.iterations = options.iterations.clamp(20, 100_000) * 10;
-            })
-        })?;
+        let converged = converging(data.model())?;
         let mut default = Vec::new();
         inputs::read(&data, &mut default);
         Ok(Self { data, converged, default, disturbance })

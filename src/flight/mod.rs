@@ -97,9 +97,9 @@
 //! are changed by 4 ε of their values or of one, or by the largest difference of two constants of
 //! the models that counts as rounding (below 10⁻¹⁰ of their row). A difference up to 100 times the
 //! largest change, plus ε times the largest value of the row, is rounding. An iterative solver that
-//! stops early adds an error of its own. It is measured too, by ten times as many iterations with
-//! the tolerance zero: up to ten times this error, a difference counts as one of
-//! [convergence](Comparison::convergence). Contacts and constraint rows that the engines list in
+//! stops early adds an error of its own. It is measured in both engines, by ten times as many
+//! iterations with the tolerance zero: up to ten times the larger error, a difference counts as one
+//! of [convergence](Comparison::convergence). Contacts and constraint rows that the engines list in
 //! different orders are matched. Matrices are compared by their product with a constant vector.
 //!
 //! The trace has the model's fields, and loads with another build of the same engine. Another

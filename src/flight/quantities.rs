@@ -31,8 +31,8 @@ pub(super) struct Quantity {
     read: fn(&Data, &mut Vec<f64>),
 }
 
-/// Stage that advances the state.
-pub(super) const INTEGRATION: &str = "integration";
+/// Stages whose results depend on the convergence of the solver.
+pub(super) const AFTER_SOLVER: [&str; 3] = ["fwd_constraint", "sensors", "integration"];
 
 macro_rules! quantities {
     ($($stage:ident { $($name:literal $columns:literal $rows:expr, $data:ident => $values:expr;)* })*) => {

@@ -6,6 +6,7 @@
 //! precedes the calls that use it.
 
 use std::io::{ErrorKind, Read, Write};
+use std::sync::Arc;
 
 use super::change::Checksum;
 use super::format::{Block, Invalid, Reader};
@@ -23,6 +24,8 @@ use crate::model::save::{Arrays, settings, sizes};
 const MAGIC: &[u8] = b"MJTRACE1";
 /// Largest size of a record in bytes.
 const MOST_BYTES: u64 = 1 << 31;
+/// Begin of the names of quantities of a solver that converges further.
+pub(super) const CONVERGED: &str = "converged ";
 /// Name of the trace in errors.
 const NAME: &str = "the trace";
 
@@ -57,8 +60,9 @@ const END: u8 = b'E';
 #[derive(Debug)]
 pub struct Tracer<W: Write> {
     out: W,
-    /// Simulation that computes the quantities, and the revision of its model.
-    probe: Option<(Data, u64)>,
+    /// Simulation that computes the quantities, one whose solver converges further, and the
+    /// revision of their model.
+    probe: Option<([Data; 2], u64)>,
     calls: u64,
 }
 
@@ -111,9 +115,9 @@ impl<W: Write> Tracer<W> {
         let revision = data.model().revision();
         if self.probe.as_ref().is_none_or(|(_, known)| *known != revision) {
             self.put_model(data.model())?;
-            self.probe = Some((Data::new(data.model().clone())?, revision));
+            self.probe = Some(([Data::new(data.model().clone())?, converging(data.model())?], revision));
         }
-        let (probe, _) = self.probe.as_mut().expect("Bug: there is a simulation");
+        let ([probe, converging], _) = self.probe.as_mut().expect("Bug: there is a simulation");
         let mut values = Vec::new();
         inputs::read(data, &mut values);
         let mut contents = vec![call.code()];
@@ -125,7 +129,14 @@ impl<W: Write> Tracer<W> {
             put_values(&mut contents, &name, 1, part);
             rest = after;
         }
-        let results = evaluate(probe, call, &values);
+        let mut results = evaluate(probe, call, &values);
+        let converged = evaluate(converging, call, &values).values.into_iter().filter(|series| {
+            let mut quantities = quantities::QUANTITIES.iter().chain(quantities::NEXT_STATE);
+            let quantity = quantities.find(|quantity| quantity.name == series.name);
+            quantity.is_some_and(|quantity| quantities::AFTER_SOLVER.contains(&quantity.stage))
+        });
+        let renamed = |series: Series| Series { name: format!("{CONVERGED}{}", series.name), ..series };
+        results.values.extend(converged.map(renamed));
         contents.extend((results.values.len() as u32).to_le_bytes());
         results.values.iter().for_each(|of| put_values(&mut contents, &of.name, of.columns, &of.values));
         contents.put_block(results.error.unwrap_or_default().as_bytes());
@@ -231,6 +242,18 @@ pub(super) fn evaluate(data: &mut Data, call: Call, inputs: &[f64]) -> Results {
     };
     let error = compute().err().map(|error: Error| error.to_string());
     Results { values, error }
+}
+
+/// Returns a simulation of a model whose solver converges further.
+pub(super) fn converging(model: &Arc<Model>) -> Result<Data> {
+    let mut data = Data::new(model.clone())?;
+    data.edit_model(|model| {
+        model.edit_options(|options| {
+            options.tolerance = 0.0;
+            options.iterations = options.iterations.clamp(20, 100_000) * 10;
+        })
+    })?;
+    Ok(data)
 }
 
 /// Model of a trace.
