@@ -124,7 +124,10 @@ fn run(command: &Command) -> Result<(), Box<dyn Error>> {
             let model = model.as_ref().or(is_model(file).then_some(file));
             let result = compare(trace, model);
             let status = writer.wait()?;
-            return if status.success() { result } else { Err(format!("the other program failed ({status})").into()) };
+            result?;
+            if !status.success() {
+                return Err(format!("the other program failed ({status})").into());
+            }
         }
         Command::Compare { file, model, .. } if file.as_os_str() == "-" => {
             compare(std::io::stdin().lock(), model.as_ref())?;

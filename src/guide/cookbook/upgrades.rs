@@ -21,12 +21,12 @@
 //!
 //! // With the new engine. Here, a mass stands for its differences.
 //! let mut model = sample::humanoid();
-//! let foot = model.body("left_foot")?.index();
+//! let foot = model.body("foot_left")?.index();
 //! model.edit().body_mass_mut()[foot] *= 1.01;
 //! let comparison = Comparison::new(&trace[..], Some(&model))?;
 //! let of_model = &comparison.divergences[0];
 //! assert_eq!(of_model.field, "body_mass");
-//! assert_eq!(of_model.element, "body 'left_foot'");
+//! assert_eq!(of_model.element, "body 'foot_left'");
 //! println!("{comparison}");
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
@@ -51,3 +51,26 @@
 //! calls start from the state in the trace and the earlier stages agree. Each line has both
 //! values, the difference, and the effect of rounding on the value. [`flight`](crate::flight) has
 //! the criterion.
+//!
+//! # From 2.2.2 to 4.0.1
+//!
+//! The script has compared 33 models of packages in 20 steps with random controls each: those of
+//! this repository and of MuJoCo, Gymnasium, dm_control, robosuite, Brax, Gymnasium-Robotics and
+//! Meta-World.
+//!
+//! | models | first difference beyond rounding | likely cause, and remedy |
+//! |---|---|---|
+//! | 14, such as `humanoid`, `half_cheetah`, `walker2d_v5`, `cartpole`, `manipulator`, `humanoid_CMU` | none | |
+//! | `acrobot`, `fish` | `body_iquat`; no stage of a step differs | bodies with equal moments of inertia have no unique principal axes: nothing to do |
+//! | `quadruped` | `body_iquat`, `geom_size` of a height field; no stage differs | the box around the height field: nothing to do |
+//! | `reacher`, `ball_in_cup` | `body_invweight0` is 1.5 times as large; no stage differs yet | the mean over the directions in which the body can move, formerly over three: contacts of the body become softer, see `solref` |
+//! | `pusher_v5` | `make_constraint`: `efc_margin` is doubled; then `efc_R` | since 3.5 margins of two geoms are added: halve `margin`. `body_invweight0` of a nearly massless body: give it a mass |
+//! | `ant`, `humanoid` of Gymnasium | `integration`: next `qpos` by 10⁻¹¹ and 10⁻⁹ | RK4 starts the solver of its four evaluations equally since 3.3.6: nothing to do |
+//! | `rodent` | `compute_crb`: the inertia by 10⁻⁷ of its value | constants of the compiler by 10⁻¹⁰: nothing to do |
+//! | `dog`, `ur5e`, `kinova3`, `iiwa`, `convex_convex`, `manipulate_block` | `kinematics`: `xipos`, `geom_xpos` by 10⁻⁹ to 10⁻² of the value | frames and inertia of meshes: set `inertia` of the mesh; a measured `<inertial>` does not depend on it |
+//! | `panda`, `gr1`, `pick_and_place` | as before, then `collision` | as before; convex collisions are native since 3.3: `nativeccd="disable"` restores the earlier algorithm |
+//! | `sawyer_door_pull`, `pick_and_place` | also `body_weldid` of a mocap body | since 3.12 it is the root of its own weld group: children of mocap bodies collide as children do |
+//!
+//! Models that one of the two does not load were left out: newer attributes such as `inertia` of a
+//! mesh, elements that were removed such as composite particles, and a muscle of which 2.2.2 does
+//! not find the range of lengths.
