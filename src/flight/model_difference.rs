@@ -152,9 +152,12 @@ pub(super) fn follow(model: &mut ModelMut<'_>, first: &TracedModel, edited: &Tra
         if before.len() != array.rows * array.columns || after.len() != before.len() {
             continue;
         }
-        for (index, (_, &value)) in before.iter().zip(&after).enumerate().filter(|(_, (before, after))| before != after)
-        {
-            model.set_number(array.name, index / array.columns, index % array.columns, value);
+        let changed = before.iter().zip(&after).enumerate().filter(|(_, (before, after))| before != after);
+        for (index, (_, &value)) in changed {
+            let (row, column) = (index / array.columns, index % array.columns);
+            if model.find_number(array.name, row, column).is_ok() {
+                model.set_number(array.name, row, column, value);
+            }
         }
     }
 }

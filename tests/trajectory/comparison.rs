@@ -157,6 +157,27 @@ fn the_model_of_the_trace_and_its_edits_are_used() {
 }
 
 #[test]
+#[cfg(validates_binaries)]
+fn a_recording_is_traced() {
+    let mut data = Data::new(scene()).unwrap();
+    let mut recorder = mujoco_safe::flight::FlightRecorder::new(&data).unwrap();
+    let mut random = RandomController::new(2);
+    for step in 0..10 {
+        if step == 6 {
+            data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Rk4)).unwrap();
+        }
+        random.control(&mut data).unwrap();
+        recorder.step(&mut data).unwrap();
+    }
+    let trace = recorder.recording().trace(Vec::new()).unwrap();
+    let own = Comparison::new(&trace[..], None).unwrap();
+    assert_eq!((own.calls, own.identical), (10, 10), "{own}");
+    let without = Comparison::new(&trace[..], Some(&scene())).unwrap();
+    assert_eq!((&*without.divergences[0].field, without.divergences[0].call), ("opt.integrator", 6), "{without}");
+    assert_eq!(without.identical, 6);
+}
+
+#[test]
 fn errors_of_a_step_are_compared() {
     let mut data = Data::new(scene()).unwrap();
     let mut tracer = Tracer::new(Vec::new(), None).unwrap();
