@@ -346,7 +346,7 @@ impl Model {
 
     /// Returns `true` if the engine converts the pixels of a texture from the sRGB colour space to
     /// linear colours.
-    #[cfg(any(feature = "renderer", feature = "html"))]
+    #[cfg(any(feature = "renderer", feature = "html", feature = "gltf"))]
     pub(crate) fn texture_is_srgb(&self, texture: usize) -> bool {
         assert!(texture < self.ntex(), "Bug: texture {texture} of {}", self.ntex());
         // SAFETY: a texture of the model.

@@ -81,10 +81,11 @@
 //! All features are off by default. `renderer`: rendering and animations, without a window or a
 //! display. `viewer`: the window. `mjz`: models and their files in one archive, as MuJoCo's `.mjz`.
 //! `npz`: trajectories, rollouts and other arrays as NumPy files. `mcap`: logs for Foxglove and
-//! Rerun. `html`: trajectories as web pages. `live`: running simulations in a browser. `ndarray`:
-//! matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states, matrices
-//! and trajectories as plain data in the formats of serde. `bindgen`: bindings for an engine
-//! without committed ones. `download`: the build installs MuJoCo if it finds no engine (see
+//! Rerun. `html`: trajectories as web pages. `live`: running simulations in a browser. `gltf`:
+//! trajectories as animated glTF files. `ndarray`: matrices as arrays of the crate `ndarray`,
+//! without a copy. `serde`: options, states, matrices and trajectories as plain data in the formats
+//! of serde. `bindgen`: bindings for an engine without committed ones. `download`: the build
+//! installs MuJoCo if it finds no engine (see
 //! [`guide::engines`]).
 //!
 //! # Units and conventions
@@ -134,6 +135,9 @@ mod file;
 #[doc(alias = "reproduce")]
 #[doc(alias("regression", "upgrade", "determinism", "compare engines"))]
 pub mod flight;
+#[cfg(feature = "gltf")]
+#[doc(alias("glb", "export", "blender", "usd", "obj"))]
+pub mod gltf;
 pub mod guide;
 #[cfg(feature = "html")]
 #[doc(alias = "browser")]
@@ -174,11 +178,17 @@ pub mod prelude;
 pub mod record;
 #[cfg(feature = "renderer")]
 pub mod render;
+#[cfg(any(feature = "html", feature = "gltf"))]
+#[cfg_attr(not(all(feature = "html", feature = "gltf")), allow(dead_code, unused_imports))] // each uses a part
+mod replay;
 pub mod rollout;
 pub mod sample;
 pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
+#[cfg(any(feature = "renderer", feature = "gltf"))]
+#[cfg_attr(not(feature = "renderer"), allow(dead_code, unused_imports))] // glTF files use a part
+mod shape;
 pub mod spec;
 mod stage;
 mod trajectory;

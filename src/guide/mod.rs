@@ -32,6 +32,7 @@
 //! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page), [a running simulation in a browser](cookbook::live_page) |
 //! | running | [real time](cookbook::real_time), [saving a state](cookbook::saved_state), [threads](cookbook::threads), [domain randomisation](cookbook::domain_randomisation), [identification](cookbook::identification), [derivatives by parameters](cookbook::parameter_derivatives), [tests in continuous integration](cookbook::testing), [repeating a failure](cookbook::failures), [upgrading the engine](cookbook::upgrades) |
 //! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page) |
+//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page), [Blender](cookbook::blender) |
 
 pub mod concepts;
 pub mod control;

@@ -12,7 +12,7 @@
 //! | `failed to find tool "c++"` | no C++ compiler for the shim | `apt-get install g++` |
 //! | `requires rustc 1.95` | the viewer's dependencies need a newer Rust than the rest | update Rust, or build without the feature `viewer` |
 //! | `cannot find render in mujoco_safe` | a feature is off | `cargo add mujoco-safe --features renderer` |
-//! | the documentation has no `render`, `viewer` or `save_npz` | `cargo doc` without features | `cargo doc --open --features viewer,mjz,npz,mcap,live,serde` |
+//! | the documentation has no `render`, `viewer` or `save_npz` | `cargo doc` without features | `cargo doc --open --features viewer,mjz,npz,mcap,live,gltf,serde` |
 //! | a program of this documentation does not find a crate such as `tempfile` | its page names the crate | the command `cargo add` of the page |
 //! | a simulation takes ten times as long as expected | a debug build of the program's own code | `cargo run --release`: see [`performance`](super::performance#build-profiles) |
 //!

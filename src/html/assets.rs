@@ -3,10 +3,9 @@
 use serde::Serialize;
 
 use super::stream::{Binary, Interval, Part, Prediction};
-use crate::enums::TextureType;
-use crate::error::{Error, Result};
-use crate::id::{HeightFieldId, MeshId, TextureId};
-use crate::model::{Model, TexturePixels};
+use crate::id::{HeightFieldId, MeshId};
+use crate::model::Model;
+use crate::replay;
 
 /// Triangle mesh. The page computes its normals.
 #[derive(Debug, Serialize)]
@@ -96,7 +95,7 @@ impl HeightField {
 #[derive(Debug, Serialize)]
 pub(super) struct Texture {
     /// Cube texture: six square images one below the other, or one for all faces.
-    pub(super) cube: bool,
+    cube: bool,
     /// The pixels are in the sRGB colour space, and are drawn as linear colours.
     srgb: bool,
     /// PNG file.
@@ -104,30 +103,7 @@ pub(super) struct Texture {
 }
 
 impl Texture {
-    /// # Errors
-    ///
-    /// [`Error::Unsupported`] for textures that the engine's renderer draws white, and errors of
-    /// their files.
-    pub(super) fn new(binary: &mut Binary, model: &Model, id: TextureId) -> Result<Self> {
-        let cube = model.texture(id).texture_type() != TextureType::Flat;
-        let TexturePixels { width, height, channels, bytes, is_srgb } = model.texture_pixels(id)?;
-        // The engine reads the pixels of cubes as three channels, and without a colour space.
-        let (used, color) = match channels {
-            4 if !cube => (4, png::ColorType::Rgba),
-            3 | 4 => (3, png::ColorType::Rgb),
-            _ => return Err(Error::Unsupported(format!("a texture with {channels} channels instead of 3 or 4"))),
-        };
-        let is_divisible = !cube || width == height || height == 6 * width;
-        if width == 0 || height == 0 || !is_divisible {
-            return Err(Error::Unsupported(format!("a texture of {width} by {height} pixels")));
-        }
-        let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
-        encoder.set_color(color);
-        encoder.set_compression(png::Compression::High);
-        let written =
-            encoder.write_header().and_then(|mut writer| writer.write_image_data(&bytes[..used * width * height]));
-        written.map_err(|error| Error::Unsupported(format!("a texture that cannot be encoded: {error}")))?;
-        Ok(Self { cube, srgb: is_srgb && !cube, png: binary.raw(&file) })
+    pub(super) fn new(binary: &mut Binary, texture: &replay::Texture) -> Self {
+        Self { cube: texture.is_cube, srgb: texture.is_srgb, png: binary.raw(&texture.png) }
     }
 }

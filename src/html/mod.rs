@@ -47,14 +47,11 @@
 //! program). Its sources are in the folder `html/` of the repository.
 
 mod assets;
-pub(crate) mod frame;
 mod look;
 mod motion;
 mod options;
 mod page;
 mod stream;
-mod texture_map;
-mod view;
 
 use std::io::Write;
 use std::path::Path;
@@ -69,6 +66,7 @@ use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::file;
 use crate::model::{IntoModel, Model};
+use crate::replay::{self, Frame};
 use crate::trajectory::Trajectory;
 
 /// Description of the data of a page. The binary data follows.
@@ -146,7 +144,7 @@ pub fn save<'t>(
     let model = data.model().clone();
     let extent = model.statistics().extent;
     let steps = Steps::new(options, extent)?;
-    let frames = frame::all(&model);
+    let frames = replay::all(&model);
     let camera = camera(&model, options)?;
     let mut binary = Binary::default();
     let (mut tracks, mut look) = (Vec::new(), None);
@@ -194,7 +192,7 @@ fn camera(model: &Model, options: &HtmlOptions) -> Result<Option<usize>> {
 
 /// Returns and logs the descriptions of what a page does not draw.
 fn left_out(look: &Look) -> Vec<String> {
-    let left_out: Vec<String> = look.left_out.iter().cloned().collect();
+    let left_out: Vec<String> = look.base.left_out.iter().cloned().collect();
     for element in &left_out {
         log::warn!("an HTML page does not draw {element}");
     }
@@ -206,7 +204,7 @@ fn left_out(look: &Look) -> Vec<String> {
 #[cfg(feature = "live")]
 pub(crate) fn live(
     data: &mut Data,
-    frames: &[frame::Frame],
+    frames: &[Frame],
     sliders: &[Slider<'_>],
     options: &HtmlOptions,
 ) -> Result<(String, Vec<String>)> {

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::frame::{self, Frame, Pose};
 use super::options::{HtmlOptions, Signal};
 use super::stream::{Binary, Interval, LIMIT, Part, Prediction};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
+use crate::replay::{self, Frame};
 use crate::trajectory::Trajectory;
 
 /// Resolution of times, s.
@@ -84,24 +84,17 @@ impl Motion<'_> {
         trajectory: &Trajectory,
         signals: &[Signal],
     ) -> Result<Track> {
-        let records = records(trajectory.times(), self.options.frames_per_second)?;
+        let records = replay::records(trajectory.times(), self.options.frames_per_second)?;
         let mut sources = Vec::new();
         for signal in signals {
             source(self.data, trajectory, signal, &mut sources)?;
         }
-        let mut poses: Vec<Vec<Pose>> = vec![Vec::with_capacity(records.len()); self.frames.len()];
         let mut values: Vec<Vec<f64>> = vec![Vec::with_capacity(records.len()); sources.len()];
-        for &record in &records {
-            trajectory.apply(record, self.data)?;
-            self.data.forward()?;
-            for (poses, frame) in poses.iter_mut().zip(self.frames) {
-                let before = poses.last().map(|pose: &Pose| pose.quat);
-                poses.push(frame::pose(self.data, *frame).near(before));
-            }
+        let poses = replay::poses(self.data, self.frames, trajectory, &records, |data, record| {
             for (values, (_, source)) in values.iter_mut().zip(&sources) {
-                values.push(source.value(self.data, trajectory, record));
+                values.push(source.value(data, trajectory, record));
             }
-        }
+        })?;
         let Steps { time, position, rotation } = self.steps;
         let times = rounded(records.iter().map(|&record| trajectory.times()[record]), time)?;
         let times = binary.part(|binary| binary.channel(Prediction::Line, times));
@@ -137,43 +130,6 @@ fn rounded(values: impl Iterator<Item = f64>, step: f64) -> Result<Vec<i64>> {
         Err(Error::invalid(InvalidKind::OutOfRange, "a time or a coordinate in a page", value, expected))
     };
     values.map(number).collect()
-}
-
-/// Returns the first record in each period of the frame rate, and the last record.
-fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize>> {
-    if frames_per_second.is_nan() || frames_per_second <= 0.0 {
-        let what = "HtmlOptions::frames_per_second";
-        return Err(Error::invalid(InvalidKind::OutOfRange, what, frames_per_second, "above 0"));
-    }
-    let Some(&start) = times.first() else {
-        return Err(Error::invalid(
-            InvalidKind::Unsuitable,
-            "a trajectory in a page",
-            "empty",
-            "of at least one record",
-        ));
-    };
-    let descends = |&record: &usize| times[record].is_nan() || times[record] < times[record - 1];
-    if let Some(record) = (1..times.len()).find(descends) {
-        let (what, value) = (format!("the time of record {record} in a page"), times[record]);
-        return Err(Error::invalid(InvalidKind::OutOfRange, what, value, "at least the time before it"));
-    }
-    // Times are sums of steps: a tolerance, so that rounding does not delay a frame.
-    let period = |time: f64| ((time - start) * frames_per_second + 1e-6).floor();
-    let mut due = f64::NEG_INFINITY;
-    let mut records: Vec<usize> = (0..times.len())
-        .filter(|&record| {
-            let period = period(times[record]);
-            // The product with an infinite rate is infinite or NaN.
-            let is_due = !period.is_finite() || period > due;
-            due = if is_due { period } else { due };
-            is_due
-        })
-        .collect();
-    if records.last() != Some(&(times.len() - 1)) {
-        records.push(times.len() - 1);
-    }
-    Ok(records)
 }
 
 /// Source of a value in each record.
@@ -236,22 +192,5 @@ impl Curve {
         let number = |&value: &f64| if value.is_finite() { 1 + interval.number(value) } else { 0 };
         let values = binary.part(|binary| binary.channel(Prediction::Line, values.iter().map(number)));
         Self { name, interval, values }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::records;
-
-    #[test]
-    fn frames_are_the_first_records_of_their_periods_and_the_last_record() {
-        let times: Vec<f64> = (0..12).map(|step| 0.3 + 0.01 * f64::from(step)).collect();
-        assert_eq!(records(&times, 50.0).unwrap(), [0, 2, 4, 6, 8, 10, 11]);
-        assert_eq!(records(&times, 30.0).unwrap(), [0, 4, 7, 10, 11]);
-        assert_eq!(records(&times, f64::INFINITY).unwrap().len(), 12);
-        assert_eq!(records(&[2.0, 2.0], 60.0).unwrap(), [0, 1]);
-        for (times, rate) in [(&[][..], 60.0), (&[0.0, -1.0], 60.0), (&[0.0, f64::NAN], 60.0), (&[0.0], f64::NAN)] {
-            assert!(records(times, rate).is_err(), "{times:?} {rate}");
-        }
     }
 }

@@ -89,7 +89,7 @@ use self::slots::{Grip, Requests, Setting, Slots};
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
-use crate::html::frame::{self, Frame};
+use crate::replay::{self, Frame};
 use crate::html::{self, Slider};
 use crate::model::{IntoModel, Model};
 
@@ -159,7 +159,7 @@ impl LivePage {
             .zip(&ranges)
             .map(|(actuator, range)| Slider { name: actuator.name(), range: range.unwrap_or([-1.0, 1.0]) })
             .collect();
-        let frames = frame::all(&model);
+        let frames = replay::all(&model);
         let (text, left_out) = html::live(&mut data, &frames, &sliders, &options.page)?;
 
         let failed = |source| Error::Serve { address: options.address.clone(), source };
@@ -414,7 +414,7 @@ impl LivePage {
         bytes.extend_from_slice(&data.time().to_le_bytes());
         bytes.extend_from_slice(&u32::from(self.is_paused).to_le_bytes());
         for &frame in &self.frames {
-            let pose = frame::pose(data, frame);
+            let pose = replay::pose(data, frame);
             for number in pose.pos.iter().chain(&pose.quat) {
                 bytes.extend_from_slice(&(*number as f32).to_le_bytes());
             }

@@ -33,7 +33,7 @@ pub(crate) mod save;
 mod schema;
 mod shared;
 mod survivors;
-#[cfg(any(feature = "renderer", feature = "html"))]
+#[cfg(any(feature = "renderer", feature = "html", feature = "gltf"))]
 mod texture;
 mod xml_guard;
 
@@ -62,7 +62,7 @@ pub use self::save::{SaveXmlOptions, XmlCheck};
 pub(crate) use self::schema::Schema;
 pub use self::shared::IntoModel;
 pub(crate) use self::survivors::Survivors;
-#[cfg(any(feature = "renderer", feature = "html"))]
+#[cfg(any(feature = "renderer", feature = "html", feature = "gltf"))]
 pub(crate) use self::texture::TexturePixels;
 use crate::error::Result;
 pub use crate::error::UnsavedField;

@@ -174,7 +174,6 @@ mod pass;
 mod renderer;
 mod settings;
 mod shader;
-mod shape;
 mod support;
 mod view;
 

@@ -2,9 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use super::shape::Tessellation;
 use crate::macros::with_methods;
 use crate::model::Model;
+use crate::shape::Tessellation;
 
 /// Frequency of the lighting computation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -42,6 +42,7 @@ pub fn build(name: &str) -> PathBuf {
             ("npz", cfg!(feature = "npz")),
             ("mcap", cfg!(feature = "mcap")),
             ("html", cfg!(feature = "html")),
+            ("gltf", cfg!(feature = "gltf")),
             ("serde", cfg!(feature = "serde")),
         ];
         let mut cargo = Command::new(env!("CARGO"));

@@ -3,8 +3,8 @@
 //!
 //! ```sh
 //! rm -rf target/doc    # rustdoc would add to the search index
-//! cargo doc --workspace --features viewer,mjz,npz,mcap,live,serde --no-deps
-//! cargo test --features viewer,mjz,npz,mcap,live,serde --test coverage rendered -- --ignored
+//! cargo doc --workspace --features viewer,mjz,npz,mcap,live,gltf,serde --no-deps
+//! cargo test --features viewer,mjz,npz,mcap,live,gltf,serde --test coverage rendered -- --ignored
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet};

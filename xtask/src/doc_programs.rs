@@ -13,7 +13,7 @@ use std::process::Command;
 use crate::lint;
 
 /// The features that documentation is built with, and `ndarray`.
-const FEATURES: &str = "viewer,mjz,npz,mcap,live,serde,ndarray";
+const FEATURES: &str = "viewer,mjz,npz,mcap,live,gltf,serde,ndarray";
 
 /// Attributes of a fence whose text is a program that compiles.
 const PROGRAM: [&str; 5] = ["", "rust", "no_run", "should_panic", "standalone_crate"];

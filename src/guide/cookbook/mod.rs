@@ -55,6 +55,8 @@
 //! | `view -- model.xml` | any model in the viewer |
 //! | `humanoid_predictive -- --view` | pull a humanoid, watch its plan, change the weights |
 
+#[doc(alias("export", "gltf", "glb", "three.js", "unity", "godot", "3d model"))]
+pub mod blender;
 pub mod changing_model;
 pub mod custom_fields;
 #[doc(alias("domain randomisation", "domain randomization", "domain_randomization"))]

@@ -120,7 +120,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
 }
 
 /// Returns the reason to reject the file of a texture, which the engine reads after a load, too.
-#[cfg(all(engine_since = "3.17.0", any(feature = "renderer", feature = "html")))]
+#[cfg(all(engine_since = "3.17.0", any(feature = "renderer", feature = "html", feature = "gltf")))]
 pub(super) fn reject_texture(path: &[u8]) -> Option<String> {
     let reason = match files::on_disk(path)? {
         Found::Rejected(reason) => reason,

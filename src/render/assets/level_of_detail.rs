@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::shape_buffers::ShapeBuffers;
-use crate::render::shape::{self, Tessellation, Triangles};
 use crate::render::{Gpu, Lighting, RenderError};
+use crate::shape::{self, Tessellation, Triangles};
 
 /// Round shape, tessellated in several levels of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

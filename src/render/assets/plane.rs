@@ -5,7 +5,7 @@
 
 use crate::render::Lighting;
 use crate::render::settings::{VisualSettings, is_drawable};
-use crate::render::shape;
+use crate::shape;
 
 /// Maximum number of cells of a plane along each axis; infinite planes have this many. Equal to the
 /// engine's limit.

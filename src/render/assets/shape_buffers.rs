@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use wgpu::util::DeviceExt;
 
-use crate::render::shape::{self, Triangles, Vertex};
 use crate::render::{Gpu, RenderError};
+use crate::shape::{self, Triangles, Vertex};
 
 /// Vertex and index buffer of a shape.
 #[derive(Debug)]

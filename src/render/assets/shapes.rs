@@ -9,9 +9,9 @@ use super::skin::Skin;
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
 use crate::render::settings::VisualSettings;
-use crate::render::shape::{self, MESH_LEVELS, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::{Scene, SceneGeom, SceneGeomType};
+use crate::shape::{self, MESH_LEVELS, Tessellation, Triangles, Vertex};
 
 /// First skin, above the other shapes of models at their full level of detail.
 const FIRST_SKIN: u32 = 1 << 20;

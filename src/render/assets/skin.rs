@@ -7,8 +7,8 @@ use crate::id::SkinId;
 use crate::model::Model;
 use crate::render::bounding_volume::signed_distance;
 use crate::render::settings::is_drawable;
-use crate::render::shape::{self, SkinTopology, Vertex};
 use crate::render::{Gpu, GpuKind, RenderError};
+use crate::shape::{self, SkinTopology, Vertex};
 
 /// Skin of a model.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ fn front_faces(
 #[cfg(test)]
 mod tests {
     use super::front_faces;
-    use crate::render::shape::{Tessellation, sphere};
+    use crate::shape::{Tessellation, sphere};
 
     /// The camera at the origin looks along x, y is left, and a unit at a depth of one is 500
     /// pixels.

@@ -4,9 +4,9 @@
 use super::AuxOutput;
 use crate::render::assets::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel};
 use crate::render::bounding_volume::BoundingVolume;
-use crate::render::shape::Tessellation;
 use crate::render::view::ViewFrustum;
 use crate::scene::{SceneGeom, SceneGeomType};
+use crate::shape::Tessellation;
 
 /// Level of detail of a geom.
 #[derive(Debug, Clone, Copy)]

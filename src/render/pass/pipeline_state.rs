@@ -8,7 +8,7 @@ use crate::render::Gpu;
 use crate::render::draw_list::Instance;
 use crate::render::settings::ALL_FACES_CAST_SHADOWS;
 use crate::render::shader::{Output, ShaderKind};
-use crate::render::shape::Vertex;
+use crate::shape::Vertex;
 
 /// State of a pipeline, derived from its key.
 pub(super) struct PipelineState {

@@ -4,9 +4,9 @@ use crate::numerics::spatial::dot;
 use crate::render::draw_list::{DrawList, Horizon};
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::settings::VisualSettings;
-use crate::render::shape::{self, Triangles};
 use crate::render::view::ViewFrustum;
 use crate::render::{Gpu, RenderError};
+use crate::shape::{self, Triangles};
 
 /// Vertex of the skybox, relative to the camera, or of the haze, in world space. If there is haze,
 /// both share one shader, because compiling a second shader takes longer than rendering with it.

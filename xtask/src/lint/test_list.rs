@@ -10,7 +10,7 @@ pub fn all(root: &Path) -> Result<Vec<String>, String> {
     let arguments = [
         "test",
         "--features",
-        "viewer,mjz,npz,mcap,live,serde",
+        "viewer,mjz,npz,mcap,live,gltf,serde",
         "--tests",
         "--no-run",
         "--message-format=json-render-diagnostics",

@@ -97,7 +97,7 @@ impl Triangles {
     }
 
     /// Appends another list with transformed positions and normals.
-    fn extend_by(
+    pub(crate) fn extend_by(
         &mut self,
         other: &Self,
         position: impl Fn([f32; 3]) -> [f32; 3],

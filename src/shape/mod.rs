@@ -24,7 +24,8 @@ use crate::model::Model;
 
 /// Vertex in the vertex buffer.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "renderer", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     /// Unit normal.

@@ -13,17 +13,17 @@ const REPEATS_TEXCOORDS: bool = cfg!(engine_since = "3.12.0");
 
 /// Mapping from local positions, m, or from the texture coordinates of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct TextureMap {
+pub(crate) struct TextureMap {
     /// The coordinates are those of the mesh instead of the local position.
-    explicit: bool,
+    pub(crate) explicit: bool,
     /// Factors of the coordinates.
-    scale: [f32; 3],
+    pub(crate) scale: [f32; 3],
     /// Added to the product.
-    offset: [f32; 2],
+    pub(crate) offset: [f32; 2],
 }
 
 impl TextureMap {
-    pub(super) fn new(geom: SceneGeom<'_>, is_cube: bool) -> Self {
+    pub(crate) fn new(geom: SceneGeom<'_>, is_cube: bool) -> Self {
         let (size, repeat) = (geom.size(), geom.texrepeat());
         let is_in_metres = geom.mesh().is_some() || geom.height_field().is_some();
         let reciprocal = |length: f32| if length > 0.0 { length.recip() } else { 1.0 };

@@ -1,0 +1,168 @@
+//! A glTF document and its binary buffer, in which equal data are stored once.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf_json::buffer::{Buffer, Target, View};
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Accessor, Extras, Index, Root, Value};
+
+#[derive(Debug, Default)]
+pub(super) struct Document {
+    pub(super) root: Root,
+    bytes: Vec<u8>,
+    /// Accessors by their contents.
+    known: HashMap<(Kind, Vec<u8>), Index<Accessor>>,
+}
+
+/// Kind of the data of an accessor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    Position,
+    Normal,
+    Texcoord,
+    /// Times of an animation, s.
+    Times,
+    /// Output of an animation.
+    Motion,
+    ShortIndices,
+    LongIndices,
+    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
+    ShortRotations,
+}
+
+impl Kind {
+    fn target(self) -> Option<Target> {
+        match self {
+            Self::Position | Self::Normal | Self::Texcoord => Some(Target::ArrayBuffer),
+            Self::ShortIndices | Self::LongIndices => Some(Target::ElementArrayBuffer),
+            Self::Times | Self::Motion | Self::ShortRotations => None,
+        }
+    }
+
+    fn component(self) -> ComponentType {
+        match self {
+            Self::ShortIndices => ComponentType::U16,
+            Self::LongIndices => ComponentType::U32,
+            Self::ShortRotations => ComponentType::I16,
+            _ => ComponentType::F32,
+        }
+    }
+}
+
+impl Document {
+    /// Stores vectors of `N` numbers.
+    pub(super) fn floats<const N: usize>(&mut self, kind: Kind, values: &[[f32; N]]) -> Index<Accessor> {
+        let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+        let bound = |start: f32, nearer: fn(f32, f32) -> f32| {
+            let axis = |axis: usize| values.iter().map(|value| value[axis]).fold(start, nearer);
+            (0..N).map(|index| Value::from(f64::from(axis(index)))).collect()
+        };
+        // glTF asks for the bounds of these, exactly.
+        let bounds = matches!(kind, Kind::Position | Kind::Times)
+            .then(|| [bound(f32::INFINITY, f32::min), bound(f32::NEG_INFINITY, f32::max)]);
+        let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][N - 1];
+        self.accessor(kind, of_size, values.len(), bytes, bounds)
+    }
+
+    /// Stores the indices of the vertices of triangles.
+    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Index<Accessor> {
+        // The largest number of each type is no index.
+        let (kind, bytes) = if u16::try_from(vertices).is_ok() {
+            (Kind::ShortIndices, indices.iter().flat_map(|&index| (index as u16).to_le_bytes()).collect())
+        } else {
+            (Kind::LongIndices, indices.iter().flat_map(|index| index.to_le_bytes()).collect())
+        };
+        self.accessor(kind, Type::Scalar, indices.len(), bytes, None)
+    }
+
+    /// Stores unit quaternions with an error of half a 32,767th of each component.
+    pub(super) fn short_rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
+        let short = |part: &f32| ((part * 32767.0).round() as i16).to_le_bytes();
+        let bytes = values.as_flattened().iter().flat_map(short).collect();
+        self.accessor(Kind::ShortRotations, Type::Vec4, values.len(), bytes, None)
+    }
+
+    fn accessor(
+        &mut self,
+        kind: Kind,
+        type_: Type,
+        count: usize,
+        bytes: Vec<u8>,
+        bounds: Option<[Value; 2]>,
+    ) -> Index<Accessor> {
+        let key = (kind, bytes);
+        if let Some(&known) = self.known.get(&key) {
+            return known;
+        }
+        let [min, max] = bounds.map_or([None, None], |bounds| bounds.map(Some));
+        let view = self.view(&key.1, kind.target());
+        let index = self.root.push(Accessor {
+            buffer_view: Some(view),
+            byte_offset: None,
+            count: count.into(),
+            component_type: Valid(GenericComponentType(kind.component())),
+            extensions: None,
+            extras: Extras::default(),
+            type_: Valid(type_),
+            min,
+            max,
+            name: None,
+            normalized: kind == Kind::ShortRotations,
+            sparse: None,
+        });
+        self.known.insert(key, index);
+        index
+    }
+
+    /// Stores bytes. Each view starts at a multiple of four bytes.
+    pub(super) fn view(&mut self, bytes: &[u8], target: Option<Target>) -> Index<View> {
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.root.push(View {
+            buffer: Index::new(0),
+            byte_length: bytes.len().into(),
+            byte_offset: Some(start.into()),
+            byte_stride: None,
+            name: None,
+            target: target.map(Valid),
+            extensions: None,
+            extras: Extras::default(),
+        })
+    }
+
+    /// Returns the file: a header, the description as JSON, and the binary buffer.
+    ///
+    /// # Errors
+    ///
+    /// A file of 4 GiB or more.
+    pub(super) fn file(mut self) -> io::Result<Vec<u8>> {
+        if !self.bytes.is_empty() {
+            self.root.push(Buffer {
+                byte_length: self.bytes.len().into(),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: Extras::default(),
+            });
+        }
+        let mut json = self.root.to_vec()?;
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let chunks = [(b"JSON", &json), (b"BIN\0", &self.bytes)];
+        let chunks = chunks.iter().filter(|(_, bytes)| !bytes.is_empty());
+        let length = 12 + chunks.clone().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
+        let word = |length: usize| u32::try_from(length).map(u32::to_le_bytes).map_err(io::Error::other);
+        let mut file = Vec::with_capacity(length);
+        for part in [*b"glTF", 2_u32.to_le_bytes(), word(length)?] {
+            file.write_all(&part)?;
+        }
+        for (name, bytes) in chunks {
+            for part in [&word(bytes.len())?[..], &name[..], bytes] {
+                file.write_all(part)?;
+            }
+        }
+        Ok(file)
+    }
+}

@@ -1,0 +1,175 @@
+//! Trajectories as animated glTF 2.0 files (`.glb`), for Blender, the viewers of Windows and macOS,
+//! web viewers, game engines and other programs.
+//!
+//! ```
+//! use mujoco_safe::gltf::GltfOptions;
+//! use mujoco_safe::{Data, RandomController, Trajectory, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let mut trajectory = Trajectory::new(data.model());
+//! trajectory.record(&mut data, &mut RandomController::new(1), 400)?;
+//!
+//! let path = std::env::temp_dir().join("mujoco_safe_fall.glb");
+//! trajectory.save_glb(data.model(), &path, &GltfOptions::default())?;
+//! # std::fs::remove_file(path).ok();
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Contents
+//!
+//! - A node for each body, with its name, in the tree of the model. The root node turns the z-axis
+//!   of the model into the y-axis of glTF.
+//! - A node for each geom and site of the selected groups, with its triangles. Round shapes have up
+//!   to 24 slices and 12 stacks (`visual/quality` in MJCF). Infinite planes end where no body has
+//!   been. Geoms of the same shape share their vertices.
+//! - Materials: the colour, the emission, the opacity, and `metallic` and `roughness` where the
+//!   model has them; otherwise the roughness follows from the shininess. 2D textures as PNG. A cube
+//!   texture becomes its mean colour.
+//! - The cameras, the free camera, and the active lights. The headlight, which moves with the
+//!   viewer in MuJoCo, shines from the free camera. A white surface that faces a light of colour 1
+//!   is white in programs that take a surface of luminance 1 as white, such as three.js: select
+//!   `Unitless` as the lighting mode when importing into Blender.
+//! - An animation for each trajectory, with the name of its label. It starts at 0 s. Translations
+//!   are in single precision; [`GltfOptions::rotation_error`] is that of rotations. Coordinates
+//!   that change by less than 1 µm (or a millionth of the model's extent, if that is less) do not
+//!   move.
+//!
+//! Skins, flexes, tendons, the sky and the patterns of cube textures are left out; [`save`] returns
+//! their names. Reflection, fog, haze, shadows, ambient light and the attenuation of lights are
+//! left out too. So are animations of colours, since a trajectory has none, and the positions of
+//! mocap bodies, which a trajectory does not have: only [`Data::save_glb`] has them.
+
+mod contents;
+mod document;
+mod geometry;
+mod light;
+mod material;
+mod motion;
+mod node;
+mod options;
+
+use std::path::Path;
+
+use self::contents::{Contents, distance, parents};
+use self::motion::Clip;
+pub use self::options::GltfOptions;
+use crate::data::Data;
+use crate::error::{Error, InvalidKind, Result};
+use crate::model::IntoModel;
+use crate::replay::{self, Pose};
+use crate::trajectory::Trajectory;
+
+/// Writes trajectories of a model as one glTF file (`.glb`), each as an animation with its label as
+/// the name. At rest, the nodes have the poses of the first record. Returns descriptions of what
+/// the file does not contain.
+///
+/// # Errors
+///
+/// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
+/// [`Error::Shape`] or [`Error::Invalid`] for trajectories of another model, without records or
+/// with descending times. [`Error::Invalid`] for a rate that is not positive, a rotation error
+/// below 1e-6, and positions that are not finite in single precision. Errors of [`Data::forward`]
+/// in the recorded states.
+///
+/// ```
+/// use mujoco_safe::gltf::{self, GltfOptions};
+/// use mujoco_safe::{Data, RandomController, Trajectory, sample};
+///
+/// let mut data = Data::new(sample::cartpole())?;
+/// let mut swings = Vec::new();
+/// for seed in 0..2 {
+///     data.reset()?;
+///     let mut swing = Trajectory::new(data.model());
+///     swing.record(&mut data, &mut RandomController::new(seed), 100)?;
+///     swings.push((format!("seed {seed}"), swing));
+/// }
+/// let path = std::env::temp_dir().join("mujoco_safe_swings.glb");
+/// let animations = swings.iter().map(|(label, swing)| (label.as_str(), swing));
+/// let left_out = gltf::save(&path, data.model(), animations, &GltfOptions::default())?;
+/// for element in left_out {
+///     println!("not in the file: {element}");
+/// }
+/// # std::fs::remove_file(path).ok();
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+pub fn save<'t>(
+    path: impl AsRef<Path>,
+    model: impl IntoModel,
+    trajectories: impl IntoIterator<Item = (&'t str, &'t Trajectory)>,
+    options: &GltfOptions,
+) -> Result<Vec<String>> {
+    let mut data = Data::new(model)?;
+    let frames = replay::all(data.model());
+    let parents = parents(data.model(), &frames);
+    let (mut clips, mut contents, mut farthest) = (Vec::new(), None, 0.0);
+    for (label, trajectory) in trajectories {
+        let records = replay::records(trajectory.times(), options.frames_per_second)?;
+        let poses = replay::poses(&mut data, &frames, trajectory, &records, |data, _| {
+            farthest = distance(data).max(farthest);
+        })?;
+        let times: Vec<f64> = records.iter().map(|&record| trajectory.times()[record]).collect();
+        clips.push(Clip::new(label, &times, &poses, &parents)?);
+        if contents.is_none() {
+            trajectory.apply(0, &mut data)?;
+            data.forward()?;
+            contents = Some(Contents::new(&mut data, frames.clone(), options)?);
+        }
+    }
+    let Some(contents) = contents else {
+        let what = "the trajectories of a glTF file";
+        return Err(Error::invalid(InvalidKind::Unsuitable, what, "an empty list", "at least one"));
+    };
+    contents.write(path.as_ref(), data.model(), &clips, farthest, options)
+}
+
+impl Trajectory {
+    /// Writes the records as an animated glTF file (`.glb`), for Blender and other programs.
+    /// Returns descriptions of what the file does not contain. See the [module](crate::gltf).
+    ///
+    /// Requires the feature `gltf`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`gltf::save`](crate::gltf::save).
+    #[doc(alias("export", "Blender", "gltf", "glb"))]
+    pub fn save_glb(
+        &self,
+        model: impl IntoModel,
+        path: impl AsRef<Path>,
+        options: &GltfOptions,
+    ) -> Result<Vec<String>> {
+        save(path, model, [("", self)], options)
+    }
+}
+
+impl Data {
+    /// Writes the present state as a glTF file (`.glb`) without animation. Returns descriptions of
+    /// what the file does not contain. See the [module](crate::gltf).
+    ///
+    /// Requires the feature `gltf`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`gltf::save`](crate::gltf::save).
+    ///
+    /// ```
+    /// use mujoco_safe::gltf::GltfOptions;
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let data = Data::new(sample::humanoid())?;
+    /// let path = std::env::temp_dir().join("mujoco_safe_humanoid.glb");
+    /// data.save_glb(&path, &GltfOptions::default())?;
+    /// # std::fs::remove_file(path).ok();
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias("export", "Blender", "gltf", "glb"))]
+    pub fn save_glb(&self, path: impl AsRef<Path>, options: &GltfOptions) -> Result<Vec<String>> {
+        let mut data = self.clone();
+        data.forward()?;
+        let frames = replay::all(data.model());
+        let poses: Vec<Vec<Pose>> = frames.iter().map(|&frame| vec![replay::pose(&data, frame)]).collect();
+        let clip = Clip::new("", &[0.0], &poses, &parents(data.model(), &frames))?;
+        let farthest = distance(&data);
+        Contents::new(&mut data, frames, options)?.write(path.as_ref(), data.model(), &[clip], farthest, options)
+    }
+}
