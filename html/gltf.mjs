@@ -75,7 +75,7 @@ try {
     const start = await draw(name, camera, 0);
     assert.ok(start.some((value, i) => i % 4 < 3 && value > 100), `${name} has a bright picture`);
     const later = difference(start, await draw(name, camera, time));
-    assert.ok(later > 0.5, `${name} moves: ${later}`);
+    assert.ok(later > 0.2, `${name} moves: ${later}`);
     console.log(`chromium: ${name}.glb moves, by ${later.toFixed(2)} of 255 in ${time} s`);
   }
   // SwiftShader warns about its own stalls.

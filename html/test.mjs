@@ -26,7 +26,7 @@ const BROWSERS = {
  * Largest mean difference of the colours of a page and of the renderer, of 255. The other scene has
  * bright haze, which the page does not draw, and highlights of lights with different colours.
  */
-const TOLERANCES = { humanoid: 2, shapes: 8 };
+const TOLERANCES = { humanoid: 2, shapes: 8, soft: 2 };
 
 const [folder, only] = process.argv.slice(2);
 
@@ -308,7 +308,7 @@ async function testHostileLive(browser) {
 
 async function takeScreenshots(browser, name) {
   const sizes = { laptop: { width: 1280, height: 720 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
-  for (const file of ['humanoid', 'ghosts', 'robot', 'hostile', 'live.url', 'hostile.url']) {
+  for (const file of ['humanoid', 'ghosts', 'robot', 'soft', 'hostile', 'live.url', 'hostile.url']) {
     const [served, shown] = [file.endsWith('.url'), file.replace('.url', '-live')];
     for (const [size, options] of Object.entries(sizes)) {
       // WebDriver BiDi of Firefox cannot select a colour scheme or a touch screen.

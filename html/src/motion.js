@@ -12,6 +12,10 @@ export class Track {
       const step = channel % 7 < 3 ? steps.position : steps.rotation;
       for (let i = 0; i < count; i++) values[i] *= step;
     });
+    this.deformables = (track.deformables ?? []).map(({ vertices, values }) => {
+      const all = channels(binary, values, 3 * vertices, count, LINE);
+      return all.map((numbers) => Float32Array.from(numbers, (n) => n * steps.position));
+    });
     this.curves = track.curves.map(({ name, interval, values }) => {
       const [numbers] = channels(binary, values, 1, count, LINE);
       const value = (n) => (n > 0 ? interval.low + interval.step * (n - 1) : NaN);
@@ -39,12 +43,17 @@ export class Track {
     return low;
   }
 
-  /** Sets the positions and orientations of objects, one for each frame, at a time. */
-  pose(time, objects) {
+  /** Returns the records before and after a time, and the part of the way between them. */
+  place(time) {
     const i = this.index(time);
     const j = Math.min(i + 1, this.times.length - 1);
     const span = this.times[j] - this.times[i];
-    const f = span > 0 ? Math.min(Math.max((time - this.times[i]) / span, 0), 1) : 0;
+    return [i, j, span > 0 ? Math.min(Math.max((time - this.times[i]) / span, 0), 1) : 0];
+  }
+
+  /** Sets the positions and orientations of objects, one for each frame, at a time. */
+  pose(time, objects) {
+    const [i, j, f] = this.place(time);
     objects.forEach((object, frame) => {
       const at = (part) => {
         const values = this.poses[7 * frame + part];

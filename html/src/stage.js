@@ -2,6 +2,7 @@
 
 import { AmbientLight, BackSide, BoxGeometry, DirectionalLight, Mesh, Object3D, PCFShadowMap } from 'three';
 import { Scene, ShaderMaterial, SpotLight, Vector3, WebGLRenderer } from 'three';
+import { Deformable } from './deformable.js';
 import { Shapes } from './geometry.js';
 import { useEngineLighting } from './shading.js';
 import { loadTextures, material, textured } from './surface.js';
@@ -24,7 +25,9 @@ export class Stage {
     stage.scene = new Scene();
     const textures = await loadTextures(binary, stage.look, stage.renderer.capabilities.getMaxAnisotropy());
     stage.textures = textures;
-    stage.addGeoms(new Shapes(binary, stage.look), description.bodies.length);
+    const shapes = new Shapes(binary, stage.look);
+    stage.addGeoms(shapes);
+    stage.addDeformables(shapes);
     stage.addLights(description.extent);
     stage.addSky();
     return stage;
@@ -58,6 +61,14 @@ export class Stage {
         this.meshes.push(mesh);
       });
     }
+  }
+
+  addDeformables(shapes) {
+    this.deformables = (this.look.deformables ?? []).flatMap((look, index) => {
+      const faces = look.faces && shapes.indices(look.faces);
+      return this.tracks.map((track, at) => new Deformable(look, faces, track, index, at > 0 ? GHOST : 1));
+    });
+    this.deformables.forEach(({ object }) => this.scene.add(object));
   }
 
   addLights(extent) {
@@ -120,6 +131,7 @@ export class Stage {
 
   setTime(time) {
     this.tracks.forEach((track, index) => track.pose(time, this.frames[index]));
+    this.deformables.forEach((deformable) => deformable.update(time));
   }
 
   /** Draws the scene; `center` is the centre of the region with shadows of directional lights. */

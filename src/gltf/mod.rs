@@ -106,6 +106,7 @@ pub fn save<'t>(
         let records = replay::records(trajectory.times(), options.frames_per_second)?;
         let poses = replay::poses(&mut data, &frames, trajectory, &records, |data, _| {
             farthest = distance(data).max(farthest);
+            Ok(())
         })?;
         let times: Vec<f64> = records.iter().map(|&record| trajectory.times()[record]).collect();
         clips.push(Clip::new(label, &times, &poses, &parents)?);

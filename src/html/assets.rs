@@ -63,7 +63,7 @@ fn points<const N: usize>(binary: &mut Binary, points: &[[f32; N]]) -> ([Interva
 
 /// Appends the indices of the corners of triangles. An index that is out of range, which only an
 /// edited model can have, becomes 0.
-fn indices(binary: &mut Binary, faces: &[[i32; 3]], count: usize) -> Part {
+pub(super) fn indices(binary: &mut Binary, faces: &[[i32; 3]], count: usize) -> Part {
     let valid = |&index: &i32| if usize::try_from(index).is_ok_and(|index| index < count) { index.into() } else { 0 };
     binary.part(|binary| binary.channel(Prediction::Previous, faces.as_flattened().iter().map(valid)))
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::assets::{HeightField, Mesh, Texture};
+use super::deformable::Deformable;
 use super::options::HtmlOptions;
 use super::stream::Binary;
 use crate::data::Data;
@@ -20,6 +21,7 @@ pub(super) struct Look {
     height_fields: BTreeMap<usize, HeightField>,
     /// `None` for a texture that is drawn white.
     textures: BTreeMap<usize, Option<Texture>>,
+    pub(super) deformables: Vec<Deformable>,
 }
 
 impl Look {
@@ -36,6 +38,6 @@ impl Look {
         let textures = textures
             .map(|(&index, texture)| (index, texture.as_ref().map(|texture| Texture::new(binary, texture))))
             .collect();
-        Ok(Self { base: look, meshes, height_fields, textures })
+        Ok(Self { base: look, meshes, height_fields, textures, deformables: Vec::new() })
     }
 }

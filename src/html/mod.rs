@@ -32,8 +32,11 @@
 //! than 2 of 255 levels on average. Reflections, fog, haze and the attenuation of lights are not
 //! drawn.
 //!
-//! Skins, flexes, tendons, rangefinders and other decoration are not drawn yet. The page names
-//! what it does not draw, and [`save`] returns the names.
+//! Skins, flexes and tendons that the first record shows, with colours and without textures. Their
+//! vertices have the error of positions.
+//!
+//! Rangefinders and other decoration are not drawn. The page names what it does not draw, and
+//! [`save`] returns the names.
 //!
 //! A trajectory has no positions of mocap bodies and no changes of the model: mocap bodies are
 //! drawn where the model has them.
@@ -47,6 +50,7 @@
 //! program). Its sources are in the folder `html/` of the repository.
 
 mod assets;
+mod deformable;
 mod look;
 mod motion;
 mod options;
@@ -58,6 +62,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use self::deformable::Sampler;
 use self::look::Look;
 use self::motion::{Motion, Steps, Track};
 pub use self::options::{HtmlOptions, Signal};
@@ -147,10 +152,11 @@ pub fn save<'t>(
     let frames = replay::all(&model);
     let camera = camera(&model, options)?;
     let mut binary = Binary::default();
+    let mut sampler = Sampler::new(&model, options)?;
     let (mut tracks, mut look) = (Vec::new(), None);
     for (label, trajectory) in trajectories {
         let signals = if tracks.is_empty() { &options.signals[..] } else { &[] };
-        let mut motion = Motion { data: &mut data, frames: &frames, steps, options };
+        let mut motion = Motion { data: &mut data, frames: &frames, steps, options, sampler: sampler.as_mut() };
         tracks.push(motion.track(&mut binary, label, trajectory, signals)?);
         if look.is_none() {
             trajectory.apply(0, &mut data)?;
@@ -158,7 +164,7 @@ pub fn save<'t>(
             look = Some(Look::new(&mut binary, &mut data, &frames, options)?);
         }
     }
-    let Some(look) = look else {
+    let Some(mut look) = look else {
         return Err(Error::invalid(
             InvalidKind::Unsuitable,
             "the trajectories of a page",
@@ -166,6 +172,10 @@ pub fn save<'t>(
             "at least one",
         ));
     };
+    look.deformables = sampler.map(Sampler::shapes).unwrap_or_default();
+    for shape in &look.deformables {
+        look.base.left_out.remove(&shape.description);
+    }
     let left_out = left_out(&look);
     let description = Description {
         title: &options.title,

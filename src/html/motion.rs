@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::deformable::{Sampler, Vertices};
 use super::options::{HtmlOptions, Signal};
 use super::stream::{Binary, Interval, LIMIT, Part, Prediction};
 use crate::data::Data;
@@ -55,8 +56,36 @@ pub(super) struct Track {
     times: Part,
     /// Poses: for each frame seven channels, the position and the quaternion.
     poses: Part,
+    deformables: Vec<Moving>,
     /// Curves, empty for all but the first trajectory.
     curves: Vec<Curve>,
+}
+
+/// Vertices of a deformable shape.
+#[derive(Debug, Serialize)]
+struct Moving {
+    /// Number of vertices.
+    vertices: usize,
+    /// Three channels for each vertex.
+    values: Part,
+}
+
+impl Moving {
+    /// Takes the vertices in each record. Segments that a record lacks have no length.
+    fn new(binary: &mut Binary, records: &[Vertices], step: f64) -> Result<Self> {
+        let count = records.iter().map(Vec::len).max().unwrap_or(0);
+        let mut channels = Vec::with_capacity(3 * count);
+        for vertex in 0..count {
+            for axis in 0..3 {
+                let value =
+                    |record: &Vertices| record.get(vertex).or(record.last()).map_or(0.0, |at| f64::from(at[axis]));
+                channels.push(rounded(records.iter().map(value), step)?);
+            }
+        }
+        let values =
+            binary.part(|binary| channels.into_iter().for_each(|channel| binary.channel(Prediction::Line, channel)));
+        Ok(Self { vertices: count, values })
+    }
 }
 
 /// A curve of a plot.
@@ -74,6 +103,8 @@ pub(super) struct Motion<'m> {
     pub(super) frames: &'m [Frame],
     pub(super) steps: Steps,
     pub(super) options: &'m HtmlOptions,
+    /// `None` if the model has no deformable shapes.
+    pub(super) sampler: Option<&'m mut Sampler>,
 }
 
 impl Motion<'_> {
@@ -90,10 +121,18 @@ impl Motion<'_> {
             source(self.data, trajectory, signal, &mut sources)?;
         }
         let mut values: Vec<Vec<f64>> = vec![Vec::with_capacity(records.len()); sources.len()];
+        let mut shapes: Vec<Vec<Vertices>> = Vec::new();
         let poses = replay::poses(self.data, self.frames, trajectory, &records, |data, record| {
             for (values, (_, source)) in values.iter_mut().zip(&sources) {
                 values.push(source.value(data, trajectory, record));
             }
+            if let Some(sampler) = &mut self.sampler {
+                for (shape, vertices) in sampler.sample(binary, data)?.into_iter().enumerate() {
+                    shapes.resize_with(shapes.len().max(shape + 1), Vec::new);
+                    shapes[shape].push(vertices);
+                }
+            }
+            Ok(())
         })?;
         let Steps { time, position, rotation } = self.steps;
         let times = rounded(records.iter().map(|&record| trajectory.times()[record]), time)?;
@@ -112,9 +151,10 @@ impl Motion<'_> {
                 binary.channel(Prediction::Line, channel);
             }
         });
+        let deformables = shapes.iter().map(|records| Moving::new(binary, records, position)).collect::<Result<_>>()?;
         let curves = sources.into_iter().zip(values).map(|((name, _), values)| Curve::new(binary, name, &values));
         let curves = curves.collect();
-        Ok(Track { label: label.to_owned(), count: records.len(), times, poses, curves })
+        Ok(Track { label: label.to_owned(), count: records.len(), times, poses, deformables, curves })
     }
 }
 

