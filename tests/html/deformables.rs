@@ -106,7 +106,7 @@ fn vertices_of_skins_are_blended_between_their_bones() {
 fn vertices_of_flexes_are_those_of_the_engine() {
     for (dim, count) in [(1, "5 1 1"), (2, "3 3 1"), (3, "3 3 3")] {
         let model = Model::from_xml_str(&format!(
-            "<mujoco><worldbody><body pos='0 0 1'><flexcomp name='soft' type='grid' count='{count}' dim='{dim}' spacing='.1 .1 .1'
+            "<mujoco><worldbody><body name='base' pos='0 0 1'><flexcomp name='soft' type='grid' count='{count}' dim='{dim}' spacing='.1 .1 .1'
                radius='.01' mass='1'><edge equality='true'/></flexcomp></body></worldbody></mujoco>"
         ))
         .unwrap();
