@@ -47,9 +47,11 @@ struct Arguments {
 /// the soles.
 type Markers = [[f64; 3]; 3];
 
-/// Moments of the motion, s, with the position of the pelvis, the middle of the hands, half their
+/// Moment of the motion, s, with the position of the pelvis, the middle of the hands, half their
 /// distance, and the angle by which they are turned to the left.
-const MOTION: [(f64, [f64; 3], [f64; 3], f64, f64); 6] = [
+type Moment = (f64, [f64; 3], [f64; 3], f64, f64);
+
+const MOTION: [Moment; 6] = [
     (0.0, [0.0, 0.0, 0.95], [0.20, 0.0, 1.00], 0.25, 0.0),
     (1.5, [-0.12, 0.0, 0.62], [0.42, 0.0, 0.40], 0.20, 0.0),
     (2.0, [-0.12, 0.0, 0.62], [0.42, 0.0, 0.40], 0.17, 0.0),

@@ -71,7 +71,7 @@ use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::file;
 use crate::model::{IntoModel, Model};
-use crate::replay::{self, Frame};
+use crate::replay;
 use crate::trajectory::Trajectory;
 
 /// Description of the data of a page. The binary data follows.
@@ -214,7 +214,7 @@ fn left_out(look: &Look) -> Vec<String> {
 #[cfg(feature = "live")]
 pub(crate) fn live(
     data: &mut Data,
-    frames: &[Frame],
+    frames: &[replay::Frame],
     sliders: &[Slider<'_>],
     options: &HtmlOptions,
 ) -> Result<(String, Vec<String>)> {

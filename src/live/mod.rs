@@ -89,9 +89,9 @@ use self::slots::{Grip, Requests, Setting, Slots};
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
-use crate::replay::{self, Frame};
 use crate::html::{self, Slider};
 use crate::model::{IntoModel, Model};
+use crate::replay::{self, Frame};
 
 /// Longest text of a problem in a state, bytes.
 const LONGEST_PROBLEM: usize = 500;
