@@ -273,7 +273,9 @@ mod tests {
         let slots = Slots::new(0);
         let pull = Pull { body: 1, point: [0.0; 3], target: [1.0; 3] };
         let grip = |messages: &[(u64, Message)]| {
-            messages.iter().for_each(|&(client, message)| slots.request(client, message));
+            for &(client, message) in messages {
+                slots.request(client, message);
+            }
             let mut requests = Requests::new(0);
             assert!(slots.take(&mut requests));
             requests.pull

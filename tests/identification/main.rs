@@ -48,7 +48,8 @@ fn model(xml: &str) -> Arc<Model> {
     Arc::new(Model::from_xml_str(xml).unwrap())
 }
 
-/// Recording of a simulation with the true parameters: times, physics states, controls and readings.
+/// Recording of a simulation with the true parameters: times, physics states, controls and
+/// readings.
 struct Log {
     times: Vec<f64>,
     states: Matrix,

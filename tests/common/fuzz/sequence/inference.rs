@@ -55,7 +55,8 @@ fn inverse_kinematics(scene: &Scene<'_>, bytes: &mut Bytes<'_>) -> Result<Ik> {
     Ok(ik)
 }
 
-/// Returns a filter with noise of all kinds. `None` for models of which a step is slow to linearise.
+/// Returns a filter with noise of all kinds. `None` for models of which a step is slow to
+/// linearise.
 fn filter(data: &Data, bytes: &mut Bytes<'_>) -> Result<Option<ExtendedKalmanFilter>> {
     let model = data.model().clone();
     if !is_small(&model, bytes) {
