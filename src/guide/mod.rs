@@ -28,11 +28,8 @@
 //! |---|---|
 //! | models | [variations of a model](cookbook::variations), [a model that changes while it runs](cookbook::changing_model), [objects at random places](cookbook::random_places), [custom fields](cookbook::custom_fields) |
 //! | robots | [inverse kinematics](cookbook::inverse_kinematics), [gravity compensation](cookbook::gravity_compensation), [task-space control](cookbook::task_space), [a gripper](cookbook::gripper), [forces of contacts](cookbook::forces), [lidar](cookbook::lidar), [sensors](cookbook::sensors), [state estimation](cookbook::state_estimation) |
-//! | running | [real time](cookbook::real_time), [saving a state](cookbook::saved_state), [threads](cookbook::threads), [domain randomisation](cookbook::domain_randomisation), [identification](cookbook::identification), [derivatives by parameters](cookbook::parameter_derivatives), [tests in continuous integration](cookbook::testing), [repeating a failure](cookbook::failures) |
-//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page), [a running simulation in a browser](cookbook::live_page) |
 //! | running | [real time](cookbook::real_time), [saving a state](cookbook::saved_state), [threads](cookbook::threads), [domain randomisation](cookbook::domain_randomisation), [identification](cookbook::identification), [derivatives by parameters](cookbook::parameter_derivatives), [tests in continuous integration](cookbook::testing), [repeating a failure](cookbook::failures), [upgrading the engine](cookbook::upgrades) |
-//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page) |
-//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page), [Blender](cookbook::blender) |
+//! | results | [CSV, NumPy, MCAP and logging](cookbook::logging), [plots](cookbook::plots), [images without a display](cookbook::headless_rendering), [video](cookbook::video), [web pages](cookbook::web_page), [a running simulation in a browser](cookbook::live_page), [Blender](cookbook::blender) |
 
 pub mod concepts;
 pub mod control;
