@@ -310,9 +310,10 @@ impl Problem for Shooting<'_> {
     fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         for (index, unknown) in self.unknowns.iter().enumerate() {
             let (bounds, coordinate) = (unknown.bounds(), self.present.coordinates[index]);
+            let longest = unknown.longest_step();
             // Rounding may have moved a coordinate beyond its bound.
-            lower[index] = (bounds[0] - coordinate).min(0.0);
-            upper[index] = (bounds[1] - coordinate).max(0.0);
+            lower[index] = (bounds[0] - coordinate).clamp(-longest, 0.0);
+            upper[index] = (bounds[1] - coordinate).clamp(0.0, longest);
         }
     }
 

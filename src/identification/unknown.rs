@@ -217,6 +217,15 @@ impl Unknown {
         if self.is_logarithmic { scale / self.first } else { scale }
     }
 
+    /// Returns the longest step of the coordinate in an iteration: a factor of 20 for logarithms,
+    /// for which a linear model is not right far away. Without this limit, an extent of a body on
+    /// which the readings hardly depend would become zero.
+    pub(super) fn longest_step(&self) -> f64 {
+        let is_logarithm =
+            self.is_logarithmic || matches!(self.kind, Kind::Parameter(ModelParameter::LogCholesky(_, 0..4)));
+        if is_logarithm { 20_f64.ln() } else { f64::INFINITY }
+    }
+
     /// Returns `true` if the value changes the model and is not known.
     pub(super) fn has_column(&self) -> bool {
         matches!(self.kind, Kind::Parameter(_) | Kind::Edit(_)) && self.lower < self.upper
