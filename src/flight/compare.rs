@@ -152,9 +152,9 @@ impl Comparison {
     }
 
     fn compare_call(&mut self, side: &mut Side, traced: &TracedCall) -> Result<()> {
-        let values = side.inputs(traced, self.calls)?;
-        let time = values[0];
-        let here = evaluate(&mut side.data, traced.call, &values);
+        let inputs = side.inputs(traced, self.calls)?;
+        let time = inputs[0];
+        let here = evaluate(&mut side.data, traced.call, &inputs);
         let there = &traced.results;
         if there.error != here.error {
             let text = |error: &Option<String>| error.as_deref().unwrap_or("success").to_owned();
@@ -200,8 +200,8 @@ impl Comparison {
         if pairs.iter().all(|(quantity, ..)| is_known(quantity)) {
             return Ok(());
         }
-        let disturbed = side.disturbed(traced, &values);
-        let converged = evaluate(&mut side.converged, traced.call, &values);
+        let disturbed = side.disturbed(traced, &inputs);
+        let mut converged = None;
         let (mut divergences, mut convergence) = (Vec::new(), Vec::new());
         for (quantity, there, values) in pairs.into_iter().filter(|(quantity, ..)| !is_known(quantity)) {
             let disturbed = disturbed.iter().map(|results| find(&results.values, quantity));
@@ -228,6 +228,7 @@ impl Comparison {
                     .iter()
                     .find(|series| series.name.strip_prefix(CONVERGED).is_some_and(|name| name == quantity.name));
                 let there = of_trace.zip(find(&traced.results.values, quantity));
+                let converged = converged.get_or_insert_with(|| evaluate(&mut side.converged, traced.call, &inputs));
                 let here = find(&converged.values, quantity).map(|converged| (converged, values));
                 for (converged, values) in there.into_iter().chain(here) {
                     error = pair.error(quantity, converged, values).max(error);
