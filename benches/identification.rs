@@ -87,8 +87,8 @@ for _ in sys.stdin:
     print(repr(seconds), repr(float(error)), file=sys.__stdout__, flush=True)
 "#;
 
-/// What is unknown (`mass` or `inertia` of a body, `armature` or `damping` of a joint), of which
-/// element, and the truth.
+/// Unknown number (`mass` or `inertia` of a body, `armature` or `damping` of a joint), its element,
+/// and the truth.
 type Hidden = (&'static str, String, f64);
 
 struct Problem {

@@ -8,7 +8,8 @@
 //!
 //! ```text
 //! cargo bench --bench rigid_body
-//! MUJOCO_PYTHON=python3 cargo bench --bench rigid_body     after: pip install pin==4.0.0 crocoddyl==3.2.1
+//! pip install pin==4.0.0 crocoddyl==3.2.1
+//! MUJOCO_PYTHON=python3 cargo bench --bench rigid_body
 //! ```
 
 mod common;
@@ -36,7 +37,7 @@ const ORDER: [usize; 10] = [0, 1, 2, 3, 4, 7, 5, 8, 9, 6];
 /// Positions, velocities, accelerations and forces.
 type State = [Vec<f64>; 4];
 
-/// What this library computes, the request for the other, and the function.
+/// Name of a computation of this library, the request for the other, and the function.
 type Computation = (&'static str, &'static str, fn(&mut Robot));
 
 struct Robot {

@@ -20,6 +20,8 @@ mod library;
 #[path = "../benches/common/models.rs"]
 mod models;
 mod peer;
+#[path = "../benches/common/process.rs"]
+mod process;
 mod processor;
 mod report;
 mod slicot;

@@ -1,16 +1,12 @@
 //! Process that runs a reference implementation on command.
 
-use std::io::{BufRead, BufReader, Lines, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::Command;
 
 use crate::Outcome;
+use crate::process::Process;
 
-pub(crate) struct Peer {
-    child: Child,
-    commands: Option<ChildStdin>,
-    answers: Lines<BufReader<ChildStdout>>,
-}
+pub(crate) struct Peer(Process);
 
 impl Peer {
     /// Starts a program, or a script with an interpreter, for a model.
@@ -28,28 +24,15 @@ impl Peer {
         if let (Some(library), true) = (std::env::var_os("COMPARE_PRELOAD"), script.is_some()) {
             command.env("LD_PRELOAD", library);
         }
-        let mut child = command
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .map_err(|error| format!("{}: {error}", program.display()))?;
-        let answers = BufReader::new(child.stdout.take().ok_or("no output")?).lines();
-        Ok(Self { commands: child.stdin.take(), child, answers })
+        let process = Process::spawn(&mut command).map_err(|error| format!("{}: {error}", program.display()))?;
+        Ok(Self(process))
     }
 
     /// Runs a command. Returns the elapsed seconds and a checksum of the result.
     pub(crate) fn run(&mut self, command: &str) -> Outcome<(f64, f64)> {
-        writeln!(self.commands.as_mut().ok_or("the process has ended")?, "{command}")?;
-        let answer = self.answers.next().ok_or_else(|| format!("no answer to: {command}"))??;
+        self.0.send(command)?;
+        let answer = self.0.line().map_err(|error| format!("no answer to {command}: {error}"))?;
         let (seconds, checksum) = answer.split_once(' ').ok_or_else(|| format!("unexpected answer: {answer}"))?;
         Ok((seconds.parse()?, checksum.parse()?))
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        // The process exits at the end of its input.
-        drop(self.commands.take());
-        let _ = self.child.wait();
     }
 }

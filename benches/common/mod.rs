@@ -17,6 +17,7 @@
 pub(crate) mod episode;
 pub(crate) mod models;
 pub(crate) mod peer;
+mod process;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -1,15 +1,13 @@
 //! A program of another library, which computes the same as a benchmark, alternately with it.
 
-use std::io::{BufRead, BufReader, Error, ErrorKind, Lines, Result, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::io::{Error, Result};
+use std::process::Command;
+
+use super::process::Process;
 
 /// A running program. It reads one line for each request, and answers with a line of numbers. All
 /// other lines that it prints are ignored.
-pub(crate) struct Peer {
-    child: Child,
-    input: Option<ChildStdin>,
-    output: Lines<BufReader<ChildStdout>>,
-}
+pub(crate) struct Peer(Process);
 
 /// Medians of the seconds of both libraries and of the ratio, with the range of the middle 60 % of
 /// the ratios, and the numbers that follow the seconds in the last answer.
@@ -23,28 +21,17 @@ pub(crate) struct Comparison {
 impl Peer {
     /// Starts a program with the first lines of its input, and waits until it prints `ready`.
     pub(crate) fn start(python: &str, arguments: &[&str], lines: &[String]) -> Result<Self> {
-        let mut command = Command::new(python);
-        let mut child = command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-        let (input, output) = (child.stdin.take(), child.stdout.take().expect("the stream is piped"));
-        let mut peer = Self { child, input, output: BufReader::new(output).lines() };
-        lines.iter().try_for_each(|line| peer.send(line))?;
-        while peer.line()? != "ready" {}
-        Ok(peer)
-    }
-
-    fn send(&mut self, line: &str) -> Result<()> {
-        writeln!(self.input.as_mut().expect("the stream is open"), "{line}")
-    }
-
-    fn line(&mut self) -> Result<String> {
-        self.output.next().unwrap_or_else(|| Err(Error::new(ErrorKind::UnexpectedEof, "the program ended")))
+        let mut process = Process::spawn(Command::new(python).args(arguments))?;
+        lines.iter().try_for_each(|line| process.send(line))?;
+        while process.line()? != "ready" {}
+        Ok(Self(process))
     }
 
     /// Sends a request, and returns the numbers of the answer.
     pub(crate) fn ask(&mut self, request: &str) -> Result<Vec<f64>> {
-        self.send(request)?;
+        self.0.send(request)?;
         loop {
-            let line = self.line()?;
+            let line = self.0.line()?;
             if let Ok(numbers) = line.split_whitespace().map(str::parse).collect() {
                 return Ok(numbers);
             }
@@ -67,14 +54,6 @@ impl Peer {
         let ours = super::median(times.iter().map(|(ours, _)| *ours).collect());
         let theirs = super::median(times.iter().map(|(_, theirs)| *theirs).collect());
         Ok(Comparison { ours, theirs, ratio, rest })
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        // The program ends with its input.
-        self.input = None;
-        let _ = self.child.wait();
     }
 }
 
