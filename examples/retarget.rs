@@ -3,8 +3,10 @@
 //!
 //! ```text
 //! cargo run --release --example retarget -- --out out
-//! cargo run --release --features html --example retarget -- --out out     also a page that plays it
+//! cargo run --release --features html --example retarget -- --out out
 //! ```
+//!
+//! With the feature `html` it also writes a page that plays the motion.
 //!
 //! The motion has the positions of the pelvis and of the hands of a person of 1.85 m, at 60 frames
 //! per second. They are scaled by the length of the legs. The feet stand and the centre of mass

@@ -87,10 +87,7 @@ impl Contents {
         for clip in clips {
             clip.animate(&mut document, &nodes, &rest, extent, options.rotation_error)?;
         }
-        let left_out: Vec<String> = self.left_out.into_iter().collect();
-        for element in &left_out {
-            log::warn!("a glTF file does not contain {element}");
-        }
+        let left_out = replay::report(self.left_out, "a glTF file does not contain");
         let bytes = document.file().map_err(Error::file(path))?;
         file::replace(path, |out| out.write_all(&bytes))?;
         Ok(left_out)

@@ -176,7 +176,7 @@ pub fn save<'t>(
     for shape in &look.deformables {
         look.base.left_out.remove(&shape.description);
     }
-    let left_out = left_out(&look);
+    let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
     let description = Description {
         title: &options.title,
         bodies: model.bodies().map(|body| body.name()).collect(),
@@ -200,15 +200,6 @@ fn camera(model: &Model, options: &HtmlOptions) -> Result<Option<usize>> {
     options.camera.as_ref().map(|name| Ok(model.camera(name)?.id().index())).transpose()
 }
 
-/// Returns and logs the descriptions of what a page does not draw.
-fn left_out(look: &Look) -> Vec<String> {
-    let left_out: Vec<String> = look.base.left_out.iter().cloned().collect();
-    for element in &left_out {
-        log::warn!("an HTML page does not draw {element}");
-    }
-    left_out
-}
-
 /// Returns the text of a page for a running simulation, of which the positions have been computed,
 /// and descriptions of what the page does not draw.
 #[cfg(feature = "live")]
@@ -222,7 +213,7 @@ pub(crate) fn live(
     let extent = model.statistics().extent;
     let mut binary = Binary::default();
     let look = Look::new(&mut binary, data, frames, options)?;
-    let left_out = left_out(&look);
+    let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
     let description = Description {
         title: &options.title,
         bodies: model.bodies().map(|body| body.name()).collect(),

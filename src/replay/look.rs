@@ -172,6 +172,11 @@ impl Look {
     }
 }
 
+/// Logs and returns the descriptions of elements that a file leaves out.
+pub(crate) fn report(left_out: BTreeSet<String>, problem: &str) -> Vec<String> {
+    left_out.into_iter().inspect(|element| log::warn!("{problem} {element}")).collect()
+}
+
 /// Returns the shape, or `None` for shapes that are not drawn.
 fn shape(geom: SceneGeom<'_>) -> Option<Shape> {
     Some(match geom.geom_type() {

@@ -8,7 +8,7 @@ mod texture_map;
 mod view;
 
 pub(crate) use self::frame::{Frame, Pose, all, pose};
-pub(crate) use self::look::{Geom, Groups, Look, Shape, description};
+pub(crate) use self::look::{Geom, Groups, Look, Shape, description, report};
 pub(crate) use self::motion::{poses, records};
 pub(crate) use self::texture::Texture;
 pub(crate) use self::texture_map::TextureMap;

@@ -1,4 +1,4 @@
-//! What cannot be saved is an error.
+//! Errors for trajectories and states that cannot be saved.
 
 use mujoco_safe::gltf::GltfOptions;
 use mujoco_safe::{Data, Error, Model, Trajectory, sample};
