@@ -391,6 +391,16 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(adapted::texture_bytes(self.as_ptr()), length) }
     }
 
+    /// Sets the index of the material of a geom.
+    pub(crate) fn set_geom_material(&mut self, geom: usize, material: Option<usize>) {
+        let (length, materials) = (self.ngeom(), self.nmat());
+        assert!(material.is_none_or(|index| index < materials), "Bug: material {material:?} of {materials}");
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed
+        // exclusively. The index is that of a material, or −1 for none.
+        let indices = unsafe { ffi::array_mut(self.raw_mut().geom_matid, length) };
+        indices[geom] = material.map_or(-1, |index| index as c_int);
+    }
+
     /// Makes a light directional, or else a spotlight.
     pub(crate) fn set_is_directional(&mut self, light: usize, directional: bool) {
         assert!(light < self.nlight(), "Bug: light {light} of {}", self.nlight());

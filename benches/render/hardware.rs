@@ -132,7 +132,9 @@ fn many(
     let (mut scene, mut image) = (Scene::new(data.model(), 1000)?, RgbImage::default());
     let mut update = |index: usize, scene: &mut Scene| {
         data.set_state(StateSpec::PHYSICS, &states[index % states.len()])?;
-        data.fwd_position()?;
+        data.kinematics()?;
+        data.com_pos()?;
+        data.camlight()?;
         scene.update(&mut data, &view, None, &mut camera, Categories::all())
     };
     let (mut rates, mut costs, mut ratios, mut apart) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

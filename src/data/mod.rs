@@ -209,6 +209,11 @@ impl Data {
         self.raw.as_ptr()
     }
 
+    /// Returns the record of valid results.
+    pub(crate) fn computed(&self) -> PipelineFlags {
+        self.computed
+    }
+
     /// Replaces the record of valid results.
     pub(crate) fn set_computed(&mut self, computed: PipelineFlags) {
         self.computed = computed;

@@ -3,7 +3,7 @@
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{CameraMode, GeomType, SameFrame};
-use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId};
+use crate::id::{BodyId, HeightFieldId, Lookup, MaterialId, MeshId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
@@ -75,6 +75,39 @@ fields!(Geom on Model {
     /// User data.
     user: [f64] = geom_user, user_mut in geom_user_mut;
 });
+
+/// # Methods of [`GeomMut`](super::GeomMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Geom> {
+    /// Sets `material`. Give a model several materials to choose the textures of its pictures at
+    /// random. The mass does not change.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    ///
+    /// ```
+    /// use mujoco_safe::Model;
+    ///
+    /// let mut model = Model::from_xml_str(
+    ///     "<mujoco><asset><material name='wood'/><material name='steel'/></asset>
+    ///        <worldbody><geom name='table' size='.1' material='wood'/></worldbody></mujoco>",
+    /// )?;
+    /// let steel = model.material("steel")?.id();
+    /// model.edit().geom_mut("table")?.set_material(Some(steel));
+    /// assert_eq!(model.geom("table")?.material(), Some(steel));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[track_caller]
+    #[doc(alias = "matid")]
+    pub fn set_material(&mut self, material: Option<MaterialId>) {
+        let material = material.map(|id| {
+            self.owner.check_id(id);
+            id.index()
+        });
+        let index = self.id.index();
+        self.owner.set_geom_material(index, material);
+    }
+}
 
 fields!(Geom on Data {
     /// Position, m, world frame.

@@ -5,7 +5,8 @@ use std::ffi::c_int;
 use mujoco_sys::{self as sys, adapted, guard, mjvCamera};
 
 use super::Scene;
-use crate::data::{Data, Stage};
+use super::needs::check_poses;
+use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, CameraId, Id, IntoId};
@@ -255,7 +256,7 @@ impl Scene {
     #[doc(alias = "mjv_updateCamera")]
     pub fn update_camera(&mut self, data: &Data, camera: &mut Camera) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;
-        data.check_computed("Scene::update_camera", Stage::Position)?;
+        check_poses("Scene::update_camera", data)?;
         let mut raw = camera.raw(data.model())?;
         let scene = self.raw_mut();
         data.call("mjv_updateCamera", |m, d| {

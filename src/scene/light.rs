@@ -3,7 +3,8 @@
 use mujoco_sys::{guard, mjvLight};
 
 use super::Scene;
-use crate::data::{Data, Stage};
+use super::needs::check_poses;
+use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
 
@@ -115,7 +116,7 @@ impl Scene {
     #[doc(alias = "mjv_makeLights")]
     pub fn update_lights(&mut self, data: &Data) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;
-        data.check_computed("Scene::update_lights", Stage::Position)?;
+        check_poses("Scene::update_lights", data)?;
         let scene = std::ptr::from_mut(self.raw_mut());
         data.call("mjv_makeLights", |m, d| {
             // SAFETY: the model and the data belong together, and the function only reads them.

@@ -47,6 +47,7 @@ mod camera_source;
 mod flex;
 mod geom;
 mod light;
+mod needs;
 mod new_geom;
 mod options;
 mod perturbation;

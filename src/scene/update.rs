@@ -7,7 +7,7 @@ use std::ptr;
 use mujoco_sys::{adapted, guard, mjMAXLIGHT};
 
 use super::{Camera, Categories, Perturbation, Scene, SceneOptions};
-use crate::data::{Data, Stage, Warning};
+use crate::data::{Data, Warning};
 use crate::error::{Error, Result};
 
 impl Scene {
@@ -18,9 +18,15 @@ impl Scene {
     /// `perturbation` is drawn if `options` enable it. `categories` restricts the geoms;
     /// [`Categories::all`] includes everything.
     ///
-    /// The required results must have been computed: positions, and all stages if contacts or
-    /// constraints are shown. Results of the previous state, as [`Data::step`] leaves them, are
-    /// sufficient.
+    /// What the scene shows must have been computed. [`Data::forward`] computes all of it, and
+    /// [`Data::step`] leaves the results of the previous state, which are sufficient. Otherwise
+    /// these are sufficient, if neither contacts nor constraints are shown:
+    ///
+    /// - [`kinematics`](Data::kinematics), [`com_pos`](Data::com_pos) and
+    ///   [`camlight`](Data::camlight), which take a fraction of the time,
+    /// - [`fwd_position`](Data::fwd_position) for a model with tendons or plugins, or if joints or
+    ///   bounding volumes are shown,
+    /// - and after it [`sensor_pos`](Data::sensor_pos) for the rays of rangefinders.
     ///
     /// # Errors
     ///
@@ -45,7 +51,7 @@ impl Scene {
         camera: &mut Camera,
         categories: Categories,
     ) -> Result<()> {
-        self.check_data("Scene::update", data, options)?;
+        self.check_data("Scene::update", data, options, categories)?;
         let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
         let mut raw_camera = camera.raw(data.model())?;
         let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
@@ -78,7 +84,7 @@ impl Scene {
         camera: &mut Camera,
     ) -> Result<()> {
         let start = *camera;
-        self.check_data("Renderer::snapshot", data, options)?;
+        self.check_data("Renderer::snapshot", data, options, Categories::all())?;
         self.update_camera(data, &mut camera.clone())?;
         let before = data.raw().warning;
         loop {
@@ -134,7 +140,7 @@ impl Scene {
         perturbation: Option<&Perturbation>,
         categories: Categories,
     ) -> Result<Range<usize>> {
-        self.check_data("Scene::add_geoms", data, options)?;
+        self.check_data("Scene::add_geoms", data, options, categories)?;
         let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
         let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
         let (opt, catmask) = (options.raw(), categories.bits() as c_int);
@@ -150,13 +156,19 @@ impl Scene {
 
     /// Returns an error unless the data belongs to the model and contains every result that the
     /// engine reads.
-    fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
+    fn check_data(
+        &self,
+        call: &'static str,
+        data: &Data,
+        options: &SceneOptions,
+        categories: Categories,
+    ) -> Result<()> {
         let model = data.model();
         self.check_model(model, "the data to show")?;
         options.label.check_supported()?;
         // The engine does not clamp the groups of skins. Loading a model rejects groups out of
         // range.
-        data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
+        options.check_computed(call, data, categories)
     }
 
     /// Returns `true` if the engine reports a full scene in the scene itself, as newer engines do.

@@ -42,9 +42,10 @@ bitflags! {
         /// written them.
         const CONSTRAINT_STATE = 1 << 26;
 
+        /// Poses of bodies, cameras and lights, and positions of flexes.
+        const POSES = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits();
         /// Results of [`Stage::Position`].
-        const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
-            | Self::CRB.bits() | Self::FACTOR_M.bits() | Self::COLLISION.bits() | Self::CONSTRAINT.bits()
+        const POSITION = Self::POSES.bits() | Self::TENDON.bits() | Self::CRB.bits() | Self::FACTOR_M.bits() | Self::COLLISION.bits() | Self::CONSTRAINT.bits()
             | Self::TRANSMISSION.bits();
         /// Results of [`Stage::Velocity`].
         const VELOCITY = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()

@@ -301,3 +301,37 @@ fn camera_of_a_batch_sees_each_simulation_with_its_edits() {
     let error = camera.rgb(batch).unwrap_err();
     assert!(matches!(error, RenderError::Other(Error::OtherModel { .. })), "{error:?}");
 }
+
+#[test]
+fn each_image_of_a_batch_shows_the_material_of_its_edit() {
+    let xml = |material: &str| {
+        format!(
+            "<mujoco><asset>
+                <texture name='tiles' type='2d' builtin='checker' rgb1='1 0 0' rgb2='0 0 1' width='32' height='32'/>
+                <texture name='cube' type='cube' builtin='flat' mark='edge' rgb1='0 .8 0' markrgb='1 1 1' width='32' height='32'/>
+                <material name='first' texture='tiles' texrepeat='2 2'/>
+                <material name='second' texture='cube' specular='.8'/></asset>
+              <worldbody><light pos='0 -1 3'/><geom name='table' type='box' size='.5 .5 .1' {material}/></worldbody></mujoco>"
+        )
+    };
+    let materials = ["material='first'", "material='second'", ""];
+    let batch = Batch::new(Model::from_xml_str(&xml(materials[0])).unwrap(), 6).unwrap();
+    let model = batch.model().clone();
+    let ids = [Some(model.material("first").unwrap().id()), Some(model.material("second").unwrap().id()), None];
+    let mut free = Camera { azimuth: 30.0, elevation: -40.0, ..Camera::free(&model) };
+    let edit = move |index: usize, data: &mut Data| {
+        data.edit_model(|edit| edit.geom_mut("table").unwrap().set_material(ids[index % 3]))
+    };
+    let mut camera = BatchCamera::new(renderer(&model, 4), &model, &mut free).unwrap().with_edits(edit);
+    // Models that were compiled with these materials.
+    let expected = materials.map(|material| {
+        let mut data = Data::new(Model::from_xml_str(&xml(material)).unwrap()).unwrap();
+        data.forward().unwrap();
+        let mut free = free;
+        renderer(data.model(), 4).snapshot(&mut data, &mut free).unwrap().rgb().unwrap().into_bytes()
+    });
+    assert!(expected[0] != expected[1] && expected[1] != expected[2]);
+    for (index, image) in camera.rgb(&batch).unwrap().chunks(3 * AREA).enumerate() {
+        assert_similar(0.005, image, &expected[index % 3], |found, expected| found.abs_diff(*expected) <= 8);
+    }
+}

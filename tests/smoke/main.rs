@@ -67,6 +67,7 @@ mod plugin;
 #[cfg(engine_since = "3.2.0")]
 mod plugin_state;
 mod real_models;
+mod scenes;
 // With other engines, the compiler crashes on some of these models.
 #[cfg(tested_in_full)]
 mod schema;

@@ -131,24 +131,21 @@ impl Appearance {
         let (pos, mat) = (geom.pos(), geom.mat());
         // The vertices of skins and flexes are in world space.
         let is_in_world = matches!(geom.geom_type(), SceneGeomType::Skin | SceneGeomType::Flex);
-        let rows = [0, 1, 2].map(|row| {
-            if is_in_world {
-                let mut identity = [0.0; 4];
-                identity[row] = 1.0;
-                return identity;
-            }
-            let axes = [mat[3 * row], mat[3 * row + 1], mat[3 * row + 2]];
-            if let Some([from, to]) = part.edge {
-                let along = |vector: [f32; 3]| (0..3).map(|axis| axes[axis] * vector[axis]).sum::<f32>();
-                return [0.0, 0.0, along(to) - along(from), pos[row] + along(from)];
-            }
-            let [x, y, z] = axes;
-            [x * part.scale[0], y * part.scale[1], z * part.scale[2], pos[row] + z * part.shift]
-        });
-        let normal_scale = [0, 1, 2].map(|column| {
-            let squared_length = rows.iter().map(|row| row[column] * row[column]).sum::<f32>();
-            1.0 / squared_length.max(1e-30)
-        });
+        let rows: [[f32; 4]; 3] = if is_in_world {
+            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+        } else {
+            let row = |row: usize| {
+                let [x, y, z] = [mat[3 * row], mat[3 * row + 1], mat[3 * row + 2]];
+                if let Some([from, to]) = part.edge {
+                    let along = |vector: [f32; 3]| x * vector[0] + y * vector[1] + z * vector[2];
+                    return [0.0, 0.0, along(to) - along(from), pos[row] + along(from)];
+                }
+                [x * part.scale[0], y * part.scale[1], z * part.scale[2], pos[row] + z * part.shift]
+            };
+            [row(0), row(1), row(2)]
+        };
+        let [a, b, c] = rows;
+        let normal_scale = [0, 1, 2].map(|k| 1.0 / (a[k] * a[k] + b[k] * b[k] + c[k] * c[k]).max(1e-30));
         let Self { rgba, mut material, ref texture, id } = *self;
         if line {
             material[0] = line_width(geom);

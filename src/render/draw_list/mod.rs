@@ -61,8 +61,8 @@ pub(crate) struct DrawList {
     /// Distances and index ranges of pending transparent instances.
     transparent_order: Vec<(f32, u32, u32)>,
     parts: Vec<Part>,
-    /// Number of opaque geoms with a pose.
-    poses: HashMap<[u32; 12], u64>,
+    /// Number of opaque geoms with a pose, by a hash of the pose.
+    poses: HashMap<u64, u64>,
 }
 
 /// Infinite plane, which forms the horizon.
@@ -224,12 +224,16 @@ impl DrawList {
     }
 
     /// Counts the opaque geoms with the pose of a geom so far. Their surfaces may coincide, and the
-    /// last one is visible, as in the engine's images.
+    /// last one is visible, as in the engine's images. Another pose with the same hash only makes
+    /// the order stricter.
     fn rank(&mut self, geom: SceneGeom<'_>) -> u64 {
-        let (pos, mat) = (geom.pos(), geom.mat());
-        // Zeros of both signs are one pose.
-        let bits = |index: usize| (if index < 3 { pos[index] } else { mat[index - 3] } + 0.0).to_bits();
-        let count = self.poses.entry(std::array::from_fn(bits)).or_insert(0);
+        let hash = |hash: u64, number: f32| {
+            // Zeros of both signs are one pose.
+            let bits = u64::from((number + 0.0).to_bits());
+            (hash.rotate_left(5) ^ bits).wrapping_mul(0x9E37_79B9_7F4A_7C15) // 2⁶⁴ by the golden ratio
+        };
+        let pose = geom.mat().into_iter().fold(geom.pos().into_iter().fold(0, hash), hash);
+        let count = self.poses.entry(pose).or_insert(0);
         *count += 1;
         *count - 1
     }

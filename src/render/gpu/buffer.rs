@@ -4,6 +4,7 @@ use std::slice::ChunksExact;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::Length;
 use crate::render::{Gpu, RenderError};
 
 /// GPU buffer that is written for every frame, unless its contents stay. It grows by half and never
@@ -107,14 +108,14 @@ impl ReadBackBuffer {
         mut each: impl FnMut(&[u8]),
     ) -> Result<(), RenderError> {
         let used = (self.size[0] * self.bytes_per_pixel) as usize;
-        self.mapped(gpu, submission, |rows| rows.rev().for_each(|row| each(&row[..used])))
+        self.mapped(gpu, (submission, Length::Short), |rows| rows.rev().for_each(|row| each(&row[..used])))
     }
 
     /// Waits for the submission with the copy and passes the rows, with their padding, to `read`.
     pub(crate) fn mapped(
         &self,
         gpu: &Gpu,
-        submission: wgpu::SubmissionIndex,
+        submission: (wgpu::SubmissionIndex, Length),
         read: impl FnOnce(ChunksExact<'_, u8>),
     ) -> Result<(), RenderError> {
         read_mapped(gpu, &self.buffer, submission, |bytes| read(bytes.chunks_exact(self.bytes_per_row as usize)))
@@ -125,7 +126,7 @@ impl ReadBackBuffer {
 pub(crate) fn read_mapped(
     gpu: &Gpu,
     buffer: &wgpu::Buffer,
-    submission: wgpu::SubmissionIndex,
+    submission: (wgpu::SubmissionIndex, Length),
     read: impl FnOnce(&[u8]),
 ) -> Result<(), RenderError> {
     let slice = buffer.slice(..);

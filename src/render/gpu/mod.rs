@@ -36,6 +36,17 @@ pub struct Gpu {
 
 /// Time for which a thread waits for hardware without blocking.
 const SHORT_WAIT: Duration = Duration::from_millis(1);
+/// Time between two looks at a long submission.
+const NAP: Duration = Duration::from_micros(100);
+
+/// Length of a submission, from which follows how a thread waits for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Length {
+    /// One image, which hardware renders in less than [`SHORT_WAIT`].
+    Short,
+    /// Many images.
+    Long,
+}
 
 struct Shared {
     device: wgpu::Device,
@@ -212,20 +223,24 @@ impl Gpu {
     /// brings about.
     ///
     /// While wgpu blocks, it holds locks that stop the submissions of other threads: threads that
-    /// share the device would take turns. An image takes hardware less than [`SHORT_WAIT`], for
-    /// which this asks again and again. A software rasteriser needs the processor itself.
+    /// share the device would take turns. For a short submission this asks hardware again and
+    /// again, and for a long one it sleeps in between, which leaves the processor to others. A
+    /// software rasteriser needs the processor itself.
     pub(crate) fn wait_for(
         &self,
-        submission: wgpu::SubmissionIndex,
+        (submission, length): (wgpu::SubmissionIndex, Length),
         is_done: impl Fn() -> bool,
     ) -> Result<(), RenderError> {
         let start = Instant::now();
-        while self.kind() != GpuKind::Software && start.elapsed() < SHORT_WAIT {
+        while self.kind() != GpuKind::Software && (length == Length::Long || start.elapsed() < SHORT_WAIT) {
             self.poll(wgpu::PollType::Poll)?;
             if is_done() {
                 return Ok(());
             }
-            std::thread::yield_now();
+            match length {
+                Length::Short => std::thread::yield_now(),
+                Length::Long => std::thread::sleep(NAP),
+            }
         }
         self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
         // Another thread may have taken the callback and be about to call it.

@@ -1,6 +1,7 @@
 //! Conversion of the images in a texture to one array on the graphics card: image by image, with
 //! the numbers that callers get.
 
+use crate::render::gpu::Length;
 use crate::render::gpu::buffer::{create_buffer, read_mapped};
 use crate::render::{Gpu, RenderError};
 
@@ -154,7 +155,7 @@ impl Pack {
     pub(crate) fn mapped(
         &self,
         gpu: &Gpu,
-        submission: wgpu::SubmissionIndex,
+        submission: (wgpu::SubmissionIndex, Length),
         read: impl FnOnce(&[u8]),
     ) -> Result<(), RenderError> {
         let size = self.images.bytes(self.packing) as usize;

@@ -57,7 +57,9 @@ impl Renderer {
     /// renderer.rgb_batch_into(
     ///     |index, scene| {
     ///         batch.load(index, &mut data)?;
-    ///         data.forward()?;
+    ///         data.kinematics()?;
+    ///         data.com_pos()?;
+    ///         data.camlight()?;
     ///         scene.update(&mut data, &options, None, &mut camera, Categories::all())
     ///     },
     ///     &mut rgb,

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::model::IntoModel;
 use crate::render::RenderError;
 use crate::rollout::Batch;
-use crate::scene::{Camera, CameraSource, Scene, SceneOptions};
+use crate::scene::{Camera, CameraSource, Categories, Scene, SceneOptions};
 
 /// Changes a simulation before its image is drawn.
 type Edit = dyn FnMut(usize, &mut Data) -> Result<()> + Send;
@@ -74,9 +74,9 @@ impl BatchCamera {
         Ok(Self { renderer, data, camera, options: SceneOptions::default(), edit: None, rgb, metres, ids })
     }
 
-    /// Sets what the images show: visible groups, frames, contacts, … For contacts and constraints,
-    /// the camera computes [`Data::forward`] of each simulation, and otherwise
-    /// [`Data::fwd_position`].
+    /// Sets what the images show: visible groups, frames, contacts, … The camera computes only what
+    /// they show: for contacts and constraints [`Data::forward`] of each simulation, for tendons,
+    /// joints and rangefinders the position stage, and otherwise the poses alone.
     #[must_use]
     pub fn with_scene_options(mut self, options: SceneOptions) -> Self {
         self.options = options;
@@ -84,9 +84,10 @@ impl BatchCamera {
     }
 
     /// Calls `edit` with each simulation before it is drawn, in the order of their indices. Edits
-    /// of its model randomise colours, lights and cameras; they last for this image, and do not
-    /// change the batch. Edits of textures, meshes, height fields and visual settings (`vis`) have
-    /// no effect, because the renderer has its own copies of them.
+    /// of its model randomise colours, lights, cameras and, by
+    /// [`set_material`](crate::element::GeomMut::set_material), textures; they last for this image,
+    /// and do not change the batch. Edits of the pixels of textures, of meshes, height fields and
+    /// visual settings (`vis`) have no effect, because the renderer has its own copies of them.
     ///
     /// ```no_run
     /// use mujoco_safe::render::{BatchCamera, Renderer};
@@ -212,11 +213,7 @@ fn update<'c>(
         if let Some(edit) = edit {
             edit(index, data)?;
         }
-        if options.shows_contacts() {
-            data.forward()?;
-        } else {
-            data.fwd_position()?;
-        }
+        options.compute(data, Categories::all())?;
         // A tracking camera moves with each update.
         scene.update_and_grow(data, options, &mut camera.clone())
     }

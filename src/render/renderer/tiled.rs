@@ -7,6 +7,7 @@ use super::frame::{Frame, TargetNeeds};
 use super::layout::Tiles;
 use super::merged::Merged;
 use crate::render::draw_list::AuxOutput;
+use crate::render::gpu::Length;
 use crate::render::gpu::buffer::ReadBackBuffer;
 use crate::render::pass::{
     AuxLayer, AuxTarget, COLOR_FORMAT, Pack, PackedImages, Packing, Target, begin_ids, begin_main,
@@ -17,6 +18,9 @@ use crate::scene::{Scene, SceneGeomType};
 /// Number of texels of shadow maps from which a submission takes no further image, to limit the
 /// memory.
 const MAX_SHADOW_TEXELS: u64 = 1 << 24;
+
+/// Number of images from which a submission takes so long that a thread can sleep meanwhile.
+const LONG: usize = 8;
 
 /// Frames of the images of a submission, and its render targets.
 #[derive(Default)]
@@ -191,6 +195,7 @@ impl TiledImages {
     pub(super) fn finish(&mut self, gpu: &Gpu, tiles: &Tiles, read: &mut Read<'_>) -> Result<(), RenderError> {
         let Some(Submitted { submission, images, content }) = self.submitted.take() else { return Ok(()) };
         let [width, height] = tiles.tile.map(|length| length as usize);
+        let submission = (submission, if images < LONG { Length::Short } else { Length::Long });
         match (content, &self.read_back) {
             (Content::Texture { bytes_per_pixel }, Some(buffer)) => buffer.mapped(gpu, submission, |rows| {
                 for index in 0..images {

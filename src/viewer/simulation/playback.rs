@@ -148,7 +148,7 @@ impl Player {
         self.added.clear();
         for record in self.burst.records(sampling, self.frame, room) {
             trajectory.apply(record, data)?;
-            data.fwd_position()?;
+            options.compute(data, Categories::DYNAMIC)?;
             self.added.push((scene.ngeom(), record));
             match scene.add_geoms(data, &options, None, Categories::DYNAMIC) {
                 Ok(_) => {}
