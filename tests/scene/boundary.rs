@@ -110,32 +110,36 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
 fn a_scene_needs_computed_results() {
     let mut data = Data::new(every_element()).unwrap();
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
-    let mut check = |data: &mut Data, expected: [bool; 3], when: &str| {
-        assert_eq!(try_all(&mut scene, data), expected, "{when}");
+    let check = |scene: &mut Scene, data: &mut Data, expected: [bool; 3], when: &str| {
+        assert_eq!(try_all(scene, data), expected, "{when}");
     };
-    check(&mut data, [false; 3], "before any call");
+    check(&mut scene, &mut data, [false; 3], "before any call");
     data.kinematics().unwrap();
-    check(&mut data, [false; 3], "after some position stages");
+    check(&mut scene, &mut data, [false; 3], "after some position stages");
     data.fwd_position().unwrap();
-    check(&mut data, [true, false, false], "after positions");
+    let mut camera = Camera::free(data.model());
+    let rays = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+    assert!(matches!(rays, Err(Error::NotComputed { call: "Scene::update", .. })), "lengths of rays: {rays:?}");
+    data.sensor_pos().unwrap();
+    check(&mut scene, &mut data, [true, false, false], "after positions");
     data.fwd_velocity().unwrap();
-    check(&mut data, [true, false, true], "after velocities");
+    check(&mut scene, &mut data, [true, false, true], "after velocities");
     data.forward().unwrap();
-    check(&mut data, [true; 3], "after everything");
+    check(&mut scene, &mut data, [true; 3], "after everything");
     for _ in 0..200 {
         data.step().unwrap();
     }
-    check(&mut data, [true; 3], "after a step");
+    check(&mut scene, &mut data, [true; 3], "after a step");
     data.step1().unwrap();
-    check(&mut data, [true, false, true], "with rows that have no forces yet");
+    check(&mut scene, &mut data, [true, false, true], "with rows that have no forces yet");
     data.inverse().unwrap();
-    check(&mut data, [true; 3], "after inverse dynamics");
+    check(&mut scene, &mut data, [true; 3], "after inverse dynamics");
     data.edit_model(|model| model.edit_options(|options| options.cone = Cone::Elliptic)).unwrap();
-    check(&mut data, [false; 3], "with contacts of another layout");
+    check(&mut scene, &mut data, [false; 3], "with contacts of another layout");
     data.forward().unwrap();
-    check(&mut data, [true; 3], "after everything");
+    check(&mut scene, &mut data, [true; 3], "after everything");
     data.reset().unwrap();
-    check(&mut data, [false; 3], "after a reset");
+    check(&mut scene, &mut data, [false; 3], "after a reset");
 }
 
 #[test]
