@@ -209,9 +209,11 @@ impl Lineariser {
                 (outputs.c, outputs.d) = (None, None);
             }
             let base = BasePoint { integration: &self.base, knot: None };
-            let found = linearise(&mut self.workers[..1], base, &self.options, self.obstacles, outputs)?;
-            merge(report, found);
-            self.add_parameters(adjoint, wants_sensors, gradient, report)?;
+            let has_parameters = !adjoint.resolved.is_empty();
+            let worker = &mut self.workers[..1];
+            let found = linearise(worker, base, &self.options, self.obstacles, outputs, has_parameters)?;
+            report.merge(found);
+            self.add_parameters(adjoint, wants_sensors, found.is_at_point(), gradient, report)?;
         }
         let Adjoint { system, present, next, controls, sensors, .. } = adjoint;
         if !is_end {
@@ -234,11 +236,12 @@ impl Lineariser {
         Ok(())
     }
 
-    /// Adds the gradient by the parameters in the step from `base`.
+    /// Adds the gradient by the parameters in the step from `base`, which was linearised.
     fn add_parameters(
         &mut self,
         adjoint: &mut Adjoint,
         wants_sensors: bool,
+        is_at_point: bool,
         gradient: &mut CostGradient,
         report: &mut LinearisationReport,
     ) -> Result<()> {
@@ -247,11 +250,13 @@ impl Lineariser {
         }
         let (method, _) = self.obstacles.method(self.options().method);
         let worker = &mut self.workers[0];
-        worker.point.move_to(BasePoint { integration: &self.base, knot: None })?;
+        if !is_at_point {
+            worker.point.move_to(BasePoint { integration: &self.base, knot: None })?;
+        }
         let (analytic, data) = (&mut worker.analytic, &mut worker.point.data);
         let Adjoint { resolved, present, sensors, others, columns, .. } = adjoint;
-        let is_closed =
-            method == TransitionMethod::Analytic && analytic.prepare_parameters(data, resolved, wants_sensors)?.is_ok();
+        let is_closed = method == TransitionMethod::Analytic
+            && analytic.prepare_parameters(data, resolved, wants_sensors, is_at_point)?.is_ok();
         let weights = if wants_sensors { &sensors[..] } else { &[] };
         others.clear();
         if is_closed {
@@ -280,7 +285,7 @@ impl Lineariser {
             outputs.sensors = None;
         }
         worker.point.move_to(BasePoint { integration: &self.base, knot: None })?;
-        merge(report, self.differentiate_parameters(&mut outputs)?);
+        report.merge(self.differentiate_parameters(&mut outputs, false)?);
         for (column, &index) in others.iter().enumerate() {
             let by_state = columns.state.rows().zip(&*present).map(|(row, weight)| row[column] * weight);
             let by_sensors = columns.sensors.rows().zip(weights).map(|(row, weight)| row[column] * weight);
@@ -335,13 +340,10 @@ impl Lineariser {
         let mut a = Matrix::zeros(nx, nx);
         for controls in controls.rows() {
             copy.ctrl_mut().copy_from_slice(controls);
-            merge(
-                &mut report,
-                self.linear_system_into(&mut copy, TransitionOutputs { a: Some(&mut a), ..Default::default() })?,
-            );
             let mut next = Matrix::zeros(nx, parameters.len());
+            let system = TransitionOutputs { a: Some(&mut a), ..Default::default() };
             let outputs = ParameterOutputs { state: Some(&mut next), sensors: None };
-            merge(&mut report, self.parameter_jacobian_into(&mut copy, parameters, outputs)?);
+            report.merge(self.linear_system_with_parameters_into(&mut copy, system, parameters, outputs)?);
             let present = states.last().expect("Bug: the initial state is in the list");
             for row in 0..nx {
                 for (factor, values) in a.row(row).iter().zip(present.rows()) {
@@ -352,14 +354,5 @@ impl Lineariser {
             copy.step()?;
         }
         Ok((states, report))
-    }
-}
-
-/// Adds the report of a step to that of the steps before.
-fn merge(report: &mut LinearisationReport, step: LinearisationReport) {
-    report.kinks |= step.kinks;
-    report.differenced |= step.differenced;
-    if step.fallback.is_some() || step.method != TransitionMethod::Analytic {
-        (report.method, report.fallback) = (step.method, step.fallback);
     }
 }

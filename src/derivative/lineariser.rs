@@ -152,7 +152,16 @@ impl Lineariser {
         data: &mut Data,
         outputs: impl Into<TransitionOutputs<'a>>,
     ) -> Result<LinearisationReport> {
-        let outputs = outputs.into();
+        self.linearise(data, outputs.into(), false)
+    }
+
+    /// Linearises a step. `for_parameters` is true if derivatives by parameters follow.
+    pub(super) fn linearise(
+        &mut self,
+        data: &mut Data,
+        outputs: TransitionOutputs<'_>,
+        for_parameters: bool,
+    ) -> Result<LinearisationReport> {
         outputs.check(data.model())?;
         self.adopt_model(data)?;
         data.model().check_linearisable("a linearisation")?;
@@ -169,7 +178,7 @@ impl Lineariser {
         let columns = inputs(data.model(), Wanted::by(&outputs)).count();
         let workers = if columns < MIN_COLUMNS_TO_SHARE { &mut self.workers[..1] } else { &mut self.workers[..] };
         let base = BasePoint { integration: &self.base, knot: None };
-        linearise(workers, base, &self.options, self.obstacles, outputs)
+        linearise(workers, base, &self.options, self.obstacles, outputs, for_parameters)
     }
 
     /// Linearises the steps along a trajectory, for a regulator whose gain varies with time.
@@ -276,7 +285,7 @@ impl Lineariser {
         for_each_item(&mut self.workers, systems, |worker, knot, (system, report)| {
             let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
             let workers = std::slice::from_mut(worker);
-            *report = linearise(workers, base, options, obstacles, outputs(system))?;
+            *report = linearise(workers, base, options, obstacles, outputs(system), false)?;
             Ok(())
         })
     }

@@ -299,4 +299,19 @@ impl LinearisationReport {
     pub(crate) fn new(method: TransitionMethod, fallback: Option<Fallback>) -> Self {
         Self { method, fallback, differenced: DifferencedTerms::empty(), kinks: Kinks::empty() }
     }
+
+    /// Adds the report of another computation.
+    pub(super) fn merge(&mut self, other: Self) {
+        self.kinks |= other.kinks;
+        self.differenced |= other.differenced;
+        if other.fallback.is_some() || other.method != TransitionMethod::Analytic {
+            (self.method, self.fallback) = (other.method, other.fallback);
+        }
+    }
+
+    /// Returns `true` if the linearisation has left its simulation at the base point: in closed
+    /// form, without differences of sensors.
+    pub(super) fn is_at_point(self) -> bool {
+        self.method == TransitionMethod::Analytic && !self.differenced.contains(DifferencedTerms::SENSORS)
+    }
 }

@@ -5,7 +5,7 @@ use super::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, Tran
 use super::parameter::{Effect, ModelParameter, ParameterBuffers, ParameterJacobian, ParameterOutputs, Resolved};
 use super::perturbation::BasePoint;
 use super::worker::Worker;
-use super::{InverseForce, Lineariser, sizes};
+use super::{InverseForce, Lineariser, TransitionOutputs, sizes};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -99,20 +99,41 @@ impl Lineariser {
         outputs: impl Into<ParameterOutputs<'a>>,
     ) -> Result<LinearisationReport> {
         let mut outputs = outputs.into();
-        let (nx, _, ny) = sizes(data.model());
-        for (what, output, rows) in [
-            ("the state of parameter_jacobian", &outputs.state, nx),
-            ("the sensors of parameter_jacobian", &outputs.sensors, ny),
-        ] {
-            if let Some(output) = output {
-                Error::check_shape(what, output.shape(), (rows, parameters.len()))?;
-            }
-        }
+        outputs.check(data.model(), parameters.len())?;
         self.set_parameters(data, parameters, outputs.sensors.is_some())?;
         data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let base = BasePoint { integration: &self.base, knot: None };
         self.workers[0].point.move_to(base)?;
-        self.differentiate_parameters(&mut outputs)
+        self.differentiate_parameters(&mut outputs, false)
+    }
+
+    /// Linearises a step, and differentiates it by parameters, in less time than both one after the
+    /// other.
+    ///
+    /// # Errors
+    ///
+    /// As for [`linear_system_into`](Self::linear_system_into) and
+    /// [`parameter_jacobian_into`](Self::parameter_jacobian_into).
+    pub(crate) fn linear_system_with_parameters_into(
+        &mut self,
+        data: &mut Data,
+        system: TransitionOutputs<'_>,
+        parameters: &[ModelParameter],
+        mut outputs: ParameterOutputs<'_>,
+    ) -> Result<LinearisationReport> {
+        outputs.check(data.model(), parameters.len())?;
+        self.set_parameters(data, parameters, outputs.sensors.is_some())?;
+        let has_sensors = outputs.sensors.is_none() || system.c.is_some() || system.d.is_some();
+        let mut report = self.linearise(data, system, !parameters.is_empty())?;
+        if parameters.is_empty() {
+            return Ok(report);
+        }
+        let is_at_point = has_sensors && report.is_at_point();
+        if !is_at_point {
+            self.workers[0].point.move_to(BasePoint { integration: &self.base, knot: None })?;
+        }
+        report.merge(self.differentiate_parameters(&mut outputs, is_at_point)?);
+        Ok(report)
     }
 
     /// Returns the parameters of a list for which there is no formula, so that they are
@@ -254,17 +275,19 @@ impl Lineariser {
         self.parameters.resolve(data.model(), parameters)
     }
 
-    /// Differentiates a step of the first worker by the resolved parameters.
+    /// Differentiates a step of the first worker by the resolved parameters. `is_linearised` is
+    /// true directly after a linearisation for this purpose.
     pub(in crate::derivative) fn differentiate_parameters(
         &mut self,
         outputs: &mut ParameterOutputs<'_>,
+        is_linearised: bool,
     ) -> Result<LinearisationReport> {
         let requested = self.options().method;
         let (method, mut fallback) = self.obstacles.method(requested);
         let Self { workers, parameters, .. } = self;
         let worker = &mut workers[0];
         if method == TransitionMethod::Analytic {
-            match in_closed_form(worker, parameters, outputs)? {
+            match in_closed_form(worker, parameters, outputs, is_linearised)? {
                 Ok(report) => return Ok(report),
                 Err(reason) => fallback = Some(reason),
             }
@@ -283,11 +306,12 @@ fn in_closed_form(
     worker: &mut Worker,
     parameters: &mut ParameterBuffers,
     outputs: &mut ParameterOutputs<'_>,
+    is_linearised: bool,
 ) -> Result<Outcome> {
     let Worker { point, analytic, .. } = worker;
     let data = &mut point.data;
     let wants_sensors = outputs.sensors.is_some();
-    if let Err(reason) = analytic.prepare_parameters(data, &parameters.resolved, wants_sensors)? {
+    if let Err(reason) = analytic.prepare_parameters(data, &parameters.resolved, wants_sensors, is_linearised)? {
         return Ok(Err(reason));
     }
     let mut report = LinearisationReport::new(TransitionMethod::Analytic, None);

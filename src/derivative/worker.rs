@@ -103,13 +103,14 @@ impl Worker {
 }
 
 /// Computes a linear system with the given workers, which share the columns. The result does not
-/// depend on their number.
+/// depend on their number. `for_parameters` is true if derivatives by parameters follow.
 pub(super) fn linearise(
     workers: &mut [Worker],
     base: BasePoint<'_>,
     options: &TransitionOptions,
     obstacles: Obstacles,
     mut outputs: TransitionOutputs<'_>,
+    for_parameters: bool,
 ) -> Result<LinearisationReport> {
     if Wanted::by(&outputs).sensors && workers[0].point.data.model().has_noise() {
         return Err(Error::Unsupported("C and D of sensors with noise: clear EnableFlags::SENSORNOISE".to_owned()));
@@ -127,7 +128,7 @@ pub(super) fn linearise(
     }
     let worker = &mut workers[0];
     worker.point.move_to(base)?;
-    match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
+    match worker.analytic.linearise(&mut worker.point.data, &mut outputs, for_parameters)? {
         Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
         Err(reason) => {
             let method = match reason {

@@ -104,10 +104,7 @@ impl Formulas {
             plan.set_inputs(step, data);
             let a = (step < last).then_some(&mut system.a);
             let outputs = TransitionOutputs { a, c: Some(&mut system.c), ..Default::default() };
-            lineariser.linear_system_into(data, outputs)?;
-            if !parameters.is_empty() {
-                lineariser.parameter_jacobian_into(data, parameters, &mut *by_parameters)?;
-            }
+            lineariser.linear_system_with_parameters_into(data, outputs, parameters, (&mut *by_parameters).into())?;
             let explicit = |rows: &Matrix, row: usize, output: &mut [f64]| {
                 for ((output, value), factor) in output[states..].iter_mut().zip(rows.row(row)).zip(&factors) {
                     *output += factor * value;

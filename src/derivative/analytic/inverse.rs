@@ -42,7 +42,8 @@ impl Inverse {
     }
 
     /// Differentiates the sensors by positions, velocities and accelerations, after the derivatives
-    /// of the forces were computed.
+    /// of the forces were computed: all of them, or only those that depend on accelerations, while
+    /// the rows of the others are zero.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
@@ -50,8 +51,9 @@ impl Inverse {
         bodies: &RigidBodies,
         tendons: &Tendons,
         constraints: &Constraints,
+        only_by_accelerations: bool,
     ) {
-        self.sensors.differentiate(Point {
+        let point = Point {
             data,
             tree,
             bodies,
@@ -60,7 +62,8 @@ impl Inverse {
             interactions: &constraints.interactions,
             deceleration: &self.deceleration,
             has_actuators: false,
-        });
+        };
+        self.sensors.differentiate(point, only_by_accelerations);
     }
 
     /// Returns the derivatives of a reading by positions, velocities and accelerations.
@@ -98,7 +101,7 @@ impl Analytic {
         }
         if wants_sensors {
             let inverse = inverse.get_or_insert_with(|| Inverse::new(data.model()));
-            inverse.differentiate(data, tree, bodies, tendons, constraints);
+            inverse.differentiate(data, tree, bodies, tendons, constraints, false);
         }
         Ok(Ok(differenced))
     }

@@ -140,8 +140,14 @@ impl Analytic {
     }
 
     /// Writes A and B of the present state, and the rows of C and D [in closed
-    /// form](Self::sensors_in_closed_form), as far as they are wanted.
-    pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
+    /// form](Self::sensors_in_closed_form), as far as they are wanted. `for_parameters` is
+    /// true if derivatives by parameters follow, with the sensors if those are wanted here.
+    pub(super) fn linearise(
+        &mut self,
+        data: &mut Data,
+        outputs: &mut TransitionOutputs<'_>,
+        for_parameters: bool,
+    ) -> Result<Outcome> {
         if !self.newton.solve_accelerations(data, &mut self.row)? {
             return Ok(Err(Fallback::NotConverged));
         }
@@ -150,10 +156,13 @@ impl Analytic {
             Ok(differenced) => differenced,
             Err(reason) => return Ok(Err(reason)),
         };
+        if for_parameters && wants_sensors {
+            self.differentiate_readings(data);
+        }
         let Self { tree, bodies, tendons, constraints, newton, euler, implicit_step, sensors, derivative, .. } = self;
         solve_cholesky(&newton.factor, derivative);
         if wants_sensors {
-            sensors.differentiate(Point {
+            let point = Point {
                 data,
                 tree,
                 bodies,
@@ -162,7 +171,8 @@ impl Analytic {
                 interactions: &constraints.interactions,
                 deceleration: derivative,
                 has_actuators: true,
-            });
+            };
+            sensors.differentiate(point, false);
         }
         if implicit_step::is_used(data.model()) {
             let width = derivative.ncols();

@@ -4,7 +4,7 @@ use super::differences::ParameterDifferences;
 use super::{ModelParameter, Resolved};
 use crate::data::Data;
 use crate::derivative::sizes;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
@@ -33,6 +33,22 @@ pub struct ParameterOutputs<'a> {
     pub state: Option<&'a mut Matrix>,
     /// `(nsensordata, n)`
     pub sensors: Option<&'a mut Matrix>,
+}
+
+impl ParameterOutputs<'_> {
+    /// Checks the shapes for a number of parameters.
+    pub(in crate::derivative) fn check(&self, model: &Model, parameters: usize) -> Result<()> {
+        let (nx, _, ny) = sizes(model);
+        for (what, output, rows) in [
+            ("the state of parameter_jacobian", &self.state, nx),
+            ("the sensors of parameter_jacobian", &self.sensors, ny),
+        ] {
+            if let Some(output) = output {
+                Error::check_shape(what, output.shape(), (rows, parameters))?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl<'a> From<&'a mut ParameterJacobian> for ParameterOutputs<'a> {

@@ -78,14 +78,50 @@ impl<'a> Damping<'a> {
     }
 }
 
-/// Passes the derivatives by a parameter on.
-pub(super) fn differentiate(point: Point<'_>, effect: &Effect, sink: &mut impl Sink) {
+/// What the derivatives by all inertial parameters of a body share.
+pub(super) struct BodyTerms {
+    body: usize,
+    frame: BodyFrame,
+    motion: BodyMotion,
+    /// Velocity at w, and the motions at `v + s`, v and s, of an integrator with implicit damping.
+    spread: Spatial,
+    motions: Option<[BodyMotion; 3]>,
+}
+
+impl BodyTerms {
+    fn new(point: Point<'_>, body: usize) -> Self {
+        let Point { data, tree, damping, .. } = point;
+        let frame = BodyFrame::of(data, body);
+        let mut velocity = [0.0; 6];
+        if let Some(spread) = damping.spread() {
+            tree.chain(tree.last[body]).for_each(|dof| add_scaled(&mut velocity, &data.cdof()[dof], spread[dof]));
+        }
+        let motions = match damping {
+            Damping::Implicit { motions, .. } => Some(motions.map(|motions| {
+                let [velocity, acceleration] = motions[body].map(|motion| frame.motion(&motion));
+                BodyMotion { velocity, acceleration }
+            })),
+            _ => None,
+        };
+        Self { body, frame, motion: frame.present_motion(data, body), spread: frame.motion(&velocity), motions }
+    }
+}
+
+/// Passes the derivatives by a parameter on. `terms` are those of the last inertial parameter at
+/// this point, if there was one.
+pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Option<BodyTerms>, sink: &mut impl Sink) {
     let Point { data, tree, damping, .. } = point;
     let model = data.model();
     let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
     match *effect {
         Effect::Gain { .. } | Effect::Bias { .. } | Effect::Gear(_) if !point.has_actuators => {}
-        Effect::Inertial { body, ref change, ref centre } => inertial(point, body, change, centre, sink),
+        Effect::Inertial { body, ref change, ref centre } => {
+            let terms = match terms {
+                Some(terms) if terms.body == body => terms,
+                _ => terms.insert(BodyTerms::new(point, body)),
+            };
+            inertial(point, terms, change, centre, sink);
+        }
         Effect::Gravity(axis) => add_gravity(point, axis, sink),
         Effect::Armature(ref dofs) => {
             for dof in dofs.clone() {
@@ -158,12 +194,12 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, sink: &mut impl S
 }
 
 /// Adds the derivatives by the inertia of a body.
-fn inertial(point: Point<'_>, body: usize, change: &[f64; 10], centre: &[f64; 3], sink: &mut impl Sink) {
+fn inertial(point: Point<'_>, terms: &BodyTerms, change: &[f64; 10], centre: &[f64; 3], sink: &mut impl Sink) {
     let Point { data, tree, damping, .. } = point;
+    let BodyTerms { body, frame, motion, ref spread, ref motions } = *terms;
     let (model, axes) = (data.model(), data.cdof());
     let h = model.raw().opt.timestep;
-    let frame = BodyFrame::of(data, body);
-    let mut force = frame.force(&frame.present_motion(data, body).force(change));
+    let mut force = frame.force(&motion.force(change));
     let [fx, fy, fz, ..] = data.xfrc_applied()[body];
     if point.has_applied {
         // The point of application moves.
@@ -175,16 +211,14 @@ fn inertial(point: Point<'_>, body: usize, change: &[f64; 10], centre: &[f64; 3]
     if point.wants_sensors {
         explicit::add_force(data, body, &force, |address, value| sink.sensor(address, value));
     }
-    let Some(spread) = damping.spread() else { return };
-    let mut velocity = [0.0; 6];
-    tree.chain(tree.last[body]).for_each(|dof| add_scaled(&mut velocity, &axes[dof], spread[dof]));
-    let mut force = frame.force(&momentum(&in_engine_order(change), &frame.motion(&velocity)));
-    if let Damping::Implicit { motions, .. } = damping {
-        for (motions, factor) in motions.into_iter().zip([-h, h, h]) {
-            let [velocity, acceleration] = motions[body].map(|motion| frame.motion(&motion));
-            add_scaled(&mut force, &frame.force(&BodyMotion { velocity, acceleration }.force(change)), factor);
-        }
+    if damping.spread().is_none() {
+        return;
     }
+    let mut local = momentum(&in_engine_order(change), spread);
+    for (motion, factor) in motions.iter().flatten().zip([-h, h, h]) {
+        add_scaled(&mut local, &motion.force(change), factor);
+    }
+    let force = frame.force(&local);
     for dof in tree.chain(tree.last[body]) {
         sink.spread(dof, dot(&axes[dof], &force));
     }

@@ -56,13 +56,29 @@ impl Parameters {
 impl Analytic {
     /// Computes what the derivatives of all parameters at the present state need: the accelerations
     /// and the factor of H, the integrator, and the derivatives of the sensors by the accelerations
-    /// if they are wanted.
+    /// if they are wanted. `is_linearised` is true directly after a
+    /// [linearisation](Self::linearise) for this purpose, which has done all of this except for the
+    /// integrator.
     pub(in crate::derivative) fn prepare_parameters(
         &mut self,
         data: &mut Data,
         resolved: &[Resolved],
         wants_sensors: bool,
+        is_linearised: bool,
     ) -> Result<Preparation> {
+        if !is_linearised && let Err(reason) = self.prepare_point(data, wants_sensors)? {
+            return Ok(Err(reason));
+        }
+        let Self { tree, bodies, parameters, .. } = self;
+        let parameters = parameters.get_or_insert_with(|| Parameters::new(data.model()));
+        let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
+        parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
+        Ok(Ok(()))
+    }
+
+    /// Computes the accelerations and the factor of H, and the derivatives of the sensors by the
+    /// accelerations if they are wanted.
+    fn prepare_point(&mut self, data: &mut Data, wants_sensors: bool) -> Result<Preparation> {
         if !self.newton.solve_accelerations(data, &mut self.row)? {
             return Ok(Err(Fallback::NotConverged));
         }
@@ -76,18 +92,14 @@ impl Analytic {
             let of_forces = actuators::kinks_of_forces(data);
             self.kinks = of_forces | passive::kinks(data) | constraint::kinks_of_state(data, jar);
         }
-        let Self { tree, bodies, parameters, .. } = self;
-        let parameters = parameters.get_or_insert_with(|| Parameters::new(data.model()));
-        let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
-        parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
         Ok(Ok(()))
     }
 
-    /// Differentiates the sensors by the accelerations.
-    fn differentiate_readings(&mut self, data: &Data) {
+    /// Differentiates the sensors by the accelerations, after the derivatives of the forces.
+    pub(super) fn differentiate_readings(&mut self, data: &Data) {
         let Self { tree, bodies, tendons, constraints, inverse, .. } = self;
         let inverse = inverse.get_or_insert_with(|| Inverse::new(data.model()));
-        inverse.differentiate(data, tree, bodies, tendons, constraints);
+        inverse.differentiate(data, tree, bodies, tendons, constraints, true);
     }
 
     /// Computes the terms of all columns that have formulas, after the preparation.
@@ -102,10 +114,7 @@ impl Analytic {
         columns.clear(data.model(), resolved.len(), wants_sensors);
         let damping = integrator.damping();
         let point = Point { data, tree, damping, wants_sensors, has_actuators: true, has_applied: true };
-        for (index, resolved) in resolved.iter().enumerate() {
-            let has_residual = !resolved.is_differenced;
-            effects::differentiate(point, &resolved.effect, &mut Column { columns, index, has_residual });
-        }
+        add_all(point, resolved, columns);
         columns
     }
 
@@ -216,7 +225,7 @@ impl Analytic {
             sensor: by_sensors,
             sum: 0.0,
         };
-        effects::differentiate(point, effect, &mut product);
+        effects::differentiate(point, effect, &mut None, &mut product);
         product.sum
     }
 
@@ -240,10 +249,16 @@ impl Analytic {
         columns.clear(data.model(), resolved.len(), false);
         let point =
             Point { data, tree, damping: Damping::None, wants_sensors: false, has_actuators, has_applied: false };
-        for (index, resolved) in resolved.iter().enumerate() {
-            let has_residual = !resolved.is_differenced;
-            effects::differentiate(point, &resolved.effect, &mut Column { columns, index, has_residual });
-        }
+        add_all(point, resolved, columns);
         Ok(columns)
+    }
+}
+
+/// Adds the terms of all parameters that have formulas to their columns.
+fn add_all(point: Point<'_>, resolved: &[Resolved], columns: &mut Columns) {
+    let mut terms = None;
+    for (index, resolved) in resolved.iter().enumerate() {
+        let has_residual = !resolved.is_differenced;
+        effects::differentiate(point, &resolved.effect, &mut terms, &mut Column { columns, index, has_residual });
     }
 }

@@ -7,7 +7,7 @@
 use mujoco_sys::mjOBJ_BODY;
 
 use super::pose::Pose;
-use super::{Formula, actuators, formula};
+use super::{actuators, formula};
 use crate::data::Data;
 use crate::derivative::parameter::Effect;
 use crate::enums::SensorType;
@@ -15,16 +15,19 @@ use crate::ffi;
 use crate::model::Model;
 use crate::numerics::spatial::{Spatial, linear, momentum};
 
-/// Returns `true` if the readings of a sensor with a formula have one for their derivative by a
+/// Returns `true` if the readings of a sensor with a [`formula`] have one for their derivative by a
 /// parameter, too.
 pub(in crate::derivative::analytic) fn is_covered(model: &Model, effect: &Effect, sensor: usize) -> bool {
-    let Some(formula) = formula(model, sensor) else { return false };
     match effect {
         Effect::Other => false,
         // The inertial frame of a body moves with its centre of mass.
         Effect::Inertial { .. } => {
             let is_inertial = |kind: i32| kind as u32 == mjOBJ_BODY;
-            !matches!(formula, Formula::Subtree)
+            let is_of_subtree = matches!(
+                kind(model, sensor),
+                Some(SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum)
+            );
+            !is_of_subtree
                 && !is_inertial(model.sensor_objtype()[sensor])
                 && !is_inertial(model.sensor_reftype()[sensor])
         }

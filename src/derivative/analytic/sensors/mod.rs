@@ -90,6 +90,12 @@ enum Formula {
     Subtree,
 }
 
+impl Formula {
+    fn depends_on_accelerations(self) -> bool {
+        matches!(self, Self::Acceleration | Self::Force | Self::Interaction)
+    }
+}
+
 /// Returns `true` if the rows of a sensor have a formula here.
 pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
     formula(model, sensor).is_some()
@@ -172,8 +178,10 @@ impl Sensors {
         &self.in_closed_form
     }
 
-    /// Differentiates the sensors that have a formula.
-    pub(super) fn differentiate(&mut self, point: Point<'_>) {
+    /// Differentiates the sensors that have a formula, or only those of them that depend on
+    /// accelerations. The rows of the others are then zero, as their derivatives by accelerations
+    /// are.
+    pub(super) fn differentiate(&mut self, point: Point<'_>, only_by_accelerations: bool) {
         let model = point.data.model();
         let Self { rows, in_closed_form, momenta } = self;
         rows.as_mut_slice().fill(0.0);
@@ -183,6 +191,10 @@ impl Sensors {
             let Some(formula) = formula(model, sensor) else { continue };
             let first = ffi::size(model.sensor_adr()[sensor]);
             let count = ffi::size(model.sensor_dim()[sensor]);
+            if only_by_accelerations && !formula.depends_on_accelerations() {
+                in_closed_form[first..first + count].fill(true);
+                continue;
+            }
             let output = &mut Rows { matrix: rows, first };
             match formula {
                 Formula::Linear => linear::differentiate(point, sensor, output),
