@@ -8,7 +8,7 @@ use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
 use crate::numerics::dense::PackedMatrix;
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 use crate::numerics::{InstructionSet, vectorised};
 
 /// Largest error of a symmetric matrix, relative to the geometric mean of its diagonal entries.
@@ -180,23 +180,6 @@ pub(super) fn correct(covariance: &mut Matrix, gradient: &[f64], gain: &[f64], p
     let first = gradient.iter().position(|&value| value != 0.0).unwrap_or(0);
     let end = gradient.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
     correct_rows(covariance.as_mut_slice(), gradient, gain, product, variance, &(first..end));
-}
-
-/// Replaces a matrix by its symmetric part.
-pub(super) fn symmetrise(matrix: &mut Matrix) {
-    let n = matrix.nrows();
-    let values = matrix.as_mut_slice();
-    for row in 0..n {
-        for column in 0..row {
-            let (lower, upper) = (row * n + column, column * n + row);
-            let mean = 0.5 * (values[lower] + values[upper]);
-            (values[lower], values[upper]) = (mean, mean);
-        }
-    }
-}
-
-pub(super) fn dot(left: &[f64], right: &[f64]) -> f64 {
-    left.iter().zip(right).map(|(left, right)| left * right).sum()
 }
 
 pub(super) fn is_finite(values: &[f64]) -> bool {

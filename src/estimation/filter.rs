@@ -12,6 +12,7 @@ use crate::derivative::LinearisationReport;
 use crate::error::{Error, Result};
 use crate::math;
 use crate::matrix::{Matrix, StridedView};
+use crate::numerics::linear_algebra::{dot, symmetrise};
 
 /// Extended Kalman filter for the state of a simulation: positions, velocities and activations.
 ///
@@ -170,7 +171,7 @@ impl ExtendedKalmanFilter {
         let covariance = covariance.into().to_matrix();
         covariance::check("the covariance of the estimate", &covariance, self.covariance.nrows())?;
         self.covariance.as_mut_slice().copy_from_slice(covariance.as_slice());
-        covariance::symmetrise(&mut self.covariance);
+        symmetrise(&mut self.covariance);
         self.restart_inputs();
         Ok(())
     }
@@ -377,6 +378,6 @@ fn normalised_square(covariance: &Matrix, error: &[f64], range: Range<usize>) ->
     let scaled: Vec<f64> = range.map(|index| error[index] / deviation(index)).collect();
     let mut solved = scaled.clone();
     math::chol_solve_in_place(&factor, &mut solved).ok()?;
-    let square = covariance::dot(&scaled, &solved);
+    let square = dot(&scaled, &solved);
     square.is_finite().then_some(square)
 }

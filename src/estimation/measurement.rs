@@ -4,7 +4,6 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::covariance::dot;
 use crate::control::residual::{Needs, Residual, ResidualJacobian};
 use crate::data::Data;
 use crate::element::Object;
@@ -14,7 +13,7 @@ use crate::id::{IntoId, SiteId};
 use crate::kind;
 use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 
 /// Sensors that a filter reads, with the standard deviations of their noise, and functions of the
 /// state that the program measures otherwise.

@@ -10,7 +10,7 @@ use crate::id::{BodyId, IntoId};
 use crate::kind;
 use crate::matrix::{Matrix, StridedView};
 use crate::model::{IntoModel, Model};
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, symmetrise};
 
 /// Noise of a step of the simulation: disturbances and errors of the model, as standard deviations
 /// of independent numbers that are drawn for each step.
@@ -224,7 +224,7 @@ impl Disturbance {
         transpose(&self.solved, &mut self.matrix);
         data.solve_m_into(self.matrix.as_slice(), self.solved.as_mut_slice())?;
         self.matrix.as_mut_slice().copy_from_slice(self.solved.as_slice());
-        covariance::symmetrise(&mut self.matrix);
+        symmetrise(&mut self.matrix);
         Ok(&self.matrix)
     }
 

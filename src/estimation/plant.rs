@@ -1,6 +1,5 @@
 //! The simulation of an estimator, with its linearisations.
 
-use super::covariance::dot;
 use super::measurement::Measurement;
 use super::noise::{Disturbance, ProcessNoise};
 use crate::control::residual::ResidualJacobian;
@@ -11,7 +10,7 @@ use crate::id::Lineage;
 use crate::matrix::Matrix;
 use crate::memory;
 use crate::model::{EnableFlags, Model};
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 
 /// Simulation at an estimate, and the linear system there: `x' = f(x, u + w, α)` and `y = h(x, u +
 /// w, α)` with the state x, the controls u, the noise w of the controls, and the disturbance α of

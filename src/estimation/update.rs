@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::chi_square::chi_square_quantile;
-use super::covariance::{self, dot};
+use super::covariance;
 use super::measurement::Measurement;
 use crate::error::Result;
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::{dot, symmetrise};
 
 /// Result of a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +134,7 @@ impl Correction {
             }
         }
         if update.used > 0 {
-            covariance::symmetrise(covariance);
+            symmetrise(covariance);
             let is_finite = update.nis.is_finite() && covariance::is_finite(&self.estimate);
             update.status = if is_finite { UpdateStatus::Corrected } else { UpdateStatus::OutOfRange };
         }

@@ -6,7 +6,7 @@ use mujoco_sys::mjCNSTR_EQUALITY;
 use crate::data::Data;
 use crate::derivative::newton::add_row;
 use crate::matrix::Matrix;
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 
 /// A row whose part outside of the space of the others is below this fraction of its length depends
 /// on them.
@@ -105,10 +105,6 @@ impl Equations {
             }
         }
     }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn norm(row: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! The limits of a tick, as they are reported.
 
-use crate::id::{GeomId, JointId};
+use crate::id::{GeomId, JointId, TendonId};
 
 /// Limit of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum Limit {
     Acceleration(JointId),
     /// Prescribed velocity of a joint.
     Prescribed(JointId),
+    /// Range of the length of a tendon.
+    Tendon(TendonId),
     /// Distance between two geoms.
     Distance(GeomId, GeomId),
     /// Equality constraint of the model, or a task of a higher priority.

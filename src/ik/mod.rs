@@ -65,7 +65,11 @@
 //! velocity. Poses of mocap bodies are read in each tick.
 //!
 //! [`Ik::solve`] computes a tick, [`Ik::step`] also moves the positions. [`Ik::search`] finds
-//! positions from random starts. No limits of tendons are considered.
+//! positions from random starts.
+//!
+//! The lengths of tendons with a range stay within it, up to the curvature of spatial tendons:
+//! their lengths are linear in the displacement only for small ticks. A length outside of its range
+//! returns if the other limits allow it; if they do not, it does not move farther out.
 //!
 //! # For users of mink
 //!
@@ -76,7 +80,7 @@
 //! | `PostureTask`, `ComTask`, `LookAtTask` | [`JointPosition`], [`Subtree::com`], [`Gaze`] |
 //! | `DampingTask` | [`Task::rate`] of [`JointVelocity`] |
 //! | `lm_damping` | [`Task::with_damping`] |
-//! | `ConfigurationLimit` | always active; [`Ik::set_position_margin`] |
+//! | `ConfigurationLimit` | always active, also for tendons; [`Ik::set_position_margin`] |
 //! | `VelocityLimit`, `CollisionAvoidanceLimit` | [`Ik::set_velocity_limit`], [`Ik::avoid`] |
 //! | `DofFreezingTask` | [`Ik::prescribe_velocity`] |
 //! | `EqualityConstraintTask` | always active |
@@ -102,6 +106,7 @@ mod objective;
 mod search;
 mod settings;
 mod task;
+mod tendons;
 mod tick;
 
 use std::sync::Arc;
@@ -116,6 +121,7 @@ use self::collision::Pair;
 use self::equations::Equations;
 use self::limits::JointLimits;
 use self::objective::Objective;
+use self::tendons::TendonLimits;
 use self::tick::Level;
 use crate::error::Result;
 use crate::matrix::Matrix;
@@ -128,6 +134,7 @@ pub struct Ik {
     model: Arc<Model>,
     tasks: Vec<Task>,
     limits: JointLimits,
+    tendons: TendonLimits,
     pairs: Vec<Pair>,
     /// Damping of the displacement, relative to the mean diagonal of the matrix of the tasks.
     regularisation: f64,
@@ -135,7 +142,7 @@ pub struct Ik {
     equations: Equations,
     /// Priorities in use, the first one first.
     levels: Vec<Level>,
-    /// `(rows, nv)`: rows of the equations, of the pairs and of the balls.
+    /// `(rows, nv)`: rows of the equations, of the pairs, of the balls and of the tendons.
     constraints: Matrix,
     /// `(rows)` each.
     row_limits: [Vec<f64>; 2],
@@ -159,14 +166,15 @@ pub struct Ik {
 }
 
 impl Ik {
-    /// Creates the inverse kinematics of a model, without tasks. The ranges of joints are limits.
-    /// Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`.
+    /// Creates the inverse kinematics of a model, without tasks. The ranges of joints and tendons
+    /// are limits. Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`.
     pub fn new(model: impl IntoModel) -> Self {
         let model = model.into_model();
         let nv = model.nv();
         Self {
             tasks: Vec::new(),
             limits: JointLimits::new(&model),
+            tendons: TendonLimits::new(&model),
             pairs: Vec::new(),
             regularisation: 1e-9,
             objective: Objective::new(&model),
@@ -271,14 +279,14 @@ impl Ik {
             priorities.push(0);
         }
         let equations = if self.model.neq() > 0 || priorities.len() > 1 { nv } else { 0 };
-        let rows = equations + self.pairs.len() + self.limits.balls();
+        let rows = equations + self.pairs.len() + self.limits.balls() + self.tendons.len();
         self.equations = Equations::new(equations, nv);
         self.levels = priorities.into_iter().map(|priority| Level::new(priority, nv, rows)).collect();
         self.constraints = Matrix::zeros(rows, nv);
         self.row_limits = [vec![f64::NEG_INFINITY; rows], vec![f64::INFINITY; rows]];
         self.objective.resize(&self.model, self.tasks.iter().map(Task::size).max().unwrap_or(0));
         self.active = Vec::with_capacity(2 * nv + rows);
-        // Each priority adds at most one limit, and each pair is relaxed once.
+        // Each priority adds at most one limit, and each row is relaxed once.
         self.conflicts = Vec::with_capacity(2 * nv + 2 * self.levels.len() + rows);
         Ok(())
     }

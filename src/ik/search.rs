@@ -179,7 +179,7 @@ impl Ik {
             for pair in &self.pairs {
                 error = error.max(pair.violation(data)?);
             }
-            error = error.max(self.limits.violation(data));
+            error = error.max(self.limits.violation(data)).max(self.tendons.violation(data)?);
         }
         Ok(error)
     }

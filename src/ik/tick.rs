@@ -1,15 +1,17 @@
 //! One tick: the constraints, the quadratic programs of all priorities, and the result.
 
 use super::Ik;
-use super::equations::dot;
+use super::collision::Pair;
 use super::limit::Limit;
-use super::limits::Motion;
+use super::limits::{JointLimits, Motion};
 use super::objective::{Damping, Objective};
+use super::tendons::TendonLimits;
 use crate::control::residual::Needs;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::math::{Qp, QpProblem, QpSolution, QpStatus};
 use crate::model::Model;
+use crate::numerics::linear_algebra::dot;
 
 /// Half the width of the equations of higher priorities, relative to `1 + |x|`.
 const SLACK: f64 = 1e-10;
@@ -185,6 +187,9 @@ impl Ik {
             }
         } else {
             needs.max(Needs::Poses).compute(data)?;
+            if self.tendons.len() > 0 && needs < Needs::Forward {
+                data.compute_tendon()?;
+            }
         }
         self.objective.move_point();
         self.active.clear();
@@ -200,7 +205,7 @@ impl Ik {
             self.write_equations(index > 0);
             let mut solved = self.solve_level(data.model(), index)?;
             iterations += solved.1;
-            if solved.0 == IkStatus::Infeasible && self.relax_distances() {
+            if solved.0 == IkStatus::Infeasible && self.relax_rows() {
                 solved = self.solve_level(data.model(), index)?;
                 iterations += solved.1;
             }
@@ -245,10 +250,7 @@ impl Ik {
         let joint_limit = |dof, is_upper| self.limits.cause(model, dof, is_upper);
         let row_limit = |row: usize| match row.checked_sub(equations) {
             None => Some(Limit::Equation),
-            Some(row) => match self.pairs.get(row) {
-                Some(pair) => Some(pair.limit()),
-                None => self.limits.ball_limit(model, row - self.pairs.len()),
-            },
+            Some(row) => limit_of_row(model, (&self.pairs, &self.limits, &self.tendons), row),
         };
         if status != IkStatus::Solved {
             let limit = conflict.and_then(|conflict| match conflict.checked_sub(bound_multipliers.len()) {
@@ -267,18 +269,19 @@ impl Ik {
         Ok((status, iterations))
     }
 
-    /// No longer asks pairs that are too near to move apart, and reports them. Returns `false` if
-    /// there are none.
-    fn relax_distances(&mut self) -> bool {
+    /// No longer asks pairs that are too near to move apart, and tendons outside of their ranges to
+    /// return, and reports them. Returns `false` if there are none.
+    fn relax_rows(&mut self) -> bool {
         let before = self.conflicts.len();
         let first = self.equations.capacity();
-        for (limit, pair) in self.row_limits[0][first..].iter_mut().zip(&self.pairs) {
-            if *limit > 0.0 {
-                *limit = 0.0;
-                self.conflicts.push(pair.limit());
+        let Self { model, pairs, limits, tendons, row_limits: [lower, upper], conflicts, .. } = self;
+        for row in first..lower.len() {
+            if lower[row] > 0.0 || upper[row] < 0.0 {
+                (lower[row], upper[row]) = (lower[row].min(0.0), upper[row].max(0.0));
+                conflicts.extend(limit_of_row(model, (pairs, limits, tendons), row - first));
             }
         }
-        self.conflicts.len() > before
+        conflicts.len() > before
     }
 
     /// Sets the displacement that is nearest to zero within the bounds of the joints.
@@ -290,14 +293,15 @@ impl Ik {
             .for_each(|(change, (lower, upper))| *change = 0_f64.max(*lower).min(*upper));
     }
 
-    /// Writes the rows of the pairs and of the balls, and finds the equations of the model.
+    /// Writes the rows of the pairs, of the balls and of the tendons, and finds the equations of
+    /// the model.
     fn write_constraints(&mut self, data: &mut Data) -> Result<()> {
         self.equations.clear();
         if self.model.neq() > 0 {
             self.equations.push_constraints(data);
         }
         let (pairs, balls) = (self.pairs.len(), self.limits.balls());
-        let first = self.constraints.nrows() - pairs - balls;
+        let first = self.equations.capacity();
         let [lower, upper] = &mut self.row_limits;
         let buffers = &mut self.buffers;
         for (index, pair) in self.pairs.iter().enumerate() {
@@ -313,6 +317,10 @@ impl Ik {
                 // A ball outside of its range does not move farther out.
                 upper[place] = (data.model().jnt_range()[ball.joint][1] - angle).max(0.0);
             }
+        }
+        for index in 0..self.tendons.len() {
+            let place = first + pairs + balls + index;
+            [lower[place], upper[place]] = self.tendons.write(data, index, self.constraints.row_mut(place))?;
         }
         Ok(())
     }
@@ -338,4 +346,17 @@ impl Ik {
             }
         }
     }
+}
+
+/// Returns the limit of a row after those of the equations.
+fn limit_of_row(
+    model: &Model,
+    (pairs, limits, tendons): (&[Pair], &JointLimits, &TendonLimits),
+    row: usize,
+) -> Option<Limit> {
+    if let Some(pair) = pairs.get(row) {
+        return Some(pair.limit());
+    }
+    let row = row - pairs.len();
+    limits.ball_limit(model, row).or_else(|| tendons.limit(row - limits.balls()))
 }

@@ -10,6 +10,25 @@ pub(crate) fn add(result: &mut [f64], vector: &[f64], factor: f64) {
     result.iter_mut().zip(vector).for_each(|(result, value)| *result += factor * value);
 }
 
+/// Returns the scalar product of two vectors.
+#[inline]
+pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| left * right).sum()
+}
+
+/// Replaces a square matrix by its symmetric part, `(M + Mᵀ) / 2`.
+pub(crate) fn symmetrise(matrix: &mut Matrix) {
+    let n = matrix.nrows();
+    let values = matrix.as_mut_slice();
+    for row in 0..n {
+        for column in 0..row {
+            let (lower, upper) = (row * n + column, column * n + row);
+            let mean = 0.5 * (values[lower] + values[upper]);
+            (values[lower], values[upper]) = (mean, mean);
+        }
+    }
+}
+
 /// Computes `result += factor · matrixᵀ · vector`.
 pub(crate) fn add_product(result: &mut [f64], matrix: &Matrix, vector: &[f64], factor: f64) {
     vector.iter().enumerate().for_each(|(row, value)| add(result, matrix.row(row), factor * value));

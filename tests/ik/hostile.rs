@@ -72,6 +72,22 @@ fn targets_and_positions_that_are_not_finite_are_errors() {
     data.edit_model(|model| model.jnt_range_mut()[2] = [-1.0, f64::NAN]).unwrap();
     let error = ik.solve(&mut data, DT).unwrap_err();
     assert!(error.to_string().contains("joint 2"), "{error}");
+
+    let tendon = r#"<mujoco><worldbody><body><joint name="a"/><geom size=".1"/></body></worldbody>
+        <tendon><fixed limited="true" range="-1 1"><joint joint="a" coef="1"/></fixed></tendon></mujoco>"#;
+    let mut data = Data::new(Model::from_xml_str(tendon).unwrap()).unwrap();
+    let mut ik = Ik::new(data.model());
+    assert!(ik.solve(&mut data, DT).is_ok());
+    for range in [[f64::NAN, 1.0], [-1.0, f64::NAN]] {
+        data.edit_model(|model| model.tendon_range_mut()[0] = range).unwrap();
+        let error = ik.solve(&mut data, DT).unwrap_err();
+        assert!(error.to_string().contains("tendon 0"), "{error}");
+    }
+    // A range without a length in it.
+    for range in [[1.0, -1.0], [f64::INFINITY, f64::NEG_INFINITY], [1e308, -1e308]] {
+        data.edit_model(|model| model.tendon_range_mut()[0] = range).unwrap();
+        let _ = ik.solve(&mut data, DT);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Limits of positions, velocities and accelerations hold in every tick, whatever the targets.
 
 use mujoco_safe::control::residual::{Frame, FramePosition, JointPosition};
-use mujoco_safe::ik::{Ik, IkStatus, Limit, Task};
+use mujoco_safe::ik::{Ik, IkStatus, Limit, SearchOptions, Task};
 use mujoco_safe::{Data, Model};
 use rand::RngExt;
 
@@ -130,4 +130,89 @@ fn prescribed_bases_move_as_prescribed() {
     ik.prescribe_velocity("root", None).unwrap();
     assert_ne!(ik.step(&mut data, DT).unwrap().velocity()[..6], velocity);
     assert!(Frame::body(&model, "torso").is_ok());
+}
+
+/// A finger whose joints are coupled by a fixed tendon, and a pole on a string.
+fn tendons() -> Model {
+    Model::from_xml_str(
+        r#"<mujoco><compiler angle="radian"/><worldbody>
+             <body><joint name="a" axis="0 1 0"/><geom size=".05" fromto="0 0 0 0 0 .3" type="capsule"/>
+               <body pos="0 0 .3"><joint name="b" axis="0 1 0"/><geom size=".05" fromto="0 0 0 0 0 .3" type="capsule"/></body>
+             </body>
+             <site name="wall" pos="1 0 0"/>
+             <body pos="1 1 0"><joint name="swing" axis="0 0 1"/><geom size=".05"/><site name="end" pos=".5 0 0"/></body>
+           </worldbody>
+           <tendon>
+             <fixed name="coupling" limited="true" range="-0.3 0.5"><joint joint="a" coef="1"/><joint joint="b" coef="0.5"/></fixed>
+             <spatial name="string" limited="true" range="0.2 1.3"><site site="wall"/><site site="end"/></spatial>
+           </tendon></mujoco>"#,
+    )
+    .unwrap()
+}
+
+#[test]
+fn lengths_of_tendons_stay_in_their_ranges() {
+    let mut data = Data::new(tendons()).unwrap();
+    let model = data.model().clone();
+    let mut ik = Ik::new(&model);
+    let posture = ik.add_task(Task::new(JointPosition::all(&model)).with_gain(0.2));
+    let [coupling, string] = ["coupling", "string"].map(|name| model.tendon(name).unwrap().id());
+    let mut most = [f64::NEG_INFINITY; 2];
+    for target in [[2.0, 1.0, 0.0], [-2.0, 0.5, 2.5], [0.1, 0.2, -2.0]] {
+        ik.set_target(posture, &target).unwrap();
+        let mut active = Vec::new();
+        for _ in 0..100 {
+            let tick = ik.step(&mut data, DT).unwrap();
+            assert!(tick.is_solved() && tick.conflicts().is_empty(), "{:?}", tick.conflicts());
+            active.extend_from_slice(tick.active());
+            data.forward().unwrap();
+            for (tendon, most) in most.iter_mut().enumerate() {
+                let [low, high] = model.tendon_range()[tendon];
+                let length = data.ten_length()[tendon];
+                *most = most.max(low - length).max(length - high);
+            }
+        }
+        let expected = match target[2] {
+            0.0 => vec![Limit::Tendon(coupling)],
+            2.5 => vec![Limit::Tendon(coupling), Limit::Tendon(string)],
+            _ => vec![],
+        };
+        for limit in [Limit::Tendon(coupling), Limit::Tendon(string)] {
+            assert_eq!(active.contains(&limit), expected.contains(&limit), "{limit:?} of {active:?}");
+        }
+    }
+    // That of the fixed tendon is linear, and that of the spatial one curved.
+    assert!(most[0] < 1e-12 && most[1] < 0.05, "{most:?}");
+}
+
+#[test]
+fn a_tendon_outside_of_its_range_returns_or_is_reported() {
+    let mut data = Data::new(tendons()).unwrap();
+    let model = data.model().clone();
+    let coupling = model.tendon("coupling").unwrap().id();
+    let mut ik = Ik::new(&model);
+    data.qpos_mut()[..2].copy_from_slice(&[1.0, 0.0]);
+    ik.set_velocity_limits(1.0).unwrap();
+    ik.add_task(Task::new(JointPosition::all(&model).with_target(&[2.0, 0.0, 0.0]).unwrap()));
+    let tick = ik.step(&mut data, DT).unwrap();
+    assert!(tick.is_solved());
+    assert!(tick.conflicts().contains(&Limit::Tendon(coupling)), "{:?}", tick.conflicts());
+    assert!(tick.velocity()[0] + 0.5 * tick.velocity()[1] < 1e-9, "the length does not grow: {:?}", tick.velocity());
+    // Without a limit of the velocity it returns at once.
+    ik.set_velocity_limits(f64::INFINITY).unwrap();
+    assert!(ik.step(&mut data, DT).unwrap().conflicts().is_empty());
+    data.forward().unwrap();
+    assert!((data.ten_length()[0] - 0.5).abs() < 1e-9);
+}
+
+#[test]
+fn a_search_finds_positions_within_the_ranges_of_tendons() {
+    let mut data = Data::new(tendons()).unwrap();
+    let model = data.model().clone();
+    let mut ik = Ik::new(&model);
+    let angle = JointPosition::new(&model, "a").unwrap().with_target(&[0.7]).unwrap();
+    ik.add_task(Task::new(angle));
+    assert!(ik.search(&mut data, &SearchOptions::default()).unwrap().found().is_some());
+    data.forward().unwrap();
+    assert!(data.ten_length()[0] <= 0.5 + 1e-6 && (data.qpos()[0] - 0.7).abs() < 1e-6);
 }

@@ -128,7 +128,8 @@ fn ticks_of_inverse_kinematics_do_not_allocate() {
             r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><body name="a"><joint name="a" type="ball" limited="true" range="0 1"/>
                  <geom name="a" type="capsule" size=".1" fromto="0 0 0 0 0 1"/><body name="b" pos="0 0 1"><joint name="b" limited="true" range="-1 1"/>
                  <geom name="b" type="box" size=".1 .1 .3"/><body pos="0 0 .5"><joint name="c"/><geom size=".1"/></body></body></body></worldbody>
-               <equality><joint joint1="b" joint2="c"/></equality></mujoco>"#,
+               <equality><joint joint1="b" joint2="c"/></equality>
+               <tendon><fixed limited="true" range="-.5 .5"><joint joint="b" coef="1"/></fixed></tendon></mujoco>"#,
         )
         .unwrap(),
     );

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::math::{rot_vec_mat_t, sub_quat_derivative};
 use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
-use crate::numerics::linear_algebra::add_product;
+use crate::numerics::linear_algebra::{add_product, dot};
 
 /// Quadratic cost of the deviation from a target state and from reference controls:
 /// `dxᵀQdx + duᵀRdu + 2dxᵀSdu` in each step, and `dxᵀPdx` at the end. There is no factor ½: the
@@ -214,11 +214,6 @@ fn twice_cross_term(mut matrix: Matrix) -> Matrix {
 fn multiply_by_transpose(matrix: &[f64; 9], numbers: &mut [f64]) {
     let part = numbers.first_chunk_mut().expect("Bug: a rotation has fewer than three degrees of freedom");
     *part = rot_vec_mat_t(part, matrix);
-}
-
-/// Returns the scalar product of two vectors.
-fn dot(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
 /// Returns `vectorᵀ · matrix · other`, without a buffer.

@@ -115,17 +115,6 @@ impl BellmanBackup {
     }
 }
 
-/// Replaces `matrix` by its symmetric part, `(M + Mᵀ) / 2`.
-pub(super) fn symmetrise(matrix: &mut Matrix) {
-    for column in 0..matrix.ncols() {
-        for row in 0..column {
-            let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
-            matrix[(row, column)] = mean;
-            matrix[(column, row)] = mean;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::{DMatrix, DVector};

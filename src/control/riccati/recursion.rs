@@ -2,11 +2,12 @@
 
 use nalgebra::Cholesky;
 
-use super::bellman::{BellmanBackup, StepCost, symmetrise};
+use super::bellman::{BellmanBackup, StepCost};
 use super::problem::smallest_eigenvalue;
 use super::{RiccatiError, RiccatiMatrix, check, check_symmetric};
 use crate::control::LqrWeights;
 use crate::matrix::{Matrix, StridedView};
+use crate::numerics::linear_algebra::symmetrise;
 
 /// Riccati recursion: the optimal gains of a linear system over a finite number of steps, from the
 /// last step to the first (Bertsekas, *Dynamic Programming and Optimal Control*, volume I, section

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 use super::step::Step;
 use crate::error::Result;
-use crate::estimation::covariance::{self, dot};
+use crate::estimation::covariance;
 use crate::estimation::filter::ExtendedKalmanFilter;
 use crate::estimation::update::Correction;
 use crate::matrix::Matrix;
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 
 /// Buffers of the passes.
 #[derive(Debug)]
