@@ -26,8 +26,9 @@ const SMALL_PART: f64 = 0.02;
 /// measurements.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    identification: Identification,
+    pub(super) identification: Identification,
     outcome: LeastSquaresOutcome,
+    costs: Vec<f64>,
     coordinates: Vec<f64>,
     estimates: Vec<Estimate>,
     covariance: Matrix,
@@ -118,6 +119,7 @@ impl Fit {
         Self {
             identification: identification.clone(),
             outcome,
+            costs: problem.costs.clone(),
             coordinates: coordinates.clone(),
             estimates,
             covariance,
@@ -136,6 +138,12 @@ impl Fit {
     /// Returns the number of iterations and the costs.
     pub fn outcome(&self) -> LeastSquaresOutcome {
         self.outcome
+    }
+
+    /// Returns the cost at the first point and after each iteration. With segments, the weight of
+    /// the gaps between them grows during the search, and the cost with it.
+    pub fn costs(&self) -> &[f64] {
+        &self.costs
     }
 
     /// Returns the values, in the order of the unknowns.

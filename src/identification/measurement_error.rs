@@ -21,6 +21,8 @@ pub struct MeasurementError {
     pub rms: f64,
     /// Simulated readings at the times of the samples, with delay, gain and bias.
     pub simulated: Signal,
+    /// Measured readings at these times.
+    pub measured: Signal,
 }
 
 /// Returns the errors of the measurements of an experiment, given the readings of its segments.
@@ -61,7 +63,8 @@ pub(super) fn errors_of(
             measurement: measurement.name.clone(),
             count: count as usize,
             rms: (squares / f64::from(count.max(1_u32))).sqrt(),
-            simulated: Signal::new(measurement.signal.times()[samples].to_vec(), simulated)?,
+            simulated: Signal::new(measurement.signal.times()[samples.clone()].to_vec(), simulated)?,
+            measured: measurement.signal.rows(samples)?,
         });
     }
     Ok(errors)

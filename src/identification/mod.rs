@@ -63,7 +63,8 @@
 //!
 //! [`Fit`] has a confidence interval for each unknown, the combinations of unknowns that the data
 //! do not determine, and the errors of each measurement; [`Fit::validate`] simulates experiments
-//! that were not used.
+//! that were not used. `Fit::save_report`, with the feature `html`, writes all this to a page with
+//! plots.
 //!
 //! # Derivatives
 //!
@@ -85,7 +86,11 @@ mod fit;
 mod formulas;
 mod measurement_error;
 mod plan;
+#[cfg(feature = "html")]
+mod plot;
 mod recorded;
+#[cfg(feature = "html")]
+mod report;
 mod segment;
 mod shooting;
 mod signal;

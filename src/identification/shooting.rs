@@ -50,6 +50,8 @@ pub(super) struct Shooting<'p> {
     /// linearisation with a penalty.
     weights: Vec<Vec<f64>>,
     pub(super) residuals: Residuals,
+    /// Costs of all linearisations.
+    pub(super) costs: Vec<f64>,
 }
 
 /// Unknowns, and physics states at the starts of all segments of all experiments.
@@ -112,6 +114,7 @@ impl<'p> Shooting<'p> {
             penalty: 1.0,
             weights: Vec::new(),
             residuals: Residuals::default(),
+            costs: Vec::new(),
         })
     }
 
@@ -382,7 +385,9 @@ impl Problem for Shooting<'_> {
             self.chains[place.plan].add_gap(place.segment, &end, &self.weights[place.node], &mut self.total);
         }
         self.add_priors()?;
-        Ok(cost + self.prior_cost(&self.present)?)
+        cost += self.prior_cost(&self.present)?;
+        self.costs.push(cost);
+        Ok(cost)
     }
 
     fn damped(&mut self, damping: f64, hessian: &mut Matrix, gradient: &mut [f64]) -> Option<f64> {

@@ -79,6 +79,12 @@ impl Signal {
         self.times[self.times.len() - 1]
     }
 
+    /// Returns the samples of a range that is not empty.
+    pub(super) fn rows(&self, rows: std::ops::Range<usize>) -> Result<Self> {
+        let values = rows.clone().flat_map(|row| self.values.row(row)).copied().collect();
+        Self::new(self.times[rows.clone()].to_vec(), Matrix::from_row_major(rows.len(), self.width(), values))
+    }
+
     /// Returns the last sample that is not after a time, or the first one.
     pub fn held(&self, time: f64) -> &[f64] {
         self.values.row(self.times.partition_point(|&sample| sample <= time).saturating_sub(1))

@@ -2,11 +2,11 @@
 
 use mujoco_safe::identification::{Experiment, Identification, Measurement, Options, Signal, Unknown};
 use mujoco_safe::least_squares::LeastSquaresStatus;
-use mujoco_safe::rollout::Parameter;
+use mujoco_safe::rollout::{Parameter, Random};
 use mujoco_safe::{Data, Error, Matrix, Model, sample};
 
 use crate::cases::cases;
-use crate::{Noise, SPRING, model};
+use crate::{SPRING, model};
 
 fn data() -> Data {
     Data::new(model(SPRING)).unwrap()
@@ -130,8 +130,8 @@ fn simulations_that_fail() {
 #[test]
 fn hostile_numbers() {
     let extreme = [0.0, -0.0, 1.0, -1.0, 1e-310, 1e-9, 1e9, 1e160, -1e300, f64::MAX, f64::INFINITY, f64::NAN];
-    let mut noise = Noise(11);
-    let mut pick = |usual: f64| match noise.uniform() {
+    let mut noise = Random::new(11, 0, 0);
+    let mut pick = |usual: f64| match noise.uniform(-1.0, 1.0) {
         odd if odd > 0.75 => extreme[((odd - 0.75) * 47.9) as usize],
         _ => usual,
     };

@@ -5,6 +5,8 @@ mod cases;
 mod errors;
 mod least_squares;
 mod problems;
+#[cfg(feature = "html")]
+mod report;
 mod robots;
 mod shooting;
 mod statistics;
@@ -12,6 +14,7 @@ mod statistics;
 use std::sync::Arc;
 
 use mujoco_safe::identification::{Experiment, Measurement, Signal};
+use mujoco_safe::rollout::Random;
 use mujoco_safe::{Data, Matrix, Model};
 
 /// A mass on a spring with a motor.
@@ -105,26 +108,7 @@ impl Log {
     }
 }
 
-/// Uniform number from −1 to 1, and normal number, of a sequence.
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        // Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
-    }
-
-    fn normal(&mut self) -> f64 {
-        // Sum of twelve uniform numbers.
-        (0..12).map(|_| self.uniform() / 2.0).sum()
-    }
-}
-
-fn add_noise(signal: &Signal, deviation: f64, noise: &mut Noise) -> Signal {
+fn add_noise(signal: &Signal, deviation: f64, noise: &mut Random) -> Signal {
     let mut values = signal.values().clone();
     values.as_mut_slice().iter_mut().for_each(|value| *value += deviation * noise.normal());
     Signal::new(signal.times().to_vec(), values).unwrap()

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use mujoco_safe::derivative::InertialParameters;
 use mujoco_safe::enums::SensorType;
 use mujoco_safe::identification::{Experiment, Fit, Identification, Measurement, Options, Signal, Unknown};
-use mujoco_safe::rollout::Parameter;
+use mujoco_safe::rollout::{Parameter, Random};
 use mujoco_safe::spec::Spec;
 use mujoco_safe::{Data, Matrix, Model, sample};
 
-use crate::{Log, Noise, record};
+use crate::{Log, record};
 
 /// Writes true values to a model: the parameters of unknowns.
 fn truth(start: &Data, values: &[(Parameter, f64)]) -> Data {
@@ -55,7 +55,7 @@ const NOISE: f64 = 1e-4;
 
 /// Returns a measurement of all positions, by encoders with noise.
 fn encoders(log: &Log, nq: usize) -> Measurement {
-    let mut noise = Noise(7);
+    let mut noise = Random::new(7, 0, 0);
     let values = log.states.rows().flat_map(|row| row[..nq].to_vec()).map(|it| it + NOISE * noise.normal());
     let values = Matrix::from_row_major(log.times.len(), nq, values.collect());
     Measurement::of("encoders", Signal::new(log.times.clone(), values).unwrap(), |data, output| {
@@ -143,7 +143,7 @@ fn humanoid() {
     let log = record(truth(&start, &values), 60, |time| {
         (0..nu).map(|i| 0.3 * ((8.0 + i as f64) * time + i as f64).sin()).collect()
     });
-    let mut noise = Noise(3);
+    let mut noise = Random::new(3, 0, 0);
     // Without those of accelerations and rates.
     let measurements = model.sensors().skip(bare.nsensor()).map(|sensor| {
         let range = sensor.data_range();

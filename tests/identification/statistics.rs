@@ -2,10 +2,10 @@
 
 use mujoco_safe::control::residual::Norm;
 use mujoco_safe::identification::{Experiment, Fit, Identification, Measurement, Options, Signal, Unknown};
-use mujoco_safe::rollout::Parameter;
+use mujoco_safe::rollout::{Parameter, Random};
 use mujoco_safe::{Data, Matrix};
 
-use crate::{Log, Noise, SPRING, add_noise, model, record};
+use crate::{Log, SPRING, add_noise, model, record};
 
 fn swing() -> (Data, Log) {
     let mut data = Data::new(model(SPRING)).unwrap();
@@ -30,7 +30,7 @@ fn fit(data: &Data, unknowns: Vec<Unknown>, measurement: Measurement) -> Fit {
 fn intervals_contain_the_truth() {
     let (data, log) = swing();
     let exact = log.sensor(data.model(), "position", 10);
-    let (mut inside, mut noise) = ([0; 2], Noise(1));
+    let (mut inside, mut noise) = ([0; 2], Random::new(1, 0, 0));
     for _ in 0..100 {
         let signal = add_noise(&exact, 0.002, &mut noise);
         let measurement = Measurement::of_sensor(data.model(), "position", signal).unwrap().with_deviation(0.002);
@@ -129,7 +129,7 @@ fn formulas_and_differences_give_the_same_information() {
     ));
     let start = Data::new(&model).unwrap();
     let log = record(start.clone(), 60, |time| vec![(9.0 * time).sin()]);
-    let mut noise = Noise(5);
+    let mut noise = Random::new(5, 0, 0);
     let mut unknowns = Vec::new();
     for name in ["b0", "b1", "b2", "b3"] {
         let body = model.body(name).unwrap().id();

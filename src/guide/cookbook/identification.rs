@@ -65,6 +65,10 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! With the feature `html`, `fit.save_report("fit.html", &held_out)?` writes a page with the
+//! values, what the log does not determine, and plots of the measured and simulated readings, also
+//! of the logs that [`validate`](crate::identification::Fit::validate) has simulated.
+//!
 //! Unknowns can also be gains and biases of sensors, any array of the model
 //! ([`Parameter::field`](crate::rollout::Parameter::field)), and numbers that a closure writes
 //! ([`Unknown::edit`](crate::identification::Unknown::edit)). For long or unstable motions, divide
