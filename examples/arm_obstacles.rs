@@ -1,14 +1,14 @@
 //! An arm with seven joints follows a moving target between two pillars with inverse kinematics.
 //!
 //! ```text
-//! cargo run --release --example arm_obstacles -- --out out
+//! cargo run --release --features renderer --example arm_obstacles -- --out out    # without the feature, no film
 //! ```
 //!
 //! In each tick of 10 ms, the hand takes the step towards the target that the ranges of the joints,
 //! their speeds and accelerations allow, and that keeps all links away from the pillars. The target
 //! passes through the pillars, so the hand goes around them there. The program prints the largest
 //! error where the target is free, the smallest distance and the time of a tick. `--out` writes a
-//! plot.
+//! plot and a film.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -39,12 +39,12 @@ struct Arguments {
     /// Duration, s
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = command_line::not_negative)]
     seconds: f64,
-    /// Folder for the plot; without it, no file is written
+    /// Folder for the plot and the film; without it, no file is written
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-/// Returns an arm of seven links on a table, and two pillars.
+/// Returns an arm of seven links on the floor, two pillars, and a marker of the target.
 fn model() -> mujoco_safe::Result<Model> {
     let mut body = r#"<site name="hand" pos="0 0 .08"/>"#.to_owned();
     for link in (0..7).rev() {
@@ -56,9 +56,15 @@ fn model() -> mujoco_safe::Result<Model> {
         );
     }
     Model::from_xml_str(&format!(
-        r#"<mujoco><default><joint limited="true"/></default><worldbody>
-             <geom name="pillar0" type="capsule" size=".06" fromto=".45 .2 0 .45 .2 .4"/>
-             <geom name="pillar1" type="capsule" size=".06" fromto=".45 -.25 0 .45 -.25 .4"/>
+        r#"<mujoco><default><joint limited="true"/><geom rgba=".25 .5 .75 1"/></default>
+             <visual><headlight ambient=".35 .35 .35"/></visual><worldbody>
+             <light pos="1 -1 3" dir="-.3 .3 -1" diffuse=".5 .5 .5"/>
+             <camera name="front" pos="2.2 .25 1" xyaxes="-.12 1 0 -.28 -.03 .96"/>
+             <geom type="plane" size="2 2 .1" rgba=".85 .87 .9 1" contype="0" conaffinity="0"/>
+             <geom name="pillar0" type="capsule" size=".06" fromto=".45 .2 0 .45 .2 .4" rgba=".8 .4 .2 1"/>
+             <geom name="pillar1" type="capsule" size=".06" fromto=".45 -.25 0 .45 -.25 .4" rgba=".8 .4 .2 1"/>
+             <body name="target" mocap="true">
+               <geom size=".03" rgba=".1 .7 .3 .7" contype="0" conaffinity="0"/></body>
              {body}</worldbody></mujoco>"#
     ))
 }
@@ -84,6 +90,8 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 struct Run {
     times: Vec<f64>,
     hand: Vec<[f64; 3]>,
+    /// Positions of the joints, rad.
+    joints: Vec<Vec<f64>>,
     errors: Vec<f64>,
     /// Distance of the arm from the pillars, m.
     distances: Vec<f64>,
@@ -127,6 +135,7 @@ fn follow(seconds: f64) -> mujoco_safe::Result<Run> {
         }
         run.times.push(time);
         run.hand.push(*data.site("hand")?.xpos());
+        run.joints.push(data.qpos().to_vec());
         run.errors.push(distance(data.site("hand")?.xpos(), &target(time)));
         run.distances.push(nearest);
         run.clearances.push(clearance(target(time)));
@@ -154,7 +163,41 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     );
     if let Some(out) = &arguments.out {
         chart::save(out, "arm_obstacles.svg", 260, &panels(&run))?;
+        film(&run, out)?;
     }
+    Ok(())
+}
+
+/// Records a film of the run.
+#[cfg(feature = "renderer")]
+fn film(run: &Run, out: &std::path::Path) -> Result<(), Box<dyn Error>> {
+    use mujoco_safe::record::{Recorder, RecorderOptions};
+    use mujoco_safe::render::{Renderer, RgbImage};
+
+    let model = Arc::new(model()?);
+    let options = RecorderOptions::default().with_frames_per_second(20.0);
+    let mut recorder = Recorder::create(out.join("arm_obstacles.gif"), options)?;
+    let (mut renderer, mut picture) = (Renderer::new(&model, 400, 300)?, RgbImage::default());
+    let mut data = Data::new(&model)?;
+    for (joints, &time) in run.joints.iter().zip(&run.times) {
+        if recorder.is_due(time) {
+            data.qpos_mut().copy_from_slice(joints);
+            data.mocap_pos_mut()[0] = target(time);
+            data.forward()?;
+            renderer.snapshot(&mut data, "front")?.rgb_into(&mut picture)?;
+            recorder.push(&picture, time)?;
+        }
+    }
+    let recorded = recorder.finish()?;
+    println!("wrote {}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
+    Ok(())
+}
+
+/// Without the feature `renderer` there is no film.
+#[cfg(not(feature = "renderer"))]
+#[allow(clippy::unnecessary_wraps, reason = "the other variant fails")]
+fn film(run: &Run, _: &std::path::Path) -> Result<(), Box<dyn Error>> {
+    let _ = &run.joints;
     Ok(())
 }
 
