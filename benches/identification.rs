@@ -4,7 +4,9 @@
 //!
 //! If the environment variable `MUJOCO_PYTHON` names a Python with `mujoco[sysid]` of the engine's
 //! version, both solve the same problems alternately, and the ratio of the times and the largest
-//! error of an unknown are printed, of those that are no inertia.
+//! error of an unknown are printed, of those that are no inertia. The time of the bare steps of the
+//! log, without any identification, is the unit of the last numbers: each iteration of a search
+//! takes at least one such rollout, and one for each differenced unknown.
 //!
 //! ```text
 //! MUJOCO_DIR=$(scripts/engine 3.17.0) MUJOCO_PYTHON=python3 cargo bench --bench identification
@@ -99,6 +101,7 @@ struct Problem {
     times: Vec<f64>,
     controls: Matrix,
     readings: Matrix,
+    start: Data,
     identification: Identification,
 }
 
@@ -210,7 +213,7 @@ impl Problem {
             experiment = experiment.with_measurement(Measurement::of_sensor(&model, sensor.id(), signal)?);
         }
         let identification = Identification::new(unknowns)?.with_experiment(experiment)?;
-        Ok(Self { xml, hidden, range, times, controls, readings, identification })
+        Ok(Self { xml, hidden, range, times, controls, readings, start, identification })
     }
 
     /// Returns the seconds and the largest error.
@@ -223,6 +226,17 @@ impl Problem {
         (seconds, errors.fold(0.0, f64::max))
     }
 
+    /// Returns the seconds of the steps of the log.
+    fn rollout(&self) -> f64 {
+        let mut data = self.start.clone();
+        let start = Instant::now();
+        for control in self.controls.rows() {
+            data.ctrl_mut().copy_from_slice(control);
+            data.step().expect("the log is stable");
+        }
+        start.elapsed().as_secs_f64()
+    }
+
     /// Solves the problem alternately with `mujoco.sysid`.
     fn beside_sysid(&self, python: &str, name: &str) -> std::io::Result<()> {
         let names: Vec<String> = self.hidden.iter().map(|(what, name, _)| format!("{what}:{name}")).collect();
@@ -231,8 +245,9 @@ impl Problem {
         let numbers = [&self.range[..], &self.times, self.controls.as_slice(), self.readings.as_slice()];
         lines.extend(numbers.map(|numbers| line(numbers.iter().copied())));
         let mut peer = Peer::start(python, &["-c", SYSID], &lines)?;
-        let mut error = 0.0;
+        let (mut error, mut rollouts) = (0.0, Vec::new());
         let Comparison { ours, theirs, ratio: [low, middle, high], rest } = peer.compare(PAIRS, "", || {
+            rollouts.push(self.rollout());
             let (seconds, found) = self.solve();
             error = found;
             seconds
@@ -242,6 +257,13 @@ impl Problem {
             1e3 * ours,
             1e3 * theirs,
             rest.first().unwrap_or(&f64::NAN),
+        );
+        let rollout = common::median(rollouts);
+        println!(
+            "    bare steps of the log {:.2} ms: {:.1} and {:.1} times",
+            1e3 * rollout,
+            ours / rollout,
+            theirs / rollout
         );
         Ok(())
     }
@@ -257,7 +279,10 @@ fn main() -> Result<()> {
             continue;
         }
         match env::var_os("MUJOCO_PYTHON") {
-            None => common::bench(name, 1, &mut || _ = problem.solve()),
+            None => {
+                common::bench(name, 1, &mut || _ = problem.solve());
+                common::bench(&format!("{name}, bare steps of the log"), 1, &mut || _ = problem.rollout());
+            }
             Some(python) => {
                 if let Err(error) = problem.beside_sysid(&python.to_string_lossy(), name) {
                     println!("{name}: mujoco.sysid cannot be compared: {error}");
