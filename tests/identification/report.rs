@@ -39,7 +39,7 @@ fn hostile_fit() -> (Fit, Vec<mujoco_safe::identification::MeasurementError>) {
         let body = model.body("mass").unwrap().id().index();
         Unknown::edit(name, 0.7, move |value, model| {
             model.body_mass_mut()[body] += value - 0.5;
-            Ok(())
+            model.update_constants()
         })
     };
     let unknowns = vec![damping.starting_at(8.0).with_prior(5.0, 10.0), half(HOSTILE), half("half of the mass")];
