@@ -3,7 +3,7 @@
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{CameraMode, GeomType, SameFrame};
-use crate::id::{BodyId, HeightFieldId, Lookup, MaterialId, MeshId};
+use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
