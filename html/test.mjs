@@ -159,6 +159,78 @@ async function testPicture(browser, name, model) {
   return value;
 }
 
+/** Several trajectories in one place and side by side. */
+async function testSeveral(browser, name) {
+  const { page, problems } = await open(browser, 'side_by_side.html', { width: 1440, height: 900, hash: '#t=0.6' });
+  await settle(page);
+  const beside = await canvas(page);
+  const shown = async (id, value) => {
+    await page.select(`#${id}`, value);
+    await settle(page);
+    return canvas(page);
+  };
+  const ghosts = await shown('layout', '0');
+  const one = await shown('layout', '2');
+  assert.ok(difference(beside, ghosts) > 1 && difference(ghosts, one) > 0.2, 'the layouts differ');
+  assert.ok(difference(await shown('track', '2'), one) > 0.5, 'another trajectory is drawn');
+  await page.focus('#canvas').catch(() => {});
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press('g');
+  assert.equal(await page.$eval('#layout', (select) => select.value), '0');
+  await shown('track', '0');
+  assert.ok(difference(await shown('layout', '1'), beside) < 0.5, 'the camera returns');
+  await page.screenshot({ path: join(folder, `${name}-side-by-side.png`) });
+  // Along the row, so that a click meets each of them.
+  const labels = new Set();
+  const box = await (await page.$('#canvas')).boundingBox();
+  for (let x = 0.05; x < 1; x += 0.01) {
+    await page.mouse.click(box.x + x * box.width, box.y + 0.5 * box.height);
+    const label = /rollout \d+/.exec(await text(page, '#selection'));
+    if (label && !(await page.$eval('#selection', (selection) => selection.hidden))) labels.add(label[0]);
+  }
+  assert.ok(labels.size >= 2, `clicks select geoms of several trajectories: ${[...labels]}`);
+  assert.deepEqual(problems, []);
+  await page.close();
+}
+
+/** Milliseconds for a picture of 64 humanoids while they play. */
+async function testMany(browser) {
+  const { page, problems, seconds } = await open(browser, 'rollouts.html', { width: 1280, height: 720 });
+  await page.click('#play');
+  const period = await page.evaluate(
+    () =>
+      new Promise((done) => {
+        const start = performance.now();
+        let count = 0;
+        const next = (now) => (++count > 20 || now - start > 20000 ? done((now - start) / count) : requestAnimationFrame(next));
+        requestAnimationFrame(next);
+      }),
+  );
+  assert.deepEqual(problems, []);
+  await page.close();
+  return [seconds, period];
+}
+
+async function testBatch(browser, name) {
+  const { page, problems } = await open(browser, 'batch.url', { width: 1280, height: 720 });
+  await until(page, time, (now) => now > 0.1, 'the batch runs');
+  assert.ok(await page.$eval('#pull', (button) => button.hidden) && (await page.$eval('#plots', (plots) => plots.hidden)));
+  await page.keyboard.press(' ');
+  await until(page, isPlaying, (playing) => !playing, 'the space bar pauses');
+  const ghosts = await canvas(page);
+  await page.select('#layout', '1');
+  await settle(page);
+  await settle(page);
+  assert.ok(difference(ghosts, await canvas(page)) > 1, 'the simulations are side by side');
+  await page.screenshot({ path: join(folder, `${name}-batch-side-by-side.png`) });
+  await page.keyboard.press('r');
+  await until(page, time, (now) => now === 0, 'a reset restores the time');
+  await page.keyboard.press(' ');
+  await until(page, isPlaying, (playing) => playing, 'the space bar resumes');
+  assert.deepEqual(problems, []);
+  await page.close();
+}
+
 async function testHostile(browser) {
   const { page, problems } = await open(browser, 'hostile.html', { width: 1280, height: 720 });
   const box = await (await page.$('#canvas')).boundingBox();
@@ -307,8 +379,8 @@ async function testHostileLive(browser) {
 }
 
 async function takeScreenshots(browser, name) {
-  const sizes = { laptop: { width: 1280, height: 720 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
-  for (const file of ['humanoid', 'ghosts', 'robot', 'soft', 'hostile', 'live.url', 'hostile.url']) {
+  const sizes = { laptop: { width: 1440, height: 900 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
+  for (const file of ['humanoid', 'ghosts', 'rollouts', 'robot', 'soft', 'hostile', 'live.url', 'batch.url', 'soft.url', 'hostile.url']) {
     const [served, shown] = [file.endsWith('.url'), file.replace('.url', '-live')];
     for (const [size, options] of Object.entries(sizes)) {
       // WebDriver BiDi of Firefox cannot select a colour scheme or a touch screen.
@@ -319,7 +391,7 @@ async function takeScreenshots(browser, name) {
       const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
       assert.ok(overflow <= 0, `${file} fits into ${options.width} pixels`);
       await page.screenshot({ path: join(folder, `${name}-${shown}-${size}.png`) });
-      if (served && options.touch) {
+      if (options.touch && ['live.url', 'hostile.url'].includes(file)) {
         await page.click('#show');
         await settle(page);
         await page.screenshot({ path: join(folder, `${name}-${shown}-${size}-controls.png`) });
@@ -344,6 +416,10 @@ for (const [name, options] of Object.entries(BROWSERS)) {
       const value = await testPicture(browser, name, model);
       console.log(`${name}: ${model} differs from the renderer by ${value.toFixed(2)} of 255`);
     }
+    await testSeveral(browser, name);
+    const [first, period] = await testMany(browser);
+    console.log(`${name}: 64 rollouts, first picture after ${first.toFixed(2)} s, then one in ${period.toFixed(0)} ms`);
+    await testBatch(browser, name);
     await testHostile(browser);
     await testHostileLive(browser);
     console.log(`${name}: hostile names run no script`);

@@ -20,8 +20,9 @@ export class Cameras {
     this.controls = new OrbitControls(camera, canvas);
     this.controls.target.fromArray(look.free.lookat);
     this.controls.addEventListener('change', redraw);
+    this.distance = this.controls.getDistance();
+    this.middle = new Vector3();
     this.controls.update();
-    this.controls.saveState();
     this.select(0);
   }
 
@@ -39,6 +40,18 @@ export class Cameras {
     const step = new Vector3().subVectors(to, from);
     this.controls.target.add(step);
     this.controls.object.position.add(step);
+  }
+
+  /** Moves the free camera so that its picture includes a grid with this middle. */
+  include([x, y]) {
+    const { target, object } = this.controls;
+    const away = new Vector3().subVectors(object.position, target);
+    const middle = new Vector3(x, y, 0);
+    const distance = (point) => this.distance + 1.8 * point.length();
+    target.add(middle).sub(this.middle);
+    object.position.copy(target).addScaledVector(away, distance(middle) / distance(this.middle));
+    this.middle = middle;
+    this.controls.update();
   }
 
   /** Returns the selected camera, placed for an image of this ratio of width to height. */

@@ -1,43 +1,62 @@
 // Tendons, skins and flexes: shapes whose vertices move.
 
-import { BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide, InstancedMesh, Mesh, Object3D, Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide } from 'three';
+import { InstancedBufferAttribute, InstancedMesh, Mesh, Object3D, Vector3 } from 'three';
 import { material } from './surface.js';
 
 const UP = new Vector3(0, 1, 0);
 
 export class Deformable {
-  /** `faces` has the indices of triangles; without them the vertices are the ends of segments. */
+  /**
+   * `faces` has the indices of triangles; without them the vertices are the ends of segments.
+   * `opacity` is that of ghosts.
+   */
   constructor(look, faces, track, index, opacity) {
-    this.track = track;
-    this.channels = track.deformables[index];
-    const surface = material(look, null, opacity);
-    this.position = new Float32Array(this.channels.length);
+    Object.assign(this, { track, index });
+    this.surfaces = [opacity, 1].map((factor) => material(look, null, factor));
     if (faces) {
-      surface.side = DoubleSide;
-      this.geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(this.position, 3));
-      this.geometry.setIndex(new BufferAttribute(faces, 1));
-      this.object = new Mesh(this.geometry, surface);
+      for (const surface of this.surfaces) surface.side = DoubleSide;
+      this.geometry = new BufferGeometry().setIndex(new BufferAttribute(faces, 1));
+      this.object = new Mesh(this.geometry, this.surfaces[1]);
     } else {
       this.place = new Object3D();
-      const segment = new CylinderGeometry(look.radius, look.radius, 1, 12);
-      this.object = new InstancedMesh(segment, surface, this.position.length / 6);
+      this.object = new InstancedMesh(new CylinderGeometry(look.radius, look.radius, 1, 12), this.surfaces[1], 1);
     }
     this.object.frustumCulled = false;
-    this.object.castShadow = this.object.receiveShadow = opacity === 1;
+  }
+
+  setOpaque(isOpaque) {
+    this.object.material = this.surfaces[isOpaque ? 1 : 0];
+    this.object.castShadow = this.object.receiveShadow = isOpaque;
   }
 
   update(time) {
-    const [i, j, f] = this.track.place(time);
-    this.channels.forEach((values, at) => (this.position[at] = values[i] + f * (values[j] - values[i])));
-    if (this.geometry) {
-      this.geometry.attributes.position.needsUpdate = true;
-      this.geometry.computeVertexNormals();
-      return;
+    const vertices = this.track.vertices(this.index, time);
+    if (this.geometry) this.updateSurface(vertices);
+    else this.updateSegments(vertices);
+  }
+
+  updateSurface(vertices) {
+    if (!this.geometry.hasAttribute('position')) {
+      this.geometry.setAttribute('position', new BufferAttribute(new Float32Array(vertices.length), 3));
     }
+    const { position } = this.geometry.attributes;
+    position.array.set(vertices.subarray(0, position.array.length));
+    position.needsUpdate = true;
+    this.geometry.computeVertexNormals();
+  }
+
+  updateSegments(vertices) {
+    const count = vertices.length / 6;
+    if (this.object.instanceMatrix.count < count) {
+      this.object.dispose();
+      this.object.instanceMatrix = new InstancedBufferAttribute(new Float32Array(16 * count), 16);
+    }
+    this.object.count = count;
     const [from, to] = [new Vector3(), new Vector3()];
-    for (let segment = 0; segment < this.object.count; segment++) {
-      from.fromArray(this.position, 6 * segment);
-      to.fromArray(this.position, 6 * segment + 3);
+    for (let segment = 0; segment < count; segment++) {
+      from.fromArray(vertices, 6 * segment);
+      to.fromArray(vertices, 6 * segment + 3);
       this.place.position.addVectors(from, to).multiplyScalar(0.5);
       this.place.scale.set(1, from.distanceTo(to), 1);
       this.place.quaternion.setFromUnitVectors(UP, to.sub(from).normalize());

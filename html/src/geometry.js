@@ -14,26 +14,27 @@ export class Shapes {
     this.known = new Map();
   }
 
-  /** Returns the geometry of a geom, shared by all of the same shape. */
-  get({ shape, size, asset }) {
-    const key = asset === null ? `${shape} ${size}` : `${shape} ${asset}`;
-    if (!this.known.has(key)) this.known.set(key, this.create(shape, size, asset));
+  /** Returns the geometry of a geom, shared by all of the same shape. Coarse spheres have fewer triangles. */
+  get({ shape, size, asset }, isCoarse = false) {
+    const key = asset === null ? `${shape} ${size} ${isCoarse}` : `${shape} ${asset}`;
+    if (!this.known.has(key)) this.known.set(key, this.create(shape, size, asset, isCoarse ? 0.3 : 1));
     return this.known.get(key);
   }
 
-  create(shape, [x, y, z], asset) {
+  create(shape, [x, y, z], asset, detail) {
     const upright = Math.PI / 2;
+    const steps = (number) => Math.round(number * detail);
     switch (shape) {
       case 'plane': {
         const far = this.look.free.frustum.far;
         return new PlaneGeometry(2 * (x > 0 ? x : far), 2 * (y > 0 ? y : far));
       }
       case 'ellipsoid':
-        return new SphereGeometry(1, 32, 20).rotateX(upright).scale(x, y, z);
+        return new SphereGeometry(1, steps(32), steps(20)).rotateX(upright).scale(x, y, z);
       case 'capsule':
-        return new CapsuleGeometry(x, 2 * z, 10, 28).rotateX(upright);
+        return new CapsuleGeometry(x, 2 * z, steps(10), steps(28)).rotateX(upright);
       case 'cylinder':
-        return new CylinderGeometry(x, x, 2 * z, 40).rotateX(upright);
+        return new CylinderGeometry(x, x, 2 * z, steps(40)).rotateX(upright);
       case 'box':
         return new BoxGeometry(2 * x, 2 * y, 2 * z);
       case 'mesh':

@@ -18,31 +18,19 @@ const HELP = [
   ['Space, →', 'pause or resume, one step'],
   ['R, P', 'reset, pull'],
   ['C, F', 'next camera, follow the selected body'],
+  ['G', 'ghosts, side by side, or one simulation'],
   ['Sliders', 'hold controls; × leaves a control to the program'],
   ['Escape', 'clear the selection'],
 ];
 
-/** Latest state, with the methods of a recorded track. */
+/** Latest state of a simulation, with the methods of a recorded track. */
 class LiveTrack {
-  constructor(frames, controls) {
+  constructor(frames) {
     this.label = '';
     this.start = this.end = this.time = 0;
-    this.controls = new Float32Array(controls);
     this.poses = new Float32Array(7 * frames);
     for (let frame = 0; frame < frames; frame++) this.poses[7 * frame + 3] = 1;
-    this.held = new Uint8Array(controls);
-    this.problem = '';
-  }
-
-  read(buffer) {
-    const view = new DataView(buffer);
-    this.time = view.getFloat64(0, true);
-    this.isPaused = view.getUint32(8, true) !== 0;
-    const [poses, controls] = [this.poses.length, this.controls.length];
-    this.poses = new Float32Array(buffer, 12, poses);
-    this.controls = new Float32Array(buffer, 12 + 4 * poses, controls);
-    this.held = new Uint8Array(buffer, 12 + 4 * (poses + controls), controls);
-    this.problem = new TextDecoder().decode(new Uint8Array(buffer, 12 + 4 * (poses + controls) + controls));
+    this.deformables = [];
   }
 
   pose(_, objects) {
@@ -53,15 +41,44 @@ class LiveTrack {
     });
   }
 
+  vertices(index) {
+    return this.deformables[index];
+  }
+
   isFixed(frame) {
     return frame === 0;
   }
 }
 
+/** Reads a state (src/live/state.rs) into tracks, and returns the rest of it. */
+function read(buffer, tracks, controls) {
+  const view = new DataView(buffer);
+  const [flags, count] = [view.getUint32(0, true), view.getUint32(4, true)];
+  let at = 8 + 8 * count;
+  const numbers = (length) => {
+    at += 4 * length;
+    return new Float32Array(buffer, at - 4 * length, length);
+  };
+  tracks.slice(0, count).forEach((track, index) => {
+    track.time = view.getFloat64(8 + 8 * index, true);
+    track.poses = numbers(track.poses.length);
+  });
+  const ctrl = numbers(controls);
+  tracks[0].deformables = tracks[0].deformables.map(() => {
+    at += 4;
+    return numbers(3 * view.getUint32(at - 4, true));
+  });
+  const held = new Uint8Array(buffer, at, controls);
+  const problem = new TextDecoder().decode(new Uint8Array(buffer, at + controls));
+  return { isPaused: (flags & 1) !== 0, isBatch: (flags & 2) !== 0, count, ctrl, held, problem };
+}
+
 export class LivePlayer extends Player {
   createTracks({ description }) {
-    this.track = new LiveTrack(description.frames, description.live.length);
-    return [this.track];
+    const { frames, live, look } = description;
+    const tracks = Array.from({ length: 1 + live.ghosts }, () => new LiveTrack(frames));
+    tracks[0].deformables = look.deformables.map(() => new Float32Array(0));
+    return tracks;
   }
 
   begin() {
@@ -90,7 +107,7 @@ export class LivePlayer extends Player {
   }
 
   createSliders() {
-    this.sliders = this.data.live.map(({ name, range: [low, high] }, index) => {
+    this.sliders = this.data.live.sliders.map(({ name, range: [low, high] }, index) => {
       const row = document.createElement('label');
       const input = document.createElement('input');
       const release = tag('button', '×');
@@ -138,7 +155,7 @@ export class LivePlayer extends Player {
   receive(buffer) {
     this.requests -= 1;
     this.note = '';
-    this.track.read(buffer);
+    this.state = read(buffer, this.tracks, this.sliders.length);
     this.isNew = true;
     document.documentElement.dataset.live = 'open';
   }
@@ -152,7 +169,8 @@ export class LivePlayer extends Player {
     }
     if (!this.isNew) return;
     this.isNew = false;
-    this.time = this.track.time;
+    this.time = this.tracks[this.stage.order[0]].time;
+    if (this.count !== this.state.count) this.setCount(this.state.count);
     this.showPoses();
     this.showRope();
     if (!(this.now < this.nextText)) this.showTexts();
@@ -160,7 +178,11 @@ export class LivePlayer extends Player {
 
   showTexts() {
     this.nextText = this.now + TEXT_PERIOD;
-    const { controls, held, isPaused, problem, time } = this.track;
+    const { ctrl, held, isBatch, isPaused, problem } = this.state;
+    const { time } = this;
+    element('pull').hidden = isBatch;
+    element('show').hidden = isBatch || this.sliders.length === 0;
+    if (isBatch && !element('plots').hidden) this.showControls(false);
     this.isPlaying = !isPaused;
     press('play', this.isPlaying);
     element('play').setAttribute('aria-label', this.isPlaying ? 'Pause' : 'Resume');
@@ -169,13 +191,22 @@ export class LivePlayer extends Player {
     const [[now, before]] = this.speeds;
     const speed = this.isPlaying && this.now > now ? `, ${((1000 * (time - before)) / (this.now - now)).toFixed(2)}×` : '';
     element('time').textContent = `${time.toFixed(2)} s${speed}`;
-    element('note').textContent = problem ? `Stopped: ${problem}. Reset to go on.` : this.note;
+    element('note').textContent = problem ? `${isBatch ? '' : 'Stopped: '}${problem}. Reset to go on.` : this.note;
     this.sliders.forEach(({ row, input, value }, index) => {
       row.classList.toggle('held', held[index] === 1);
-      const text = Number(controls[index].toPrecision(3)).toString();
+      const text = Number(ctrl[index].toPrecision(3)).toString();
       if (value.textContent !== text) value.textContent = text;
-      if (!input.matches(':active')) input.value = controls[index];
+      if (!input.matches(':active')) input.value = ctrl[index];
     });
+  }
+
+  /** The number of simulations can change. */
+  setCount(count) {
+    this.count = count;
+    element('tracks').hidden = element('layouts').hidden = count < 2;
+    const chosen = this.stage.order[0];
+    [...element('track').options].forEach((option, index) => (option.hidden = option.disabled = index >= count));
+    this.arrange(chosen < count ? chosen : 0, Number(element('layout').value));
   }
 
   play(isPlaying) {
@@ -211,13 +242,14 @@ export class LivePlayer extends Player {
       if (this.pulled) event.stopPropagation();
       if (this.pulled || event.button !== 0 || !(this.isPulling || event.ctrlKey) || event.target !== this.canvas) return;
       const hit = this.hit(event);
-      if (!hit || hit.object.userData.geom.frame === 0) return;
+      if (!hit || hit.instanceId !== undefined || this.stage.order[0] !== 0 || this.state?.isBatch) return;
+      if (hit.object.userData.geom.frame === 0) return;
       event.stopPropagation();
       event.preventDefault();
       this.canvas.setPointerCapture(event.pointerId);
       const frame = hit.object.parent;
       const direction = this.cameras.get(this.aspect).getWorldDirection(new Vector3());
-      this.select(hit.object);
+      this.select(hit);
       this.pulled = {
         pointer: event.pointerId,
         body: hit.object.userData.geom.frame,

@@ -7,6 +7,7 @@ import { Plots } from './plots.js';
 import { Stage } from './stage.js';
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+const LAYOUTS = ['Ghosts', 'Side by side', 'One'];
 export const element = (id) => document.getElementById(id);
 
 export class Player {
@@ -24,8 +25,11 @@ export class Player {
     player.notes = notes.slice().sort((a, b) => a[0] - b[0]);
     player.speed = 1;
     document.title = element('title').textContent = title || 'Simulation';
+    player.spacing = data.description.spacing ?? data.description.extent;
+    player.count = player.data.live ? 1 : player.tracks.length;
     player.connect();
     player.describe();
+    player.arrange(0, data.description.spacing === null ? 0 : 1);
     player.selectCamera(data.description.camera === null ? 0 : data.description.camera + 1);
     player.begin();
     new ResizeObserver(() => player.resize()).observe(player.canvas.parentElement);
@@ -92,7 +96,7 @@ export class Player {
   showPoses() {
     const followed = this.followed?.position;
     const before = followed?.clone();
-    this.stage.setTime(this.time);
+    this.stage.setTime(this.time, this.count);
     if (followed) this.cameras.move(before, followed);
     this.showSelection();
     this.isDirty = true;
@@ -128,9 +132,23 @@ export class Player {
   follow(isFollowing) {
     const frames = this.stage.frames[0];
     const moving = frames.findIndex((_, frame) => !this.tracks[0].isFixed(frame, this.tracks[0]));
-    const frame = this.selected?.userData.geom.frame || Math.max(moving, 0);
+    const frame = this.selected?.geom.frame || Math.max(moving, 0);
     this.followed = isFollowing ? frames[frame] : null;
     press('follow', isFollowing);
+  }
+
+  /** Draws a track in full, and the others as ghosts, side by side with it, or not at all. */
+  arrange(chosen, layout) {
+    this.select(undefined);
+    const columns = this.count <= 4 ? this.count : Math.ceil(Math.sqrt(this.count));
+    const isSideBySide = layout === 1;
+    const offset = (index) => (isSideBySide ? [(index % columns) * this.spacing, Math.floor(index / columns) * this.spacing] : [0, 0]);
+    const rows = Math.ceil(this.count / columns);
+    this.cameras.include(isSideBySide ? [columns - 1, rows - 1].map((steps) => (steps * this.spacing) / 2) : [0, 0]);
+    this.layout = { isSideBySide, isSingle: layout === 2, offset };
+    this.stage.arrange(chosen, this.layout);
+    [element('track').value, element('layout').value] = [chosen, layout];
+    if (this.time !== undefined) this.showPoses();
   }
 
   selectCamera(index) {
@@ -150,28 +168,35 @@ export class Player {
 
   /** Returns the first intersection with a geom at the place of an event. */
   hit(event) {
-    return this.ray(event).intersectObjects(this.stage.meshes, false)[0];
+    const shown = this.stage.ghosts.meshes.filter((mesh) => mesh.visible);
+    return this.ray(event).intersectObjects([...this.stage.meshes, ...shown], false)[0];
   }
 
-  select(mesh) {
-    if (this.selected) this.selected.material.emissive.copy(this.emissive);
-    this.selected = mesh;
-    if (mesh) {
-      this.emissive = mesh.material.emissive.clone();
-      if (mesh.userData.geom.shape !== 'plane') mesh.material.emissive.addScalar(0.2);
-    }
+  /** Selects the geom of an intersection: of a ghost, or of the track that is drawn in full. */
+  select(hit) {
+    if (this.selected) this.highlight(false);
+    this.selected = hit && { mesh: hit.object, geom: hit.object.userData.geom, ghost: hit.instanceId };
+    if (hit) this.highlight(true);
     this.showSelection();
     this.isDirty = true;
+  }
+
+  highlight(isSelected) {
+    const { mesh, geom, ghost } = this.selected;
+    if (ghost !== undefined) this.stage.ghosts.highlight(mesh, ghost, isSelected);
+    else if (geom.shape !== 'plane') mesh.material.emissive.addScalar(isSelected ? 0.2 : -0.2);
   }
 
   showSelection() {
     const box = element('selection');
     box.hidden = !this.selected;
     if (!this.selected) return;
-    const { geom, track } = this.selected.userData;
+    const { geom, ghost } = this.selected;
+    const place = ghost === undefined ? 0 : ghost + 1;
     const name = geom.frame === 0 ? 'world' : (this.bodies[geom.frame] ?? `body ${geom.frame}`);
-    const { x, y, z } = this.stage.frames[track][geom.frame].position;
-    const label = this.tracks[track].label;
+    const { x, y, z } = this.stage.frames[place][geom.frame].position;
+    const index = this.stage.order[place];
+    const label = this.tracks[index].label || (this.count > 1 ? `${index}` : '');
     const lines = [
       ['Body', name],
       [geom.element === 'site' ? 'Site' : 'Geom', geom.name ?? `${geom.shape} without a name`],
@@ -219,10 +244,17 @@ export class Player {
     for (const id of ['help', 'warning']) element(id).addEventListener('click', () => element('about').showModal());
     options('camera', this.cameras.list, ({ name }) => name, (_, index) => index);
     element('camera').addEventListener('change', (event) => this.selectCamera(Number(event.target.value)));
+    const several = this.count > 1;
+    element('tracks').hidden = element('layouts').hidden = !several;
+    options('track', this.tracks, ({ label }, index) => label || `${index}`, (_, index) => index);
+    options('layout', LAYOUTS, (name) => name, (_, index) => index);
+    for (const id of ['track', 'layout']) {
+      element(id).addEventListener('change', () => this.arrange(Number(element('track').value), Number(element('layout').value)));
+    }
     let down = null;
     this.canvas.addEventListener('pointerdown', (event) => (down = [event.clientX, event.clientY]));
     this.canvas.addEventListener('pointerup', (event) => {
-      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.hit(event)?.object);
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) this.select(this.hit(event));
       down = null;
     });
     window.addEventListener('keydown', (event) => this.key(event));
@@ -250,6 +282,7 @@ export class Player {
     const actions = {
       ...this.actions(event),
       ' ': () => this.play(!this.isPlaying),
+      g: () => this.count > 1 && this.arrange(this.stage.order[0], (Number(element('layout').value) + 1) % LAYOUTS.length),
       f: () => this.follow(!this.followed),
       c: () => this.selectCamera((this.cameras.selected + 1) % this.cameras.list.length),
       Escape: () => this.select(undefined),
@@ -273,5 +306,5 @@ export function press(id, isPressed) {
 }
 
 function options(id, items, text, value) {
-  items.forEach((item, index) => element(id).append(new Option(text(item), value(item, index))));
+  items.forEach((item, index) => element(id).append(new Option(text(item, index), value(item, index))));
 }

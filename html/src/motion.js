@@ -16,10 +16,10 @@ export class Track {
       const all = channels(binary, values, 3 * vertices, count, LINE);
       return all.map((numbers) => Float32Array.from(numbers, (n) => n * steps.position));
     });
-    this.curves = track.curves.map(({ name, interval, values }) => {
+    this.curves = track.curves.map(({ name, unit, interval, values }) => {
       const [numbers] = channels(binary, values, 1, count, LINE);
       const value = (n) => (n > 0 ? interval.low + interval.step * (n - 1) : NaN);
-      return { name, values: numbers.map(value) };
+      return { name, unit, values: numbers.map(value) };
     });
   }
 
@@ -62,6 +62,12 @@ export class Track {
       object.position.set(at(0), at(1), at(2));
       object.quaternion.set(at(4), at(5), at(6), at(3)).normalize();
     });
+  }
+
+  /** Returns the coordinates of the vertices of a deformable shape at a time. */
+  vertices(index, time) {
+    const [i, j, f] = this.place(time);
+    return Float32Array.from(this.deformables[index], (values) => values[i] + f * (values[j] - values[i]));
   }
 
   /** Returns true if a frame has one pose, that of another track's start. */

@@ -4,7 +4,7 @@ export class Plots {
   constructor(container, track, seek) {
     this.track = track;
     this.time = track.start;
-    this.plots = track.curves.map(({ name, values }) => {
+    this.plots = track.curves.map(({ name, unit, values }) => {
       const figure = document.createElement('figure');
       const caption = document.createElement('figcaption');
       const [label, value] = [document.createElement('span'), document.createElement('output')];
@@ -25,7 +25,7 @@ export class Plots {
       });
       canvas.addEventListener('pointermove', pick);
       const finite = values.filter(Number.isFinite);
-      return { canvas, value, values, range: finite.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]) };
+      return { canvas, value, unit, values, range: finite.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]) };
     });
     container.hidden = this.plots.length === 0;
     new ResizeObserver(() => this.draw(this.time)).observe(container);
@@ -37,7 +37,7 @@ export class Plots {
     const span = end - start || 1;
     const style = getComputedStyle(document.documentElement);
     const index = this.track.index(time);
-    for (const { canvas, value, values, range } of this.plots) {
+    for (const { canvas, value, unit, values, range } of this.plots) {
       const { clientWidth: width, clientHeight: height } = canvas;
       const ratio = window.devicePixelRatio;
       canvas.width = Math.round(width * ratio);
@@ -64,7 +64,7 @@ export class Plots {
         });
       });
       line('--text', () => (context.moveTo(x(time), 0), context.lineTo(x(time), height)));
-      value.textContent = Number.isFinite(values[index]) ? values[index].toPrecision(4) : 'no value';
+      value.textContent = Number.isFinite(values[index]) ? `${values[index].toPrecision(4)} ${unit}`.trim() : 'no value';
     }
   }
 }

@@ -4,12 +4,13 @@ import { AmbientLight, BackSide, BoxGeometry, DirectionalLight, Mesh, Object3D, 
 import { Scene, ShaderMaterial, SpotLight, Vector3, WebGLRenderer } from 'three';
 import { Deformable } from './deformable.js';
 import { Shapes } from './geometry.js';
+import { Ghosts } from './ghosts.js';
 import { useEngineLighting } from './shading.js';
 import { loadTextures, material, textured } from './surface.js';
 
-/** Opacity of the tracks after the first. */
-const GHOST = 0.3;
 const SHADOWS = 4;
+/** Number of tracks from which ghosts have fewer triangles. */
+const MANY = 8;
 
 export class Stage {
   static async create(canvas, { description, binary }, tracks) {
@@ -26,49 +27,73 @@ export class Stage {
     const textures = await loadTextures(binary, stage.look, stage.renderer.capabilities.getMaxAnisotropy());
     stage.textures = textures;
     const shapes = new Shapes(binary, stage.look);
-    stage.addGeoms(shapes);
+    stage.addGeoms(shapes, description.frames);
     stage.addDeformables(shapes);
     stage.addLights(description.extent);
     stage.addSky();
     return stage;
   }
 
-  /** Frames of each track, and their geoms, which `userData` describes. */
-  addGeoms(shapes) {
-    const count = this.tracks[0].poses.length / 7;
-    this.frames = this.tracks.map((track) =>
-      Array.from({ length: count }, () => {
+  /** Frames of each place, and the geoms in them: the first has meshes, the others are ghosts. */
+  addGeoms(shapes, count) {
+    this.places = this.tracks.map(() => new Object3D());
+    this.frames = this.places.map((place) => {
+      this.scene.add(place);
+      return Array.from({ length: count }, () => {
         const frame = new Object3D();
-        this.scene.add(frame);
+        place.add(frame);
         return frame;
-      }),
-    );
+      });
+    });
+    this.ghosts = new Ghosts(this.scene, this.frames.slice(1));
+    const areMany = this.tracks.length > MANY;
     this.meshes = [];
     const fixed = Array.from({ length: count }, (_, frame) => this.tracks.every((t) => t.isFixed(frame, this.tracks[0])));
     for (const geom of this.look.geoms) {
       const texture = geom.texture === null ? null : this.textures.get(String(geom.texture));
-      const shape = shapes.get(geom);
-      const geometry = texture && !texture.isCubeTexture ? textured(shape, geom.map) : shape;
-      this.frames.forEach((frames, track) => {
-        if (track > 0 && fixed[geom.frame]) return;
-        const mesh = new Mesh(geometry, material(geom, texture, track > 0 ? GHOST : 1));
-        mesh.position.fromArray(geom.pos);
-        mesh.quaternion.set(geom.quat[1], geom.quat[2], geom.quat[3], geom.quat[0]);
-        mesh.castShadow = track === 0 && geom.shape !== 'plane';
-        mesh.receiveShadow = track === 0;
-        mesh.userData = { geom, track };
-        frames[geom.frame].add(mesh);
-        this.meshes.push(mesh);
-      });
+      const geometryOf = (isCoarse) => {
+        const shape = shapes.get(geom, isCoarse);
+        return texture && !texture.isCubeTexture ? textured(shape, geom.map) : shape;
+      };
+      const geometry = geometryOf(false);
+      const mesh = new Mesh(geometry, material(geom, texture, 1));
+      mesh.position.fromArray(geom.pos);
+      mesh.quaternion.set(geom.quat[1], geom.quat[2], geom.quat[3], geom.quat[0]);
+      mesh.castShadow = geom.shape !== 'plane';
+      mesh.receiveShadow = true;
+      mesh.userData = { geom };
+      this.frames[0][geom.frame].add(mesh);
+      this.meshes.push(mesh);
+      this.ghosts.add(geom, areMany ? geometryOf(true) : geometry, texture, fixed[geom.frame]);
     }
   }
 
+  /** The shapes of each track that has them. */
   addDeformables(shapes) {
     this.deformables = (this.look.deformables ?? []).flatMap((look, index) => {
       const faces = look.faces && shapes.indices(look.faces);
-      return this.tracks.map((track, at) => new Deformable(look, faces, track, index, at > 0 ? GHOST : 1));
+      return this.tracks.flatMap((track, at) => {
+        if (!track.deformables[index]) return [];
+        const deformable = new Deformable(look, faces, track, index, this.ghosts.opacity);
+        this.scene.add(deformable.object);
+        return { deformable, at };
+      });
     });
-    this.deformables.forEach(({ object }) => this.scene.add(object));
+  }
+
+  /** Selects the track in the first place, and how the others are drawn. */
+  arrange(chosen, layout) {
+    const others = this.tracks.map((_, index) => index).filter((index) => index !== chosen);
+    this.order = [chosen, ...others];
+    this.layout = layout;
+    this.ghosts.setOpaque(layout.isSideBySide);
+    this.places.forEach((place, index) => place.position.set(...layout.offset(index), 0));
+    for (const { deformable, at } of this.deformables) {
+      const place = this.order.indexOf(at);
+      deformable.object.visible = place === 0 || !layout.isSingle;
+      deformable.object.position.copy(this.places[place].position);
+      deformable.setOpaque(place === 0 || layout.isSideBySide);
+    }
   }
 
   addLights(extent) {
@@ -129,9 +154,13 @@ export class Stage {
     this.scene.add(this.sky);
   }
 
-  setTime(time) {
-    this.tracks.forEach((track, index) => track.pose(time, this.frames[index]));
-    this.deformables.forEach((deformable) => deformable.update(time));
+  /** `count` is the number of tracks that are present. */
+  setTime(time, count) {
+    const present = this.layout.isSingle ? 1 : count;
+    for (let place = 0; place < present; place++) this.tracks[this.order[place]].pose(time, this.frames[place]);
+    this.scene.updateMatrixWorld();
+    this.ghosts.update(present - 1);
+    for (const { deformable } of this.deformables) if (deformable.object.visible) deformable.update(time);
   }
 
   /** Draws the scene; `center` is the centre of the region with shadows of directional lights. */

@@ -132,6 +132,8 @@ mod deformable;
 mod display;
 mod mesh;
 mod newer;
+#[cfg(any(feature = "viewer", feature = "html"))]
+pub(crate) mod quantity;
 mod sensor;
 mod tendon;
 mod tendon_path;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::simplify::simplified;
 use super::stream::{Binary, Interval, Part, Prediction};
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
@@ -35,16 +36,22 @@ struct Texcoords {
 }
 
 impl Mesh {
-    pub(super) fn new(binary: &mut Binary, model: &Model, id: MeshId, is_textured: bool) -> Self {
+    /// A mesh with a texture keeps its triangles.
+    pub(super) fn new(binary: &mut Binary, model: &Model, id: MeshId, is_textured: bool, error: f64) -> Self {
         let mesh = model.mesh(id);
-        let (vert, texcoord) = (mesh.vert(), mesh.texcoord());
-        let (intervals, vertices) = points(binary, vert);
-        let faces = indices(binary, mesh.face(), vert.len());
+        let texcoord = mesh.texcoord();
         let texcoords = (is_textured && !texcoord.is_empty()).then(|| {
             let (intervals, values) = points(binary, texcoord);
             let faces = indices(binary, mesh.facetexcoord(), texcoord.len());
             Texcoords { intervals, values, count: texcoord.len(), faces }
         });
+        let simple = if texcoords.is_none() { simplified(mesh.vert(), mesh.face(), error) } else { None };
+        let (vert, face) = match &simple {
+            Some((vert, face)) => (&vert[..], &face[..]),
+            None => (mesh.vert(), mesh.face()),
+        };
+        let (intervals, vertices) = points(binary, vert);
+        let faces = indices(binary, face, vert.len());
         Self { intervals, vertices, count: vert.len(), faces, texcoords }
     }
 }

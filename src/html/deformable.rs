@@ -17,10 +17,10 @@ use crate::scene::{Camera, Scene, SceneGeomType, SceneOptions};
 
 /// Vertices of a shape in a record, m, in the world frame: of triangles, or pairs of the ends of
 /// segments.
-pub(super) type Vertices = Vec<[f32; 3]>;
+pub(crate) type Vertices = Vec<[f32; 3]>;
 
 /// Look of a deformable shape.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Deformable {
     #[serde(skip)]
     element: Element,
@@ -44,8 +44,9 @@ enum Element {
     Flex(usize),
 }
 
-/// Reads the vertices of the deformable shapes that the first record shows.
-pub(super) struct Sampler {
+/// Reads the vertices of the deformable shapes that the first state shows.
+#[derive(Debug)]
+pub(crate) struct Sampler {
     scene: Scene,
     options: SceneOptions,
     shapes: Option<Vec<Deformable>>,
@@ -61,16 +62,27 @@ impl Sampler {
     }
 
     /// Returns the shapes that were found.
-    pub(super) fn shapes(self) -> Vec<Deformable> {
-        self.shapes.unwrap_or_default()
+    pub(super) fn shapes(&self) -> &[Deformable] {
+        self.shapes.as_deref().unwrap_or_default()
     }
 
-    /// Returns the vertices of each shape in the present state.
-    pub(super) fn sample(&mut self, binary: &mut Binary, data: &mut Data) -> Result<Vec<Vertices>> {
-        let model = data.model().clone();
-        self.scene.update_and_grow(data, &self.options, &mut Camera::free(&model))?;
+    /// Updates the scene to the present state, and finds the shapes the first time.
+    pub(super) fn find(&mut self, binary: &mut Binary, data: &mut Data) -> Result<()> {
+        self.update(data)?;
         let scene = &self.scene;
-        let shapes = self.shapes.get_or_insert_with(|| shapes(binary, &model, scene));
+        self.shapes.get_or_insert_with(|| shapes(binary, data.model(), scene));
+        Ok(())
+    }
+
+    /// Updates the scene to the present state.
+    pub(crate) fn update(&mut self, data: &mut Data) -> Result<()> {
+        let mut camera = Camera::free(data.model());
+        self.scene.update_and_grow(data, &self.options, &mut camera)
+    }
+
+    /// Returns the vertices of each shape in the state of the last update.
+    pub(crate) fn vertices(&self) -> Vec<Vertices> {
+        let scene = &self.scene;
         let mut segments: BTreeMap<TendonId, Vertices> = BTreeMap::new();
         for geom in scene.geoms().filter(|geom| is_segment(geom.geom_type())) {
             if let Some(Object::Tendon(id)) = geom.object() {
@@ -93,7 +105,7 @@ impl Sampler {
                     .unwrap_or_default()
                 }
             };
-        Ok(shapes.iter().map(vertices).collect())
+        self.shapes().iter().map(vertices).collect()
     }
 }
 

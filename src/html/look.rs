@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::assets::{HeightField, Mesh, Texture};
-use super::deformable::Deformable;
+use super::deformable::{Deformable, Sampler};
 use super::options::HtmlOptions;
 use super::stream::Binary;
 use crate::data::Data;
@@ -21,7 +21,7 @@ pub(super) struct Look {
     height_fields: BTreeMap<usize, HeightField>,
     /// `None` for a texture that is drawn white.
     textures: BTreeMap<usize, Option<Texture>>,
-    pub(super) deformables: Vec<Deformable>,
+    deformables: Vec<Deformable>,
 }
 
 impl Look {
@@ -29,9 +29,10 @@ impl Look {
     pub(super) fn new(binary: &mut Binary, data: &mut Data, frames: &[Frame], options: &HtmlOptions) -> Result<Self> {
         let look = replay::Look::new(data, frames, Groups { geom: options.geomgroup, site: options.sitegroup })?;
         let model = data.model();
+        let error = options.largest_mesh_error(model)?;
         let meshes = look.meshes.iter();
         let meshes =
-            meshes.map(|(&id, &is_textured)| (id.index(), Mesh::new(binary, model, id, is_textured))).collect();
+            meshes.map(|(&id, &is_textured)| (id.index(), Mesh::new(binary, model, id, is_textured, error))).collect();
         let fields = look.height_fields.iter();
         let height_fields = fields.map(|&id| (id.index(), HeightField::new(binary, model, id))).collect();
         let textures = look.textures.iter();
@@ -39,5 +40,13 @@ impl Look {
             .map(|(&index, texture)| (index, texture.as_ref().map(|texture| Texture::new(binary, texture))))
             .collect();
         Ok(Self { base: look, meshes, height_fields, textures, deformables: Vec::new() })
+    }
+
+    /// Adds the shapes that a sampler has found.
+    pub(super) fn add_deformables(&mut self, sampler: Option<&Sampler>) {
+        self.deformables = sampler.map(|sampler| sampler.shapes().to_vec()).unwrap_or_default();
+        for shape in &self.deformables {
+            self.base.left_out.remove(&shape.description);
+        }
     }
 }

@@ -27,8 +27,14 @@
 //! The geoms and sites of the selected groups, with materials, textures, lights with shadows, and
 //! the sky. Poses have a stated error: [`HtmlOptions::position_error`] and
 //! [`HtmlOptions::rotation_error`]. Vertices of meshes and elevations of height fields are rounded
-//! to 1/131,070 of the extent along each axis, and signals to 1/131,070 of their range. Colours are
-//! those of the renderer except at specular highlights: a picture of the humanoid differs by less
+//! to 1/131,070 of the extent along each axis, and signals to 1/131,070 of their range.
+//!
+//! Meshes without a texture are simplified by [meshoptimizer](https://meshoptimizer.org), to
+//! [`HtmlOptions::mesh_error`]. The library estimates the distance between the surfaces as a root
+//! mean square. The tests measure the largest distance, which is less than the error for their
+//! meshes.
+//!
+//! Colours are those of the renderer except at specular highlights: a picture of the humanoid differs by less
 //! than 2 of 255 levels on average. Reflections, fog, haze and the attenuation of lights are not
 //! drawn.
 //!
@@ -55,6 +61,8 @@ mod look;
 mod motion;
 mod options;
 mod page;
+mod signal;
+mod simplify;
 mod stream;
 
 use std::io::Write;
@@ -62,7 +70,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use self::deformable::Sampler;
+pub(crate) use self::deformable::Sampler;
 use self::look::Look;
 use self::motion::{Motion, Steps, Track};
 pub use self::options::{HtmlOptions, Signal};
@@ -90,10 +98,20 @@ struct Description<'d> {
     notes: &'d [(f64, String)],
     /// Index of the camera at the start; `None` for the free camera.
     camera: Option<usize>,
-    /// Actuators, if the page shows a running simulation instead of tracks.
+    /// Distance between tracks side by side, m; `None` if they are in one place at the start.
+    spacing: Option<f64>,
     #[cfg(feature = "live")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    live: Option<&'d [Slider<'d>]>,
+    live: Option<Live<'d>>,
+}
+
+/// Running simulation, which the page shows instead of tracks.
+#[cfg(feature = "live")]
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Live<'d> {
+    pub(crate) sliders: &'d [Slider<'d>],
+    /// Largest number of ghosts.
+    pub(crate) ghosts: usize,
 }
 
 /// Slider of a control.
@@ -110,7 +128,8 @@ pub(crate) struct Slider<'d> {
 /// draw.
 ///
 /// The page shows the first trajectory in full, with its signals. The others are transparent, and
-/// have the labels of their pairs.
+/// have the labels of their pairs. In the page, another trajectory can be selected instead, and all
+/// can be shown side by side: see [`HtmlOptions::spacing`].
 ///
 /// # Errors
 ///
@@ -139,6 +158,32 @@ pub(crate) struct Slider<'d> {
 /// # std::fs::remove_file(path).ok();
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
+///
+/// Recorded states of a [`Rollout`](crate::rollout::Rollout) become trajectories, side by side:
+///
+/// ```
+/// use mujoco_safe::html::{self, HtmlOptions};
+/// use mujoco_safe::rollout::Rollout;
+/// use mujoco_safe::{Data, RandomController, StateSpec, Trajectory, sample};
+///
+/// let rollouts = Rollout::new(sample::cartpole(), 4, 100)
+///     .with_controllers(|rollout| RandomController::new(rollout as u64))
+///     .with_recorded_states(StateSpec::INTEGRATION)
+///     .run()?;
+/// let mut data = Data::new(sample::cartpole())?;
+/// let mut trajectories = vec![Trajectory::new(data.model()); rollouts.len()];
+/// for (rollout, trajectory) in trajectories.iter_mut().enumerate() {
+///     for state in rollouts.states_of(rollout).rows() {
+///         data.set_state(StateSpec::INTEGRATION, state)?;
+///         trajectory.push(&data)?;
+///     }
+/// }
+/// let path = std::env::temp_dir().join("mujoco_safe_rollouts.html");
+/// let options = HtmlOptions::default().with_spacing(1.0);
+/// html::save(&path, data.model(), trajectories.iter().map(|trajectory| ("", trajectory)), &options)?;
+/// # std::fs::remove_file(path).ok();
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
 pub fn save<'t>(
     path: impl AsRef<Path>,
     model: impl IntoModel,
@@ -149,6 +194,7 @@ pub fn save<'t>(
     let model = data.model().clone();
     let extent = model.statistics().extent;
     let steps = Steps::new(options, extent)?;
+    check_spacing(options)?;
     let frames = replay::all(&model);
     let camera = camera(&model, options)?;
     let mut binary = Binary::default();
@@ -172,10 +218,7 @@ pub fn save<'t>(
             "at least one",
         ));
     };
-    look.deformables = sampler.map(Sampler::shapes).unwrap_or_default();
-    for shape in &look.deformables {
-        look.base.left_out.remove(&shape.description);
-    }
+    look.add_deformables(sampler.as_ref());
     let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
     let description = Description {
         title: &options.title,
@@ -187,6 +230,7 @@ pub fn save<'t>(
         tracks,
         notes: &options.notes,
         camera,
+        spacing: options.spacing,
         #[cfg(feature = "live")]
         live: None,
     };
@@ -200,19 +244,34 @@ fn camera(model: &Model, options: &HtmlOptions) -> Result<Option<usize>> {
     options.camera.as_ref().map(|name| Ok(model.camera(name)?.id().index())).transpose()
 }
 
+fn check_spacing(options: &HtmlOptions) -> Result<()> {
+    match options.spacing {
+        Some(spacing) if !(spacing > 0.0 && spacing.is_finite()) => {
+            Err(Error::out_of_range("HtmlOptions::spacing", spacing, "above 0 and finite"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Returns the text of a page for a running simulation, of which the positions have been computed,
-/// and descriptions of what the page does not draw.
+/// descriptions of what the page does not draw, and the reader of its deformable shapes.
 #[cfg(feature = "live")]
 pub(crate) fn live(
     data: &mut Data,
     frames: &[replay::Frame],
-    sliders: &[Slider<'_>],
+    live: Live<'_>,
     options: &HtmlOptions,
-) -> Result<(String, Vec<String>)> {
+) -> Result<(String, Vec<String>, Option<Sampler>)> {
     let model = data.model().clone();
     let extent = model.statistics().extent;
+    check_spacing(options)?;
     let mut binary = Binary::default();
-    let look = Look::new(&mut binary, data, frames, options)?;
+    let mut sampler = Sampler::new(&model, options)?;
+    if let Some(sampler) = &mut sampler {
+        sampler.find(&mut binary, data)?;
+    }
+    let mut look = Look::new(&mut binary, data, frames, options)?;
+    look.add_deformables(sampler.as_ref());
     let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
     let description = Description {
         title: &options.title,
@@ -224,11 +283,12 @@ pub(crate) fn live(
         tracks: Vec::new(),
         notes: &[],
         camera: camera(&model, options)?,
-        live: Some(sliders),
+        spacing: options.spacing,
+        live: Some(live),
     };
     let text = page::text(&description, binary.bytes())
         .map_err(|error| Error::Unsupported(format!("the description of the page: {error}")))?;
-    Ok((text, left_out))
+    Ok((text, left_out, sampler))
 }
 
 impl Trajectory {

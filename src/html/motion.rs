@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::deformable::{Sampler, Vertices};
 use super::options::{HtmlOptions, Signal};
+use super::signal::{self, Source};
 use super::stream::{Binary, Interval, LIMIT, Part, Prediction};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
@@ -32,8 +33,8 @@ impl Steps {
             }
             Err(Error::invalid(InvalidKind::OutOfRange, what, error, format!("above 0 and at most {limit}")))
         };
-        let default = if extent > 0.0 { extent.min(1.0) * 1e-4 } else { 1e-4 };
-        let position = check("HtmlOptions::position_error", options.position_error.unwrap_or(default), f64::MAX)?;
+        let position = options.position_error.unwrap_or_else(|| HtmlOptions::default_error(extent));
+        let position = check("HtmlOptions::position_error", position, f64::MAX)?;
         let rotation = check("HtmlOptions::rotation_error", options.rotation_error, 0.1)?;
         Ok(Self {
             time: TIME_STEP,
@@ -92,6 +93,8 @@ impl Moving {
 #[derive(Debug, Serialize)]
 struct Curve {
     name: String,
+    /// Empty for a number without a unit, or with one that the model does not state.
+    unit: &'static str,
     interval: Interval,
     /// One channel, in which 0 is a value that is not finite, and 1 the number 0.
     values: Part,
@@ -118,16 +121,17 @@ impl Motion<'_> {
         let records = replay::records(trajectory.times(), self.options.frames_per_second)?;
         let mut sources = Vec::new();
         for signal in signals {
-            source(self.data, trajectory, signal, &mut sources)?;
+            sources.extend(signal::sources(self.data, trajectory, signal)?);
         }
         let mut values: Vec<Vec<f64>> = vec![Vec::with_capacity(records.len()); sources.len()];
         let mut shapes: Vec<Vec<Vertices>> = Vec::new();
         let poses = replay::poses(self.data, self.frames, trajectory, &records, |data, record| {
-            for (values, (_, source)) in values.iter_mut().zip(&sources) {
-                values.push(source.value(data, trajectory, record));
+            for (values, source) in values.iter_mut().zip(&sources) {
+                values.push(source.place.value(data, trajectory, record));
             }
             if let Some(sampler) = &mut self.sampler {
-                for (shape, vertices) in sampler.sample(binary, data)?.into_iter().enumerate() {
+                sampler.find(binary, data)?;
+                for (shape, vertices) in sampler.vertices().into_iter().enumerate() {
                     shapes.resize_with(shapes.len().max(shape + 1), Vec::new);
                     shapes[shape].push(vertices);
                 }
@@ -152,8 +156,8 @@ impl Motion<'_> {
             }
         });
         let deformables = shapes.iter().map(|records| Moving::new(binary, records, position)).collect::<Result<_>>()?;
-        let curves = sources.into_iter().zip(values).map(|((name, _), values)| Curve::new(binary, name, &values));
-        let curves = curves.collect();
+        let curves =
+            sources.into_iter().zip(values).map(|(source, values)| Curve::new(binary, source, &values)).collect();
         Ok(Track { label: label.to_owned(), count: records.len(), times, poses, deformables, curves })
     }
 }
@@ -172,65 +176,11 @@ fn rounded(values: impl Iterator<Item = f64>, step: f64) -> Result<Vec<i64>> {
     values.map(number).collect()
 }
 
-/// Source of a value in each record.
-#[derive(Debug)]
-enum Source<'s> {
-    Qpos(usize),
-    Qvel(usize),
-    Ctrl(usize),
-    Reading(usize),
-    Value(&'s [f64]),
-}
-
-impl Source<'_> {
-    fn value(&self, data: &Data, trajectory: &Trajectory, record: usize) -> f64 {
-        match *self {
-            Self::Qpos(index) => data.qpos()[index],
-            Self::Qvel(index) => data.qvel()[index],
-            Self::Ctrl(index) => data.ctrl()[index],
-            Self::Reading(index) => {
-                *trajectory.sensordata(record).get(index).unwrap_or_else(|| &data.sensordata()[index])
-            }
-            Self::Value(values) => values[record],
-        }
-    }
-}
-
-/// Appends the names and sources of the curves of a signal.
-fn source<'s>(
-    data: &Data,
-    trajectory: &Trajectory,
-    signal: &'s Signal,
-    sources: &mut Vec<(String, Source<'s>)>,
-) -> Result<()> {
-    let model = data.model();
-    let (name, range, source): (_, _, fn(usize) -> Source<'s>) = match signal {
-        Signal::Qpos(name) => (format!("qpos of {name}"), model.joint(name)?.qpos_range(), Source::Qpos),
-        Signal::Qvel(name) => (format!("qvel of {name}"), model.joint(name)?.dofs(), Source::Qvel),
-        Signal::Sensor(name) => (name.clone(), model.sensor(name)?.data_range(), Source::Reading),
-        Signal::Ctrl(name) => {
-            let index = model.actuator(name)?.id().index();
-            (format!("ctrl of {name}"), index..index + 1, Source::Ctrl)
-        }
-        Signal::Values { name, values } => {
-            Error::check_length("the values of a signal in a page", values.len(), trajectory.len())?;
-            sources.push((name.clone(), Source::Value(values)));
-            return Ok(());
-        }
-    };
-    let count = range.len();
-    sources.extend(range.enumerate().map(|(number, index)| {
-        let name = if count == 1 { name.clone() } else { format!("{name} [{number}]") };
-        (name, source(index))
-    }));
-    Ok(())
-}
-
 impl Curve {
-    fn new(binary: &mut Binary, name: String, values: &[f64]) -> Self {
+    fn new(binary: &mut Binary, source: Source<'_>, values: &[f64]) -> Self {
         let interval = Interval::of(values.iter().copied());
         let number = |&value: &f64| if value.is_finite() { 1 + interval.number(value) } else { 0 };
         let values = binary.part(|binary| binary.channel(Prediction::Line, values.iter().map(number)));
-        Self { name, interval, values }
+        Self { name: source.name, unit: source.unit, interval, values }
     }
 }

@@ -1,6 +1,8 @@
 //! Contents and precision of a page.
 
+use crate::error::{Error, Result};
 use crate::macros::with_methods;
+use crate::model::Model;
 
 /// Contents and precision of a page.
 ///
@@ -28,6 +30,13 @@ pub struct HtmlOptions {
     /// Largest angle between the orientation of a body in the page and in the engine, rad. By
     /// default 0.0005.
     pub rotation_error: f64,
+    /// Largest distance between a mesh in the page and in the model, m, as an estimate: see
+    /// [`html`](crate::html#contents). By default 0.25 mm, or 1/4000 of the model's extent if that is
+    /// less. Zero keeps all triangles.
+    pub mesh_error: Option<f64>,
+    /// Distance between several trajectories side by side, m. By default they are in one place, and
+    /// all but the first are transparent. The page can change between both.
+    pub spacing: Option<f64>,
     /// Plotted signals.
     pub signals: Vec<Signal>,
     /// Notes: the time, s, and the text.
@@ -49,6 +58,8 @@ impl Default for HtmlOptions {
             frames_per_second: 60.0,
             position_error: None,
             rotation_error: 5e-4,
+            mesh_error: None,
+            spacing: None,
             signals: Vec::new(),
             notes: Vec::new(),
             camera: None,
@@ -58,11 +69,28 @@ impl Default for HtmlOptions {
     }
 }
 
+impl HtmlOptions {
+    /// Returns the default of errors of positions, m.
+    pub(super) fn default_error(extent: f64) -> f64 {
+        if extent > 0.0 { extent.min(1.0) * 1e-4 } else { 1e-4 }
+    }
+
+    pub(super) fn largest_mesh_error(&self, model: &Model) -> Result<f64> {
+        let error = self.mesh_error.unwrap_or_else(|| 2.5 * Self::default_error(model.statistics().extent));
+        if error >= 0.0 && error.is_finite() {
+            return Ok(error);
+        }
+        Err(Error::out_of_range("HtmlOptions::mesh_error", error, "at least 0 and finite"))
+    }
+}
+
 with_methods!(HtmlOptions {
     with_title(title: impl Into<String>) = title.into(),
     with_frames_per_second(frames_per_second: f64),
     with_position_error(position_error: f64) = Some(position_error),
     with_rotation_error(rotation_error: f64),
+    with_mesh_error(mesh_error: f64) = Some(mesh_error),
+    with_spacing(spacing: f64) = Some(spacing),
     with_signals(signals: impl IntoIterator<Item = Signal>) = signals.into_iter().collect(),
     with_notes(notes: impl IntoIterator<Item = (f64, String)>) = notes.into_iter().collect(),
     with_camera(camera: impl Into<String>) = Some(camera.into()),

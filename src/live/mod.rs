@@ -20,6 +20,12 @@
 //! [`LivePage::run_for`] runs a loop in real time. [`LivePage::step`] makes a step unless the user
 //! has paused. [`LivePage::exchange`] is for programs that step by themselves.
 //!
+//! # Several simulations
+//!
+//! [`LivePage::exchange_batch`] shows a [`Batch`](crate::Batch), and [`LivePage::set_ghosts`] further
+//! states beside a simulation. The page draws one in full and the others as ghosts, side by side, or
+//! not at all. [`LiveOptions::ghosts`] limits their number and so the size of a state.
+//!
 //! # On another machine
 //!
 //! The server listens to its own machine only. A tunnel of SSH leads there:
@@ -36,7 +42,7 @@
 //! A state is copied only if a browser waits for one, which is at most 125 times per second. The
 //! simulation never waits for a browser: there is one slot for the latest state and one for merged
 //! requests, and no queue. If a browser is copying a slot, the simulation goes on, and uses the
-//! slot in its next tick. A tick does not allocate. `cargo bench --features live --bench live`
+//! slot in its next tick. A tick does not allocate, except for skins, flexes and tendons. `cargo bench --features live --bench live`
 //! compares with a step without a page.
 //!
 //! # Safety of the server
@@ -60,22 +66,24 @@
 //! # Contents
 //!
 //! As of [`html`](crate::html), in single precision. Later edits of the model, such as colours, are
-//! not shown.
+//! not shown. Ghosts have no skins, flexes and tendons.
 //!
 //! Requires the feature `live`.
 
+mod batch;
 mod hand;
 mod http;
 mod message;
 mod options;
 mod server;
 mod slots;
+mod state;
+mod tick;
 
 use std::fmt;
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
 use rand::TryRng;
 use rand::rngs::SysRng;
@@ -85,22 +93,17 @@ use self::http::Gate;
 use self::message::Limits;
 pub use self::options::LiveOptions;
 use self::server::{Server, Site};
-use self::slots::{Grip, Requests, Setting, Slots};
-use crate::controller::Controller;
-use crate::data::{Data, StateSpec};
+use self::slots::{Requests, Slots};
+use self::state::{StateWriter, Status};
+use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::html::{self, Slider};
+use crate::html::{self, Live, Slider};
+use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
-use crate::replay::{self, Frame};
+use crate::replay;
 
-/// Longest text of a problem in a state, bytes.
-const LONGEST_PROBLEM: usize = 500;
-
-/// Time of a tick while the simulation is paused.
-const PAUSED_TICK: Duration = Duration::from_millis(20);
-
-/// Delay from which a simulation in real time does not catch up.
-const LARGEST_DELAY: Duration = Duration::from_millis(100);
+/// Largest number of ghosts, so that the page of a browser remains small.
+const MOST_GHOSTS: usize = 1000;
 
 /// Page that shows a running simulation in browsers. See the [module](self).
 ///
@@ -111,7 +114,7 @@ pub struct LivePage {
     server: Server,
     url: String,
     left_out: Vec<String>,
-    frames: Vec<Frame>,
+    states: StateWriter,
     hand: Hand,
     /// Values of the controls that users hold.
     held: Vec<Option<f64>>,
@@ -121,10 +124,10 @@ pub struct LivePage {
     steps: u32,
     /// Failure of the simulation or its controller.
     problem: Option<String>,
-    /// State that a reset restores, from the first tick.
-    start: Vec<f64>,
+    /// States that a reset restores, from the first tick: a row for each simulation.
+    start: Matrix,
     /// Buffer for a state.
-    state: Vec<f64>,
+    buffer: Vec<f64>,
 }
 
 /// Decisions of the users for a tick.
@@ -146,8 +149,12 @@ impl LivePage {
     ///
     /// [`Error::Serve`] if the address is not one of this machine or in use, or if there is no
     /// thread or no random number. [`Error::NoSuchName`] for a camera that the model does not have,
-    /// and the errors of [`Data::new`] and [`Data::forward`].
+    /// [`Error::Invalid`] for options beyond their limits, and the errors of [`Data::new`] and [`Data::forward`].
     pub fn bind(model: impl IntoModel, options: &LiveOptions) -> Result<Self> {
+        if options.ghosts > MOST_GHOSTS {
+            let expected = format!("at most {MOST_GHOSTS}");
+            return Err(Error::out_of_range("LiveOptions::ghosts", options.ghosts, expected));
+        }
         let mut data = Data::new(model)?;
         data.forward()?;
         let model = data.model().clone();
@@ -160,7 +167,8 @@ impl LivePage {
             .map(|(actuator, range)| Slider { name: actuator.name(), range: range.unwrap_or([-1.0, 1.0]) })
             .collect();
         let frames = replay::all(&model);
-        let (text, left_out) = html::live(&mut data, &frames, &sliders, &options.page)?;
+        let live = Live { sliders: &sliders, ghosts: options.ghosts };
+        let (text, left_out, sampler) = html::live(&mut data, &frames, live, &options.page)?;
 
         let failed = |source| Error::Serve { address: options.address.clone(), source };
         let mut token = [0; 16];
@@ -180,26 +188,28 @@ impl LivePage {
         });
         let server = Server::start(listener, site.clone()).map_err(failed)?;
         let url = format!("http://{}/{token}", server::reachable(server.address()));
+        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, options.ghosts);
+        states.collect(&mut data, true)?;
         let page = Self {
+            states,
             hand: Hand::new(&data)?,
             held: vec![None; model.nu()],
             requests: Requests::new(model.nu()),
             is_paused: false,
             steps: 0,
             problem: None,
-            start: Vec::new(),
-            state: Vec::new(),
+            start: Matrix::default(),
+            buffer: Vec::new(),
             model,
             site,
             server,
             url,
             left_out,
-            frames,
         };
         page.site.slots.publish(|bytes| {
             // So that no later state allocates.
-            bytes.reserve_exact(16 + 28 * page.frames.len() + 5 * page.held.len() + LONGEST_PROBLEM);
-            page.write(&data, None, bytes);
+            bytes.reserve_exact(page.states.smallest());
+            page.states.write(Status { is_paused: false, is_batch: false, held: &page.held, problem: None }, bytes);
         });
         Ok(page)
     }
@@ -233,199 +243,6 @@ impl LivePage {
     /// Pauses or resumes the simulation, as a user does.
     pub fn set_paused(&mut self, paused: bool) {
         self.is_paused = paused;
-    }
-
-    /// Shows the state of the simulation, and carries out the users' requests. Call it before each
-    /// step. It never waits for a browser, and does not allocate after the first call, unless the
-    /// simulation fails.
-    ///
-    /// - A reset restores the state of the first call.
-    /// - A held control has the user's value from this call on; call this after the controller.
-    /// - A pull adds to [`xfrc_applied`](Data::xfrc_applied) until the next call. It sets the pose
-    ///   of a mocap body, and of a free body while paused.
-    ///
-    /// The poses are those of the last step, as [`Data::step`] leaves them. If the data is
-    /// unusable, the page shows the error, and the user can reset the simulation.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OtherModel`] for data of another model.
-    pub fn exchange(&mut self, data: &mut Data) -> Result<Tick> {
-        if !self.model.is_same_structure(data.model()) {
-            return Err(Error::OtherModel { what: "the data of a live page" });
-        }
-        if self.start.is_empty() {
-            self.start = data.state(StateSpec::INTEGRATION);
-        }
-        let mut reset = false;
-        let mut result = Ok(());
-        if self.site.slots.take(&mut self.requests) {
-            reset = self.requests.reset;
-            result = self.carry_out(data);
-            self.requests.clear();
-        }
-        let mut usable = result.and_then(|()| data.check_usable());
-        if usable.is_ok() && self.hand.is_pulling() {
-            usable = self.pull(data);
-        }
-        self.hold(data);
-        let is_fine = usable.is_ok() && self.problem.is_none();
-        let advance = is_fine && (!self.is_paused || self.steps > 0);
-        self.steps = if advance && self.is_paused { self.steps - 1 } else { 0 };
-        if self.site.slots.is_wanted() {
-            let refreshed = usable.and_then(|()| hand::refresh(data, &mut self.state));
-            let text = refreshed.err().map(|error| error.to_string());
-            let problem = text.as_deref().or(self.problem.as_deref());
-            self.site.slots.publish(|bytes| self.write(data, problem, bytes));
-        }
-        Ok(Tick { advance, reset })
-    }
-
-    /// Carries out the requests, except pulls.
-    fn carry_out(&mut self, data: &mut Data) -> Result<()> {
-        if self.requests.reset {
-            self.let_go(data);
-            self.problem = None;
-            data.reset()?;
-            data.set_state(StateSpec::INTEGRATION, &self.start)?;
-            data.forward_between_steps(&mut self.state)?;
-        }
-        self.is_paused = self.requests.pause.unwrap_or(self.is_paused);
-        self.steps = self.steps.saturating_add(self.requests.steps);
-        for (held, request) in self.held.iter_mut().zip(&self.requests.controls) {
-            match request {
-                Some(Setting::Held(value)) => *held = Some(*value),
-                Some(Setting::Released) => *held = None,
-                None => {}
-            }
-        }
-        match self.requests.pull {
-            Some(Grip::Held(pull)) => {
-                hand::refresh(data, &mut self.state)?;
-                self.hand.pull(data, pull)
-            }
-            Some(Grip::Released) => {
-                self.hand.let_go(data);
-                Ok(())
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Applies the pull for the next step, or moves the body while paused.
-    fn pull(&mut self, data: &mut Data) -> Result<()> {
-        hand::refresh(data, &mut self.state)?;
-        if !self.is_paused || self.steps > 0 {
-            return self.hand.apply(data);
-        }
-        if self.hand.drag(data)? { data.forward_between_steps(&mut self.state) } else { Ok(()) }
-    }
-
-    /// Sets the held controls.
-    fn hold(&self, data: &mut Data) {
-        for (ctrl, held) in data.ctrl_mut().iter_mut().zip(&self.held) {
-            *ctrl = held.unwrap_or(*ctrl);
-        }
-    }
-
-    /// Ends a pull, removes its force, and releases the held controls, which keep their values.
-    /// Call it before a simulation continues without the page.
-    ///
-    /// # Panics
-    ///
-    /// If a pull is active and the data belongs to another model.
-    pub fn let_go(&mut self, data: &mut Data) {
-        self.hand.let_go(data);
-        self.held.fill(None);
-    }
-
-    /// Makes a tick of a simulation: exchanges with the browsers, and unless the simulation is
-    /// paused, calls the controller, sets the held controls and makes a step. Returns `true` if it
-    /// has made a step.
-    ///
-    /// # Errors
-    ///
-    /// As for [`exchange`](Self::exchange), those of the controller, and those of [`Data::step`].
-    pub fn step(&mut self, data: &mut Data, controller: &mut impl Controller) -> Result<bool> {
-        let tick = self.exchange(data)?;
-        if tick.advance {
-            controller.control(data)?;
-            self.hold(data);
-            data.step()?;
-        }
-        Ok(tick.advance)
-    }
-
-    /// Runs a simulation in real time for this duration of the wall clock, without an end for
-    /// [`Duration::MAX`]. If the simulation cannot keep up, it is slower than real time.
-    ///
-    /// If the controller or a step fails, the page shows the error, and the simulation stops until
-    /// a user resets it. Pulls and held controls last beyond the end: see [`let_go`](Self::let_go).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OtherModel`] for data of another model. The error of the controller or the step, if
-    /// there is one at the end.
-    pub fn run_for(&mut self, duration: Duration, data: &mut Data, controller: &mut impl Controller) -> Result<()> {
-        let end = Instant::now().checked_add(duration);
-        // Times of the wall clock and of the simulation.
-        let mut origin = (Instant::now(), data.time());
-        let mut failure = None;
-        while end.is_none_or(|end| Instant::now() < end) {
-            let was_failed = self.problem.is_some();
-            match self.step(data, controller) {
-                Ok(false) => {
-                    self.site.slots.wait(PAUSED_TICK);
-                    origin = (Instant::now(), data.time());
-                }
-                Ok(true) => {
-                    let simulated = Duration::try_from_secs_f64(data.time() - origin.1).unwrap_or_default();
-                    let (real, now) = (origin.0.elapsed(), Instant::now());
-                    match simulated.checked_sub(real) {
-                        Some(early) => std::thread::sleep(early.min(LARGEST_DELAY)),
-                        None if real.saturating_sub(simulated) > LARGEST_DELAY => origin = (now, data.time()),
-                        None => {}
-                    }
-                }
-                Err(error @ Error::OtherModel { .. }) => return Err(error),
-                Err(error) => {
-                    log::warn!("the simulation of a live page stops: {error}");
-                    self.problem = Some(error.to_string());
-                    failure = Some(error);
-                }
-            }
-            if was_failed && self.problem.is_none() {
-                failure = None;
-            }
-        }
-        failure.map_or(Ok(()), Err)
-    }
-
-    /// Waits until a user makes a request, or the timeout passes. For loops of programs while the
-    /// simulation is paused.
-    pub fn wait(&self, timeout: Duration) {
-        self.site.slots.wait(timeout);
-    }
-
-    /// Writes a state: the time, flags, the poses, the controls, which of them are held, and the
-    /// text of a problem. `html/src/live.js` reads it.
-    fn write(&self, data: &Data, problem: Option<&str>, bytes: &mut Vec<u8>) {
-        bytes.clear();
-        bytes.extend_from_slice(&data.time().to_le_bytes());
-        bytes.extend_from_slice(&u32::from(self.is_paused).to_le_bytes());
-        for &frame in &self.frames {
-            let pose = replay::pose(data, frame);
-            for number in pose.pos.iter().chain(&pose.quat) {
-                bytes.extend_from_slice(&(*number as f32).to_le_bytes());
-            }
-        }
-        for &ctrl in data.ctrl() {
-            bytes.extend_from_slice(&(ctrl as f32).to_le_bytes());
-        }
-        bytes.extend(self.held.iter().map(|held| u8::from(held.is_some())));
-        let problem = problem.unwrap_or_default();
-        let end = (0..=LONGEST_PROBLEM).rev().find(|&at| problem.is_char_boundary(at)).unwrap_or(0);
-        bytes.extend_from_slice(&problem.as_bytes()[..end]);
     }
 }
 

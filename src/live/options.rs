@@ -25,13 +25,22 @@ pub struct LiveOptions {
     pub hosts: Vec<String>,
     /// Largest number of browsers at the same time.
     pub clients: usize,
-    /// Title, camera and groups of the page. Other fields have no effect.
+    /// Largest number of further simulations that the page shows, by default 63, at most 1000. A
+    /// state has 28 bytes for each of their bodies.
+    pub ghosts: usize,
+    /// Title, camera, groups and spacing of the page. Other fields have no effect.
     pub page: HtmlOptions,
 }
 
 impl Default for LiveOptions {
     fn default() -> Self {
-        Self { address: "127.0.0.1:0".to_owned(), hosts: Vec::new(), clients: 8, page: HtmlOptions::default() }
+        Self {
+            address: "127.0.0.1:0".to_owned(),
+            hosts: Vec::new(),
+            clients: 8,
+            ghosts: 63,
+            page: HtmlOptions::default(),
+        }
     }
 }
 
@@ -39,5 +48,6 @@ with_methods!(LiveOptions {
     with_address(address: impl Into<String>) = address.into(),
     with_hosts(hosts: impl IntoIterator<Item = String>) = hosts.into_iter().collect(),
     with_clients(clients: usize),
+    with_ghosts(ghosts: usize),
     with_page(page: HtmlOptions),
 });

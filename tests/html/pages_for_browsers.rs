@@ -36,6 +36,15 @@ fn pages_are_written() {
     let ghosts = [("seed 1", &first), ("seed 2", &second), ("seed 3", &third)];
     save("ghosts.html", &model, &ghosts, &HtmlOptions::default().with_title("Three seeds"));
     picture("humanoid.png", &first, &model, "side");
+    let rollouts = sizes::rollouts(&model);
+    let rollouts: Vec<_> = rollouts.iter().map(|(label, trajectory)| (&**label, trajectory)).collect();
+    save("rollouts.html", &model, &rollouts, &HtmlOptions::default().with_title("64 rollouts"));
+    save(
+        "side_by_side.html",
+        &model,
+        &rollouts[..4],
+        &HtmlOptions::default().with_title("Side by side").with_spacing(1.5),
+    );
 
     let mut model = Model::from_xml_str(contents::SHAPES).unwrap();
     for (index, elevation) in model.edit().height_field_mut("hill").unwrap().data_mut().iter_mut().enumerate() {

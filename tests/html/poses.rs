@@ -128,6 +128,40 @@ fn signals_are_those_of_the_records_within_the_stated_error() {
 }
 
 #[test]
+fn signals_have_the_units_of_joints_and_sensors() {
+    let model = Model::from_xml_str(
+        "<mujoco><worldbody>
+           <body name='free'><freejoint name='free'/><geom size='.1' contype='0' conaffinity='0'/><site name='site'/></body>
+           <body><joint name='slide' type='slide'/><joint name='hinge' axis='1 0 0' pos='0 1 0'/><geom size='.1' contype='0'/></body>
+           <body><joint name='ball' type='ball'/><geom size='.1' contype='0'/></body>
+         </worldbody><actuator><motor name='motor' joint='hinge'/></actuator>
+         <sensor><gyro name='gyro' site='site'/><force name='force' site='site'/><torque name='torque' site='site'/>
+           <jointpos name='angle' joint='hinge'/></sensor></mujoco>",
+    )
+    .unwrap();
+    for (signal, expected) in [
+        (Signal::Qpos("free".into()), &["m", "m", "m", "", "", "", ""][..]),
+        (Signal::Qvel("free".into()), &["m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"]),
+        (Signal::Qpos("slide".into()), &["m"]),
+        (Signal::Qvel("slide".into()), &["m/s"]),
+        (Signal::Qpos("hinge".into()), &["rad"]),
+        (Signal::Qvel("ball".into()), &["rad/s"; 3]),
+        // The effect of a control depends on the gains of the actuator.
+        (Signal::Ctrl("motor".into()), &[""]),
+        (Signal::Sensor("gyro".into()), &["rad/s"; 3]),
+        (Signal::Sensor("force".into()), &["N"; 3]),
+        (Signal::Sensor("torque".into()), &["N m"; 3]),
+        (Signal::Sensor("angle".into()), &["rad"]),
+    ] {
+        let options = HtmlOptions::default().with_signals([signal.clone()]);
+        let page = saved(&model, &[("", &recorded(&model, 3))], &options);
+        let curves = page.description["tracks"][0]["curves"].as_array().unwrap();
+        let units: Vec<&str> = curves.iter().map(|curve| curve["unit"].as_str().unwrap()).collect();
+        assert_eq!(units, expected, "{signal:?}");
+    }
+}
+
+#[test]
 fn values_that_are_not_finite_have_gaps() {
     let model = sample::cartpole();
     let trajectory = recorded(&model, 3);
@@ -175,6 +209,10 @@ fn what_cannot_be_shown_is_an_error() {
         good.clone().with_position_error(1e-300),
         good.clone().with_rotation_error(f64::NAN),
         good.clone().with_frames_per_second(-1.0),
+        good.clone().with_mesh_error(-1.0),
+        good.clone().with_mesh_error(f64::NAN),
+        good.clone().with_spacing(0.0),
+        good.clone().with_spacing(f64::INFINITY),
     ] {
         assert!(matches!(save(&trajectory, &options), Err(Error::Invalid { .. })), "{options:?}");
     }

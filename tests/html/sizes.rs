@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use mujoco_safe::html::HtmlOptions;
-use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
+use mujoco_safe::rollout::Rollout;
+use mujoco_safe::{Data, Model, RandomController, StateSpec, Trajectory, sample};
 
 use crate::page::saved;
 
@@ -17,6 +18,36 @@ fn ten_seconds_of_the_humanoid_need_at_most_400_kb() {
     let size = saved(&model, &[("", &trajectory)], &HtmlOptions::default()).text.len();
     println!("10 s of the humanoid: {} kB", size / 1000);
     assert!(size <= 400_000, "{size}");
+}
+
+/// Returns 64 rollouts of the humanoid under random control, each of 3 s.
+pub fn rollouts(model: &Model) -> Vec<(String, Trajectory)> {
+    let steps = (3.0 / model.options().timestep).round() as usize;
+    let rollouts = Rollout::new(model.clone(), 64, steps)
+        .with_controllers(|rollout| RandomController::new(rollout as u64))
+        .with_recorded_states(StateSpec::INTEGRATION)
+        .run()
+        .unwrap();
+    let mut data = Data::new(model.clone()).unwrap();
+    let mut trajectory = |rollout: usize| {
+        let mut trajectory = Trajectory::new(model);
+        for state in rollouts.states_of(rollout).rows() {
+            data.set_state(StateSpec::INTEGRATION, state).unwrap();
+            trajectory.push(&data).unwrap();
+        }
+        (format!("rollout {rollout}"), trajectory)
+    };
+    (0..64).map(&mut trajectory).collect()
+}
+
+#[test]
+fn sixty_four_rollouts_of_the_humanoid_need_at_most_5_mb() {
+    let model = sample::humanoid();
+    let rollouts = rollouts(&model);
+    let shown: Vec<_> = rollouts.iter().map(|(label, trajectory)| (&**label, trajectory)).collect();
+    let size = saved(&model, &shown, &HtmlOptions::default()).text.len();
+    println!("64 rollouts of the humanoid, 3 s each: {} kB", size / 1000);
+    assert!(size <= 5_000_000, "{size}");
 }
 
 /// Returns a chain of 20 links with dents, of 10,000 triangles each.
@@ -79,5 +110,8 @@ fn a_robot_of_200_000_triangles_needs_at_most_3_mb() {
     trajectory.record(&mut data, &mut RandomController::new(0), 2000).unwrap();
     let size = saved(&model, &[("", &trajectory)], &HtmlOptions::default()).text.len();
     println!("a robot of 200,000 triangles: {} kB", size / 1000);
-    assert!(size <= 3_000_000, "{size}");
+    let exact = HtmlOptions::default().with_mesh_error(0.0);
+    let exact = saved(&model, &[("", &trajectory)], &exact).text.len();
+    println!("with all triangles: {} kB", exact / 1000);
+    assert!(size <= 1_500_000 && exact <= 3_000_000, "{size} {exact}");
 }

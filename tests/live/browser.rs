@@ -18,6 +18,8 @@ pub struct Browser {
     pub socket: WebSocket<TcpStream>,
     frames: usize,
     controls: usize,
+    /// Number of deformable shapes.
+    deformables: usize,
 }
 
 /// A state that a browser received.
@@ -25,8 +27,12 @@ pub struct Browser {
 pub struct State {
     pub time: f64,
     pub is_paused: bool,
+    pub is_batch: bool,
     /// Positions and quaternions of the frames.
     pub poses: Vec<[f32; 7]>,
+    /// Times and poses of further simulations.
+    pub ghosts: Vec<(f64, Vec<[f32; 7]>)>,
+    pub vertices: Vec<Vec<[f32; 3]>>,
     pub ctrl: Vec<f32>,
     pub held: Vec<u8>,
     pub problem: String,
@@ -43,7 +49,8 @@ impl Browser {
         // Cameras and lights that track a body have frames of their own.
         let model = data.model();
         let moving = model.cam_mode().iter().chain(model.light_mode()).filter(|&&mode| mode != 0).count();
-        Self { socket, frames: model.nbody() + moving, controls: model.nu() }
+        let deformables = model.ntendon() + model.nskin();
+        Self { socket, frames: model.nbody() + moving, controls: model.nu(), deformables }
     }
 
     pub fn send(&mut self, text: &str) {
@@ -55,14 +62,28 @@ impl Browser {
         self.send("\"next\"");
         let bytes = self.socket.read().unwrap().into_data();
         let mut bytes = &bytes[..];
-        let time = f64::from_le_bytes(take(&mut bytes));
-        let is_paused = u32::from_le_bytes(take(&mut bytes)) != 0;
+        let flags = u32::from_le_bytes(take(&mut bytes));
+        assert!(flags < 4, "{flags}");
+        let count = u32::from_le_bytes(take(&mut bytes));
+        let times: Vec<f64> = (0..count).map(|_| f64::from_le_bytes(take(&mut bytes))).collect();
         let mut number = || f32::from_le_bytes(take(&mut bytes));
-        let poses = (0..self.frames).map(|_| std::array::from_fn(|_| number())).collect();
+        let mut simulations = times.into_iter().map(|time| {
+            let poses: Vec<[f32; 7]> = (0..self.frames).map(|_| std::array::from_fn(|_| number())).collect();
+            (time, poses)
+        });
+        let (time, poses) = simulations.next().unwrap();
+        let ghosts = simulations.collect();
         let ctrl = (0..self.controls).map(|_| number()).collect();
+        let vertices = (0..self.deformables)
+            .map(|_| {
+                let count = u32::from_le_bytes(take(&mut bytes));
+                (0..count).map(|_| std::array::from_fn(|_| f32::from_le_bytes(take(&mut bytes)))).collect()
+            })
+            .collect();
         let (held, problem) = bytes.split_at(self.controls);
         let problem = std::str::from_utf8(problem).unwrap().to_owned();
-        State { time, is_paused, poses, ctrl, held: held.to_vec(), problem }
+        let (is_paused, is_batch) = (flags & 1 != 0, flags & 2 != 0);
+        State { time, is_paused, is_batch, poses, ghosts, vertices, ctrl, held: held.to_vec(), problem }
     }
 
     /// Returns the code and the reason with which the server ends the connection, which may have
@@ -90,6 +111,11 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> [u8; N] {
 /// Sends messages, and exchanges until the simulation has carried them out. Returns the state that
 /// a browser then receives, and the ticks.
 pub fn ask(page: &mut LivePage, data: &mut Data, browser: &mut Browser, messages: &[&str]) -> (State, Vec<Tick>) {
+    ask_in(browser, messages, || page.exchange(data).unwrap())
+}
+
+/// As [`ask`], with any function that exchanges.
+pub fn ask_in(browser: &mut Browser, messages: &[&str], mut exchange: impl FnMut() -> Tick) -> (State, Vec<Tick>) {
     for text in messages {
         browser.send(text);
     }
@@ -102,7 +128,7 @@ pub fn ask(page: &mut LivePage, data: &mut Data, browser: &mut Browser, messages
             browser.state()
         });
         while !state.is_finished() {
-            ticks.push(page.exchange(data).unwrap());
+            ticks.push(exchange());
             thread::sleep(Duration::from_micros(200));
         }
         state.join().unwrap()

@@ -10,4 +10,5 @@ mod pulls;
 mod refused;
 mod requests;
 mod run;
+mod several;
 mod slow;

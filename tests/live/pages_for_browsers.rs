@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use mujoco_safe::html::HtmlOptions;
 use mujoco_safe::live::{LiveOptions, LivePage};
-use mujoco_safe::{Data, Model, ZeroController, sample};
+use mujoco_safe::{Batch, Data, MatrixView, MatrixViewMut, Model, ZeroController, sample};
+
+use crate::several::SOFT;
 
 /// Runs until the file `stop` is in the folder.
 #[test]
@@ -35,6 +37,28 @@ fn pages_are_served() {
             let mut data = Data::new(sample::humanoid()).unwrap();
             data.reset_to_key("stand").unwrap();
             serve("live", data, "Live humanoid");
+        });
+        scope.spawn(|| serve("soft", Data::new(Model::from_xml_str(SOFT).unwrap()).unwrap(), "Live tendon and skin"));
+        scope.spawn(|| {
+            let mut batch = Batch::new(sample::humanoid(), 64).unwrap().with_chunk(64);
+            let options = HtmlOptions::default().with_title("Batch of 64");
+            let mut page = LivePage::bind(batch.model(), &LiveOptions::default().with_page(options)).unwrap();
+            std::fs::write(folder.join("batch.url"), page.url()).unwrap();
+            let mut step = 0_u32;
+            let start = Instant::now();
+            while !stop.exists() && start.elapsed() < Duration::from_secs(900) {
+                if page.exchange_batch(&mut batch).unwrap().advance {
+                    step += 1;
+                    let control = |index: usize| 0.5 * (0.02 * f64::from(step) + index as f64).sin();
+                    let policy = |_: MatrixView<'_>, controls: &mut MatrixViewMut<'_>| {
+                        for (index, control_of) in controls.as_mut_slice().iter_mut().enumerate() {
+                            *control_of = control(index);
+                        }
+                    };
+                    batch.step(policy).unwrap();
+                }
+                page.wait(Duration::from_millis(5));
+            }
         });
         scope.spawn(|| serve("hostile", Data::new(hostile).unwrap(), "<script>globalThis.hacked = 1</script>"));
     });

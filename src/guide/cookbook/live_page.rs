@@ -32,6 +32,11 @@
 //! of [`Data::step`](crate::Data::step), or [`exchange`](crate::live::LivePage::exchange) before
 //! it.
 //!
+//! [`exchange_batch`](crate::live::LivePage::exchange_batch) shows a whole [`Batch`](crate::Batch):
+//! one simulation in full and the others as ghosts, or all side by side. The example `live` does it
+//! with `--simulations 64`. [`set_ghosts`](crate::live::LivePage::set_ghosts) shows the plans of a
+//! controller.
+//!
 //! For a program on the machine `robot` with the address `127.0.0.1:8000`, a tunnel leads there:
 //!
 //! ```text

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::curve::Curve;
 use super::names;
-use super::quantity::Quantity;
 use crate::data::{Timer, TimerCount};
+use crate::element::quantity::{Quantity, quantity};
+use crate::model::Model;
+use crate::viewer::endpoint::Watch;
 use crate::viewer::instruments::PlottedValue;
 use crate::viewer::link::Snapshot;
 use crate::viewer::signal::{Signal, WatchedSignal};
@@ -174,7 +176,7 @@ impl Curves {
         }
         plots.retain(|plot| !plot.curves.is_empty());
         for WatchedSignal { watch, signal } in watched {
-            let Quantity { name: title, unit } = Quantity::of_watch(&snapshot.model, watch);
+            let Quantity { name: title, unit } = quantity_of_watch(&snapshot.model, watch);
             let plot = plots.iter().position(|plot| *plot.title == *title).unwrap_or_else(|| {
                 plots.push(Plot::new(title, unit, &[]));
                 plots.len() - 1
@@ -225,6 +227,19 @@ impl Curves {
             Self { generation: Some(snapshot.generation), sensors: places, timers: snapshot.timers, ..Self::default() };
         *self.plots(Group::Sensors) = plots;
         *self.plots(Group::Profile) = profile;
+    }
+}
+
+/// Returns the quantity of a watched value: of the sensor, or named after the field.
+fn quantity_of_watch(model: &Model, watch: &Watch) -> Quantity {
+    let sensor = (watch.field() == "sensordata")
+        .then(|| model.sensors().find(|sensor| sensor.data_range().contains(&watch.index())))
+        .flatten();
+    match (sensor, watch.field()) {
+        (Some(sensor), _) => Quantity::of_sensor(model, &sensor),
+        (None, "time") => quantity("time", "s"),
+        (None, "energy") => quantity("energy", "J"),
+        (None, field) => quantity(field, ""),
     }
 }
 

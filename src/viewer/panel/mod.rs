@@ -13,7 +13,6 @@ mod names;
 mod panes;
 mod physics;
 mod plots;
-mod quantity;
 mod simulation;
 mod state;
 mod status;

@@ -1,20 +1,19 @@
-//! Quantities and units of the readings of sensors. Readings of the same quantity share a plot.
+//! Quantities and units of the readings of sensors.
 
-use crate::element::{Object, Transmission, View};
+use super::{Object, Transmission, View};
 use crate::enums::{JointType, SensorType};
 use crate::id::JointId;
 use crate::kind;
 use crate::model::Model;
-use crate::viewer::endpoint::Watch;
 
 /// Quantity, and its unit, which is empty for a number without a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Quantity {
+pub(crate) struct Quantity {
     pub name: &'static str,
     pub unit: &'static str,
 }
 
-const fn quantity(name: &'static str, unit: &'static str) -> Quantity {
+pub(crate) const fn quantity(name: &'static str, unit: &'static str) -> Quantity {
     Quantity { name, unit }
 }
 
@@ -74,19 +73,6 @@ impl Quantity {
             S::Contact => quantity("contact", ""),
             S::Tactile => quantity("tactile", ""),
             _ => quantity("other", ""),
-        }
-    }
-
-    /// Returns the quantity of a watched value: of the sensor, or named after the field.
-    pub fn of_watch(model: &Model, watch: &Watch) -> Self {
-        let sensor = (watch.field() == "sensordata")
-            .then(|| model.sensors().find(|sensor| sensor.data_range().contains(&watch.index())))
-            .flatten();
-        match (sensor, watch.field()) {
-            (Some(sensor), _) => Self::of_sensor(model, &sensor),
-            (None, "time") => quantity("time", "s"),
-            (None, "energy") => quantity("energy", "J"),
-            (None, field) => quantity(field, ""),
         }
     }
 }

@@ -1,0 +1,173 @@
+//! The state that browsers receive: times, poses, controls, and vertices of deformable shapes.
+
+use std::sync::Arc;
+
+use crate::data::{Data, StateSpec};
+use crate::error::Result;
+use crate::html::Sampler;
+use crate::matrix::{Matrix, MatrixView};
+use crate::model::Model;
+use crate::replay::{self, Frame};
+use crate::rollout::Batch;
+
+/// Longest text of a problem in a state, bytes.
+const LONGEST_PROBLEM: usize = 500;
+
+/// Bits of the flags.
+const PAUSED: u32 = 1;
+const BATCH: u32 = 2;
+
+/// What the page says besides the simulations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Status<'s> {
+    pub(super) is_paused: bool,
+    /// Users can neither pull nor hold controls.
+    pub(super) is_batch: bool,
+    /// Values of the controls that users hold.
+    pub(super) held: &'s [Option<f64>],
+    pub(super) problem: Option<&'s str>,
+}
+
+/// Collects the parts of a state, which `html/src/live.js` reads.
+#[derive(Debug)]
+pub(super) struct StateWriter {
+    model: Arc<Model>,
+    frames: Vec<Frame>,
+    /// Deformable shapes of the first simulation. `None` if the model has none.
+    sampler: Option<Sampler>,
+    /// Largest number of ghosts.
+    most_ghosts: usize,
+    /// States of ghosts.
+    ghosts: Option<(StateSpec, Matrix)>,
+    /// Simulation in which the poses of ghosts are computed.
+    memory: Data,
+    shown: Shown,
+    controls: Vec<f32>,
+}
+
+/// Simulations that the page shows.
+#[derive(Debug, Default)]
+struct Shown {
+    /// Times, s.
+    times: Vec<f64>,
+    /// For each simulation the poses of all frames.
+    poses: Vec<f32>,
+}
+
+impl Shown {
+    fn add(&mut self, data: &Data, frames: &[Frame]) {
+        self.times.push(data.time());
+        for &frame in frames {
+            let pose = replay::pose(data, frame);
+            self.poses.extend(pose.pos.iter().chain(&pose.quat).map(|&number| number as f32));
+        }
+    }
+
+    /// Adds a simulation after the result of setting its state. If it has no poses, for example
+    /// because of NaN, they are NaN, and the page does not draw it.
+    fn add_loaded(&mut self, loaded: Result<()>, data: &mut Data, frames: &[Frame]) {
+        let mut compute = || data.kinematics().and_then(|()| data.com_pos()).and_then(|()| data.camlight());
+        if loaded.and_then(|()| compute()).is_ok() {
+            self.add(data, frames);
+        } else {
+            self.times.push(data.time());
+            self.poses.extend(std::iter::repeat_n(f32::NAN, 7 * frames.len()));
+        }
+    }
+
+    fn clear(&mut self) {
+        self.times.clear();
+        self.poses.clear();
+    }
+}
+
+impl StateWriter {
+    /// `memory` is a simulation of the model.
+    pub(super) fn new(memory: Data, frames: Vec<Frame>, sampler: Option<Sampler>, most_ghosts: usize) -> Self {
+        let model = memory.model().clone();
+        let (shown, controls) = (Shown::default(), Vec::new());
+        Self { model, frames, sampler, most_ghosts, ghosts: None, memory, shown, controls }
+    }
+
+    /// Returns the largest size of a state without ghosts and deformable shapes, bytes.
+    pub(super) fn smallest(&self) -> usize {
+        8 + 8 + 28 * self.frames.len() + 5 * self.model.nu() + LONGEST_PROBLEM
+    }
+
+    /// Copies the states of ghosts, whose poses are computed when a browser waits for them.
+    pub(super) fn set_ghosts(&mut self, spec: StateSpec, states: MatrixView<'_>) {
+        let count = states.nrows().min(self.most_ghosts);
+        let ghosts = match &mut self.ghosts {
+            Some((before, ghosts)) if ghosts.shape() == (count, states.ncols()) => {
+                *before = spec;
+                ghosts
+            }
+            other => &mut other.insert((spec, Matrix::zeros(count, states.ncols()))).1,
+        };
+        ghosts.as_mut_slice().copy_from_slice(&states.as_slice()[..count * states.ncols()]);
+    }
+
+    /// Collects a simulation, and the ghosts. `is_computed`: the simulation has positions.
+    pub(super) fn collect(&mut self, data: &mut Data, is_computed: bool) -> Result<()> {
+        let Self { frames, memory, shown, controls, .. } = self;
+        shown.clear();
+        shown.add(data, frames);
+        controls.clear();
+        controls.extend(data.ctrl().iter().map(|&ctrl| ctrl as f32));
+        if let Some((spec, ghosts)) = &self.ghosts {
+            // A batch may have left an edited model.
+            memory.swap_model(&mut self.model.clone());
+            for state in ghosts.rows() {
+                let loaded = memory.set_state(*spec, state);
+                shown.add_loaded(loaded, memory, frames);
+            }
+        }
+        match &mut self.sampler {
+            Some(sampler) if is_computed => sampler.update(data),
+            _ => Ok(()),
+        }
+    }
+
+    /// Collects the first simulations of a batch.
+    pub(super) fn collect_batch(&mut self, batch: &Batch<'_>) -> Result<()> {
+        let Self { frames, memory, shown, controls, .. } = self;
+        shown.clear();
+        controls.clear();
+        controls.resize(self.model.nu(), 0.0);
+        let mut result = Ok(());
+        for index in 0..batch.len().min(1 + self.most_ghosts) {
+            let loaded = batch.load(index, memory);
+            shown.add_loaded(loaded, memory, frames);
+            if index == 0 {
+                for (shown, &ctrl) in controls.iter_mut().zip(batch.controls().row(0)) {
+                    *shown = ctrl as f32;
+                }
+                if let Some(sampler) = &mut self.sampler {
+                    result = memory.fwd_position().and_then(|()| sampler.update(memory));
+                }
+            }
+        }
+        result
+    }
+
+    /// Writes the flags, the number of simulations, their times and poses, the controls, the
+    /// vertices of each deformable shape with their number, which controls are held, and the text
+    /// of a problem.
+    pub(super) fn write(&self, status: Status<'_>, bytes: &mut Vec<u8>) {
+        bytes.clear();
+        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+        let flags = flag(status.is_paused, PAUSED) | flag(status.is_batch, BATCH);
+        bytes.extend_from_slice(&flags.to_le_bytes());
+        bytes.extend_from_slice(&(self.shown.times.len() as u32).to_le_bytes());
+        bytes.extend(self.shown.times.iter().flat_map(|time| time.to_le_bytes()));
+        bytes.extend(self.shown.poses.iter().chain(&self.controls).flat_map(|number| number.to_le_bytes()));
+        for vertices in self.sampler.iter().flat_map(Sampler::vertices) {
+            bytes.extend_from_slice(&(vertices.len() as u32).to_le_bytes());
+            bytes.extend(vertices.as_flattened().iter().flat_map(|number| number.to_le_bytes()));
+        }
+        bytes.extend(status.held.iter().map(|held| u8::from(held.is_some())));
+        let problem = status.problem.unwrap_or_default();
+        let end = (0..=LONGEST_PROBLEM).rev().find(|&at| problem.is_char_boundary(at)).unwrap_or(0);
+        bytes.extend_from_slice(&problem.as_bytes()[..end]);
+    }
+}
