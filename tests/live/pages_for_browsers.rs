@@ -40,8 +40,8 @@ fn pages_are_served() {
         });
         scope.spawn(|| serve("soft", Data::new(Model::from_xml_str(SOFT).unwrap()).unwrap(), "Live tendon and skin"));
         scope.spawn(|| {
-            let mut batch = Batch::new(sample::humanoid(), 64).unwrap().with_chunk(64);
-            let options = HtmlOptions::default().with_title("Batch of 64");
+            let mut batch = Batch::new(sample::humanoid(), 16).unwrap().with_chunk(16);
+            let options = HtmlOptions::default().with_title("Batch of 16");
             let mut page = LivePage::bind(batch.model(), &LiveOptions::default().with_page(options)).unwrap();
             std::fs::write(folder.join("batch.url"), page.url()).unwrap();
             let mut step = 0_u32;
