@@ -34,9 +34,9 @@
 //! mean square. The tests measure the largest distance, which is less than the error for their
 //! meshes.
 //!
-//! Colours are those of the renderer except at specular highlights: a picture of the humanoid differs by less
-//! than 2 of 255 levels on average. Reflections, fog, haze and the attenuation of lights are not
-//! drawn.
+//! Colours are those of the renderer except at specular highlights: a picture of the humanoid
+//! differs by less than 2 of 255 levels on average. Reflections, fog, haze and the attenuation of
+//! lights are not drawn.
 //!
 //! Skins, flexes and tendons that the first record shows, with colours and without textures. Their
 //! vertices have the error of positions.
@@ -180,7 +180,8 @@ pub(crate) struct Slider<'d> {
 /// }
 /// let path = std::env::temp_dir().join("mujoco_safe_rollouts.html");
 /// let options = HtmlOptions::default().with_spacing(1.0);
-/// html::save(&path, data.model(), trajectories.iter().map(|trajectory| ("", trajectory)), &options)?;
+/// let shown = trajectories.iter().map(|trajectory| ("", trajectory));
+/// html::save(&path, data.model(), shown, &options)?;
 /// # std::fs::remove_file(path).ok();
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```

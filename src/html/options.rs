@@ -31,8 +31,8 @@ pub struct HtmlOptions {
     /// default 0.0005.
     pub rotation_error: f64,
     /// Largest distance between a mesh in the page and in the model, m, as an estimate: see
-    /// [`html`](crate::html#contents). By default 0.25 mm, or 1/4000 of the model's extent if that is
-    /// less. Zero keeps all triangles.
+    /// [`html`](crate::html#contents). By default 0.25 mm, or 1/4000 of the model's extent if that
+    /// is less. Zero keeps all triangles.
     pub mesh_error: Option<f64>,
     /// Distance between several trajectories side by side, m. By default they are in one place, and
     /// all but the first are transparent. The page can change between both.

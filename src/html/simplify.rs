@@ -1,6 +1,6 @@
-//! Simplification of meshes by [meshoptimizer](https://meshoptimizer.org): collapses of edges in the
-//! order of their quadric errors (Garland and Heckbert, "Surface simplification using quadric error
-//! metrics", 1997).
+//! Simplification of meshes by [meshoptimizer](https://meshoptimizer.org): collapses of edges in
+//! the order of their quadric errors (Garland and Heckbert, "Surface simplification using quadric
+//! error metrics", 1997).
 
 use meshopt::SimplifyOptions;
 

@@ -35,8 +35,10 @@ impl LivePage {
     ///     .with_initial_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION))
     ///     .with_recorded_states(StateSpec::QPOS)
     ///     .run()?;
-    /// let places: Vec<f64> = (1..=5).flat_map(|place| ahead.state(0, 10 * place)).copied().collect();
-    /// page.set_ghosts(StateSpec::QPOS, MatrixView::from_row_major(5, data.model().nq(), &places))?;
+    /// let places = (1..=5).flat_map(|place| ahead.state(0, 10 * place));
+    /// let places: Vec<f64> = places.copied().collect();
+    /// let places = MatrixView::from_row_major(5, data.model().nq(), &places);
+    /// page.set_ghosts(StateSpec::QPOS, places)?;
     /// page.step(&mut data, &mut ZeroController)?;
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```

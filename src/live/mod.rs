@@ -22,9 +22,9 @@
 //!
 //! # Several simulations
 //!
-//! [`LivePage::exchange_batch`] shows a [`Batch`](crate::Batch), and [`LivePage::set_ghosts`] further
-//! states beside a simulation. The page draws one in full and the others as ghosts, side by side, or
-//! not at all. [`LiveOptions::ghosts`] limits their number and so the size of a state.
+//! [`LivePage::exchange_batch`] shows a [`Batch`](crate::Batch), and [`LivePage::set_ghosts`]
+//! further states beside a simulation. The page draws one in full and the others as ghosts, side by
+//! side, or not at all. [`LiveOptions::ghosts`] limits their number and so the size of a state.
 //!
 //! # On another machine
 //!
@@ -42,8 +42,8 @@
 //! A state is copied only if a browser waits for one, which is at most 125 times per second. The
 //! simulation never waits for a browser: there is one slot for the latest state and one for merged
 //! requests, and no queue. If a browser is copying a slot, the simulation goes on, and uses the
-//! slot in its next tick. A tick does not allocate, except for skins, flexes and tendons. `cargo bench --features live --bench live`
-//! compares with a step without a page.
+//! slot in its next tick. A tick does not allocate, except for skins, flexes and tendons. `cargo
+//! bench --features live --bench live` compares with a step without a page.
 //!
 //! # Safety of the server
 //!
@@ -149,7 +149,8 @@ impl LivePage {
     ///
     /// [`Error::Serve`] if the address is not one of this machine or in use, or if there is no
     /// thread or no random number. [`Error::NoSuchName`] for a camera that the model does not have,
-    /// [`Error::Invalid`] for options beyond their limits, and the errors of [`Data::new`] and [`Data::forward`].
+    /// [`Error::Invalid`] for options beyond their limits, and the errors of [`Data::new`] and
+    /// [`Data::forward`].
     pub fn bind(model: impl IntoModel, options: &LiveOptions) -> Result<Self> {
         if options.ghosts > MOST_GHOSTS {
             let expected = format!("at most {MOST_GHOSTS}");
