@@ -13,9 +13,17 @@ pub(super) fn bound(count: usize, short: usize) -> usize {
     12 * count + 4 * short + 4
 }
 
+/// Returns `true` if all bits of two vectors are the same.
 #[inline]
-fn is_same(new: &[f64], old: &[f64]) -> bool {
-    new.iter().zip(old).fold(0, |different, (new, old)| different | (new.to_bits() ^ old.to_bits())) == 0
+pub(super) fn is_same(new: &[f64], old: &[f64]) -> bool {
+    let ((new, new_rest), (old, old_rest)) = (new.as_chunks::<4>(), old.as_chunks::<4>());
+    let differs = |(new, old): (&f64, &f64)| new.to_bits() ^ old.to_bits();
+    // The processor compares the words of a block at a time.
+    let blocks = new.iter().zip(old).fold([0; 4], |different, (new, old)| {
+        std::array::from_fn(|lane| different[lane] | differs((&new[lane], &old[lane])))
+    });
+    let rest = new_rest.iter().zip(old_rest).map(differs);
+    rest.chain(blocks).fold(0, |different, bits| different | bits) == 0
 }
 
 /// Calls `each` with the start and the values of each run of words of `new` that differ from those

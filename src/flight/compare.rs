@@ -11,7 +11,7 @@ use super::inputs;
 use super::matched::{Order, align};
 use super::model_difference::{self, ModelDifferences};
 use super::origin::Origin;
-use super::quantities::{self, AFTER_SOLVER, NEXT_STATE, QUANTITIES, Quantity, Series};
+use super::quantities::{self, AFTER_SOLVER, Quantity, find};
 use super::trace::{CONVERGED, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate, fields};
 use crate::data::Data;
 use crate::engine::engine_version;
@@ -160,34 +160,19 @@ impl Comparison {
             let text = |error: &Option<String>| error.as_deref().unwrap_or("success").to_owned();
             let element = format!("there: {}; here: {}", text(&there.error), text(&here.error));
             if !has(&self.divergences, "result") {
-                let flag = |error: &Option<String>| f64::from(u8::from(error.is_some()));
-                let (there, here) = (flag(&there.error), flag(&here.error));
-                let field = "result".to_owned();
-                let (stage, rounding) = ("call", 0.0);
-                self.divergences.push(Divergence {
-                    call: self.calls,
-                    time,
-                    stage,
-                    field,
-                    element,
-                    there,
-                    here,
-                    rounding,
-                });
+                let [there, here] = [there, &here].map(|results| f64::from(u8::from(results.error.is_some())));
+                let (call, stage, field, rounding) = (self.calls, "call", "result".to_owned(), 0.0);
+                self.divergences.push(Divergence { call, time, stage, field, element, there, here, rounding });
             }
         }
         let order = Order::of(&there.values, &here.values);
         let mut pairs = Vec::new();
-        for quantity in QUANTITIES.iter().chain(NEXT_STATE) {
-            let (Some(there), Some(here)) = (find(&there.values, quantity), find(&here.values, quantity)) else {
-                continue;
-            };
-            let there = align(quantity, there, &order);
+        for quantity in quantities::all() {
+            let values = find(&there.values, quantity.name).zip(find(&here.values, quantity.name));
             // Matched constraints have the same objects.
             let is_matched = quantity.name == "efc_id" && order.has_constraints();
-            if is_matched {
-                continue;
-            }
+            let Some((there, here)) = values.filter(|_| !is_matched) else { continue };
+            let there = align(quantity, there, &order);
             if there.columns != here.columns || !has_same_bits(&there.values, &here.values) {
                 pairs.push((quantity, there, here));
             }
@@ -204,7 +189,7 @@ impl Comparison {
         let mut converged = None;
         let (mut divergences, mut convergence) = (Vec::new(), Vec::new());
         for (quantity, there, values) in pairs.into_iter().filter(|(quantity, ..)| !is_known(quantity)) {
-            let disturbed = disturbed.iter().map(|results| find(&results.values, quantity));
+            let disturbed = disturbed.iter().map(|results| find(&results.values, quantity.name));
             let Some(pair) = Pair::worst(&there, values, &disturbed.collect::<Vec<_>>()) else { continue };
             if pair.ratio <= MOST_ROUNDING {
                 continue;
@@ -222,14 +207,10 @@ impl Comparison {
             };
             let mut error = 0.0;
             if AFTER_SOLVER.contains(&quantity.stage) {
-                let of_trace = traced
-                    .results
-                    .values
-                    .iter()
-                    .find(|series| series.name.strip_prefix(CONVERGED).is_some_and(|name| name == quantity.name));
-                let there = of_trace.zip(find(&traced.results.values, quantity));
+                let of_trace = find(&traced.results.values, &format!("{CONVERGED}{}", quantity.name));
+                let there = of_trace.zip(find(&traced.results.values, quantity.name));
                 let converged = converged.get_or_insert_with(|| evaluate(&mut side.converged, traced.call, &inputs));
-                let here = find(&converged.values, quantity).map(|converged| (converged, values));
+                let here = find(&converged.values, quantity.name).map(|converged| (converged, values));
                 for (converged, values) in there.into_iter().chain(here) {
                     error = pair.error(quantity, converged, values).max(error);
                 }
@@ -249,10 +230,6 @@ impl Comparison {
 
 fn has(divergences: &[Divergence], field: &str) -> bool {
     divergences.iter().any(|known| known.field == field)
-}
-
-fn find<'v>(values: &'v [Series], quantity: &Quantity) -> Option<&'v Series> {
-    values.iter().find(|values| values.name == quantity.name)
 }
 
 fn has_same_bits(a: &[f64], b: &[f64]) -> bool {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::matched::is_contact;
-use super::quantities::{Quantity, Rows, Series};
+use super::quantities::{Quantity, Rows, Series, find};
 use crate::kind::Kind;
 use crate::model::Model;
 use crate::sys;
@@ -119,8 +119,7 @@ impl Pair {
 /// Returns the name of the object to which a row belongs.
 fn row_name(rows: Rows, row: usize, here: &[Series], model: &Model) -> String {
     let value = |name: &str, index: usize| {
-        let values = here.iter().find(|values| values.name == name);
-        values.and_then(|values| values.values.get(index)).map_or(-1.0, |value| *value)
+        find(here, name).and_then(|values| values.values.get(index)).map_or(-1.0, |value| *value)
     };
     let described = |kind, index: f64| model.described(kind, index.max(0.0) as usize);
     let has_row = |range: Range<usize>| range.contains(&row);

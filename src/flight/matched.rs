@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::quantities::{Quantity, Rows, Series};
+use super::quantities::{Quantity, Rows, Series, find};
 use crate::sys;
 
 /// Row of the trace for each row here.
@@ -17,10 +17,9 @@ impl Order {
     /// objects and their order. Without a complete match, rows remain in their order.
     pub(super) fn of(there: &[Series], here: &[Series]) -> Self {
         let mut order = Self::default();
-        let of = |values: &[Series], name| values.iter().find(|values| values.name == name).cloned();
-        let both = |name| Some((of(there, name)?, of(here, name)?)).filter(|(a, b)| a.values.len() == b.values.len());
+        let both = |name| find(there, name).zip(find(here, name)).filter(|(a, b)| a.values.len() == b.values.len());
         let Some((geoms, positions)) = both("contact.geom").zip(both("contact.pos")) else { return order };
-        let [pairs_there, pairs_here] = [&geoms.0, &geoms.1].map(|values| {
+        let [pairs_there, pairs_here] = [geoms.0, geoms.1].map(|values| {
             let (pairs, _) = values.values.as_chunks::<2>();
             pairs.iter().map(|[a, b]| [a.min(*b), a.max(*b)]).collect::<Vec<_>>()
         });
@@ -28,7 +27,7 @@ impl Order {
             let point = |values: &Series, row: usize| {
                 values.values.get(3 * row..3 * row + 3).map_or([0.0; 3], |at| [at[0], at[1], at[2]])
             };
-            let (a, b) = (point(&positions.0, a), point(&positions.1, b));
+            let (a, b) = (point(positions.0, a), point(positions.1, b));
             (0..3).map(|axis| (a[axis] - b[axis]).abs()).sum()
         };
         order.contacts = matched(&pairs_there, &pairs_here, distance);
@@ -39,7 +38,7 @@ impl Order {
             rows.map(|(&of, &id)| [of, if is_contact(of) { rename(id) } else { id }]).collect()
         };
         let rename = |id: f64| contacts.iter().position(|&there| there as f64 == id).map_or(-1.0, |here| here as f64);
-        let (there, here) = (key(&types.0, &ids.0, &rename), key(&types.1, &ids.1, &|id| id));
+        let (there, here) = (key(types.0, ids.0, &rename), key(types.1, ids.1, &|id| id));
         // Rows of one object are in the same order.
         order.constraints = matched(&there, &here, |row, _| row as f64);
         order

@@ -160,6 +160,16 @@ pub(super) struct Series {
     pub(super) values: Vec<f64>,
 }
 
+/// Iterates over all quantities, also those after the step.
+pub(super) fn all() -> impl Iterator<Item = &'static Quantity> {
+    QUANTITIES.iter().chain(NEXT_STATE)
+}
+
+/// Returns the values of a quantity.
+pub(super) fn find<'v>(values: &'v [Series], name: &str) -> Option<&'v Series> {
+    values.iter().find(|values| values.name == name)
+}
+
 /// Reads quantities.
 pub(super) fn read(quantities: &'static [Quantity], data: &Data, into: &mut Vec<Series>) {
     for &Quantity { name, columns, read, .. } in quantities {

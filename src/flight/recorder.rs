@@ -62,6 +62,8 @@ pub struct FlightRecorder {
 struct Segment {
     /// Place in the ring.
     start: u64,
+    /// End of its last complete call.
+    end: u64,
     /// Number of the first call.
     first: u64,
     /// Number of values.
@@ -222,19 +224,11 @@ impl FlightRecorder {
             self.segments.retain(|segment| segment.start < self.complete);
             self.is_interrupted = true;
         }
-        let bound = Self::bound(self.values) as u64;
+        // Both halves of a step are in one segment.
         let is_second_half = call == Call::Step2 && self.previous.is_some_and(Call::is_first_half);
-        let length = self.segments.back().map_or(0, |segment| self.ring.end() - segment.start);
-        let is_long = length + bound > self.ring.capacity() / SEGMENTS && !is_second_half;
-        let begins = self.is_interrupted || is_long;
+        let begins = self.is_interrupted || !(is_second_half || self.has_room());
         if begins {
-            let (start, image) = (self.ring.end(), self.image.clone());
-            self.segments.push_back(Segment { start, first: self.next, values: self.values, image });
-            self.is_interrupted = false;
-        }
-        while self.segments.front().is_some_and(|oldest| self.ring.end() + bound - oldest.start > self.ring.capacity())
-        {
-            self.segments.pop_front();
+            self.begin_segment();
         }
         let (ring, after) = (&mut self.ring, &mut self.after);
         ring.put(&[call.code()]);
@@ -243,14 +237,8 @@ impl FlightRecorder {
             put_run(ring, 0, after);
         } else {
             inputs::parts(data, |place, values| {
-                let after = &mut after[place..][..values.len()];
-                let mut is_changed = false;
-                change::runs(values, after, |start, values| {
-                    put_run(ring, place + start, values);
-                    is_changed = true;
-                });
-                if is_changed {
-                    after.copy_from_slice(values);
+                if !values.is_empty() {
+                    put_changes(ring, place, values, &mut after[place..][..values.len()]);
                 }
             });
         }
@@ -260,6 +248,28 @@ impl FlightRecorder {
             self.before.extend_from_slice(after);
         }
         Ok(())
+    }
+
+    /// Returns `true` if two further calls fit into the present segment.
+    #[inline]
+    fn has_room(&self) -> bool {
+        let length = |segment: &Segment| self.ring.end() - segment.start + 2 * Self::bound(self.values) as u64;
+        self.segments.back().is_some_and(|present| length(present) <= self.ring.capacity() / SEGMENTS)
+    }
+
+    /// Begins a segment, for which it makes room.
+    #[cold]
+    fn begin_segment(&mut self) {
+        let room = self.ring.capacity() / SEGMENTS;
+        if !self.ring.has_room(room as usize) {
+            self.ring.wrap();
+        }
+        let (start, image) = (self.ring.end(), self.image.clone());
+        while self.segments.front().is_some_and(|oldest| start + room - oldest.start > self.ring.capacity()) {
+            self.segments.pop_front();
+        }
+        self.segments.push_back(Segment { start, end: start, first: self.next, values: self.values, image });
+        self.is_interrupted = false;
     }
 
     /// Stores the results of a call.
@@ -283,6 +293,7 @@ impl FlightRecorder {
             ring.put(text.as_bytes());
         }
         self.complete = ring.end();
+        self.segments.back_mut().expect("Bug: the call has a segment").end = self.complete;
         self.next += 1;
         self.previous = Some(call);
         self.is_interrupted |= error.is_some() || self.after.len() != self.values;
@@ -359,8 +370,8 @@ impl FlightRecorder {
         let mut bases: Vec<&Arc<[u8]>> = Vec::new();
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
-        let origin = Origin::here();
-        for text in origin.parts().into_iter().chain([reason, &self.note, &self.xml]) {
+        Origin::here().put(&mut bytes);
+        for text in [reason, &self.note, &self.xml] {
             bytes.put_block(text.as_bytes());
         }
         for segment in &segments {
@@ -373,15 +384,13 @@ impl FlightRecorder {
             bytes.put_block(base);
         }
         bytes.extend((segments.len() as u32).to_le_bytes());
-        let ends = segments.iter().skip(1).map(|next| next.start).chain([self.complete]);
-        for (segment, end) in segments.iter().zip(ends) {
+        for segment in &segments {
             let base = bases.iter().position(|base| Arc::ptr_eq(base, &segment.image.base));
             bytes.extend((base.expect("Bug: all bases are collected") as u32).to_le_bytes());
             bytes.put_block(&segment.image.edit);
             bytes.extend(segment.first.to_le_bytes());
             bytes.extend((segment.values as u32).to_le_bytes());
-            bytes.extend((end - segment.start).to_le_bytes());
-            self.ring.copy(segment.start..end, &mut bytes);
+            bytes.put_block(self.ring.part(segment.start..segment.end));
         }
         bytes.extend(Checksum::of_bytes(&bytes).to_le_bytes());
         bytes
@@ -400,6 +409,15 @@ impl fmt::Debug for FlightRecorder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let first = self.segments.front().map_or(self.next, |oldest| oldest.first);
         write!(f, "FlightRecorder: calls {first} to {} in {} bytes", self.next, self.ring.capacity())
+    }
+}
+
+/// Stores the runs of values that differ from those after the previous call, which it replaces.
+#[inline(never)]
+fn put_changes(ring: &mut Ring, place: usize, values: &[f64], after: &mut [f64]) {
+    if !change::is_same(values, after) {
+        change::runs(values, after, |start, values| put_run(ring, place + start, values));
+        after.copy_from_slice(values);
     }
 }
 

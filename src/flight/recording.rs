@@ -121,13 +121,8 @@ impl Recording {
 
     fn parse_content(reader: &mut Reader<'_>) -> Result<Self, Invalid> {
         reader.take(MAGIC.len() + size_of_val(&VERSION), "the header")?;
+        let origin = Origin::read(reader)?;
         let mut text = |what| reader.text(what).map(str::to_owned);
-        let origin = Origin {
-            library: text("the version of the crate")?,
-            engine: text("the version of the engine")?,
-            target: text("the target")?,
-            processor: text("the processor")?,
-        };
         let (reason, note, xml) = (text("the reason")?, text("the note")?, text("the MJCF")?);
         let mut bases: Vec<Arc<[u8]>> = Vec::new();
         for _ in 0..reader.u32()? {

@@ -1,17 +1,19 @@
-//! Ring buffer of bytes, addressed by positions that only grow.
+//! Ring buffer of bytes, addressed by positions that only grow. Its parts are contiguous.
 
 use std::ops::Range;
 
 pub(super) struct Ring {
     bytes: Box<[u8]>,
-    /// Number of bytes that were ever written.
+    /// Number of bytes that were ever written or left free.
     end: u64,
+    /// Place of the next byte in `bytes`.
+    place: usize,
 }
 
 impl Ring {
     pub(super) fn new(capacity: usize) -> Self {
         // Memory of zeros would be mapped in the steps that write to it first.
-        Self { bytes: vec![1; capacity].into(), end: 0 }
+        Self { bytes: vec![1; capacity].into(), end: 0, place: 0 }
     }
 
     pub(super) fn capacity(&self) -> u64 {
@@ -22,43 +24,51 @@ impl Ring {
         self.end
     }
 
+    /// Returns `true` if this number of bytes fits before the end of the memory.
+    #[inline]
+    pub(super) fn has_room(&self, count: usize) -> bool {
+        self.bytes.len() - self.place >= count
+    }
+
+    /// Leaves the rest of the memory free, so that the next part begins at its start.
+    pub(super) fn wrap(&mut self) {
+        self.end += (self.bytes.len() - self.place) as u64;
+        self.place = 0;
+    }
+
     /// Removes the bytes after a position.
     pub(super) fn rewind(&mut self, end: u64) {
         debug_assert!(end <= self.end, "Bug: a ring is rewound to its future");
         self.end = end;
+        self.place = (end % self.capacity()) as usize;
     }
 
-    /// Appends bytes, over the oldest ones.
+    /// Appends bytes, over the oldest ones. There must be [room](Self::has_room).
     #[inline]
     pub(super) fn put(&mut self, bytes: &[u8]) {
-        let place = (self.end % self.capacity()) as usize;
-        self.end += bytes.len() as u64;
-        let (first, rest) = bytes.split_at(bytes.len().min(self.bytes.len() - place));
-        self.bytes[place..][..first.len()].copy_from_slice(first);
-        self.bytes[..rest.len()].copy_from_slice(rest);
+        self.bytes[self.place..][..bytes.len()].copy_from_slice(bytes);
+        self.advance(bytes.len());
     }
 
     /// Appends numbers.
     #[inline]
     pub(super) fn put_numbers(&mut self, values: &[f64]) {
-        let (place, length) = ((self.end % self.capacity()) as usize, 8 * values.len());
-        match self.bytes.get_mut(place..place + length) {
-            Some(target) => {
-                let (words, _) = target.as_chunks_mut::<8>();
-                words.iter_mut().zip(values).for_each(|(word, value)| *word = value.to_le_bytes());
-                self.end += length as u64;
-            }
-            None => values.iter().for_each(|value| self.put(&value.to_le_bytes())),
-        }
+        let (words, _) = self.bytes[self.place..][..8 * values.len()].as_chunks_mut();
+        words.iter_mut().zip(values).for_each(|(word, value)| *word = value.to_le_bytes());
+        self.advance(8 * values.len());
     }
 
-    /// Appends a copy of bytes that are still there to `target`.
-    pub(super) fn copy(&self, range: Range<u64>, target: &mut Vec<u8>) {
+    #[inline]
+    fn advance(&mut self, count: usize) {
+        self.place += count;
+        self.end += count as u64;
+    }
+
+    /// Returns a part whose bytes are still there.
+    pub(super) fn part(&self, range: Range<u64>) -> &[u8] {
         assert!(range.end <= self.end && self.end - range.start <= self.capacity(), "Bug: the bytes were overwritten");
         let (place, length) = ((range.start % self.capacity()) as usize, (range.end - range.start) as usize);
-        let first = length.min(self.bytes.len() - place);
-        target.extend_from_slice(&self.bytes[place..][..first]);
-        target.extend_from_slice(&self.bytes[..length - first]);
+        &self.bytes[place..][..length]
     }
 }
 
@@ -67,22 +77,27 @@ mod tests {
     use super::Ring;
 
     #[test]
-    fn the_newest_bytes_are_kept_in_order() {
+    fn the_newest_parts_are_kept() {
         let mut ring = Ring::new(50);
-        let mut all = Vec::new();
-        for round in 0..40_u8 {
+        let mut parts = Vec::new();
+        for round in 0..200_u8 {
             let bytes: Vec<u8> = (0..round % 7).map(|index| round.wrapping_mul(10).wrapping_add(index)).collect();
-            ring.put(&bytes);
-            all.extend(bytes);
             let values = [f64::from(round), -1.5];
-            ring.put_numbers(&values);
-            all.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-            assert_eq!(ring.end(), all.len() as u64);
-            for length in 0..all.len().min(50) {
-                let mut copy = Vec::new();
-                ring.copy((all.len() - length) as u64..all.len() as u64, &mut copy);
-                assert_eq!(copy, all[all.len() - length..]);
+            if !ring.has_room(bytes.len() + 16) {
+                ring.wrap();
             }
+            let start = ring.end();
+            ring.put(&bytes);
+            ring.put_numbers(&values);
+            let written = [&bytes[..], &values[0].to_le_bytes(), &values[1].to_le_bytes()].concat();
+            parts.push((start..ring.end(), written));
+            let kept = parts.iter().filter(|(range, _)| ring.end() - range.start <= 50);
+            assert!(kept.clone().count() >= 2);
+            kept.for_each(|(range, written)| assert_eq!(ring.part(range.clone()), written));
         }
+        let (range, _) = parts.pop().unwrap();
+        ring.rewind(range.start);
+        ring.put(&[7]);
+        assert_eq!(ring.part(range.start..ring.end()), [7]);
     }
 }

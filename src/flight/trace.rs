@@ -76,7 +76,7 @@ impl<W: Write> Tracer<W> {
     pub fn new(mut out: W, xml: Option<&str>) -> Result<Self> {
         out.write_all(MAGIC).map_err(Error::file(NAME))?;
         let mut contents = Vec::new();
-        Origin::here().parts().iter().for_each(|text| contents.put_block(text.as_bytes()));
+        Origin::here().put(&mut contents);
         contents.put_block(xml.unwrap_or_default().as_bytes());
         contents.put_block(fields().collect::<Vec<_>>().join(" ").as_bytes());
         let mut tracer = Self { out, probe: None, calls: 0 };
@@ -130,11 +130,10 @@ impl<W: Write> Tracer<W> {
             rest = after;
         }
         let mut results = evaluate(probe, call, &values);
-        let converged = evaluate(converging, call, &values).values.into_iter().filter(|series| {
-            let mut quantities = quantities::QUANTITIES.iter().chain(quantities::NEXT_STATE);
-            let quantity = quantities.find(|quantity| quantity.name == series.name);
-            quantity.is_some_and(|quantity| quantities::AFTER_SOLVER.contains(&quantity.stage))
-        });
+        let after_solver = quantities::all().filter(|quantity| quantities::AFTER_SOLVER.contains(&quantity.stage));
+        let after_solver: Vec<&str> = after_solver.map(|quantity| quantity.name).collect();
+        let converged = evaluate(converging, call, &values).values.into_iter();
+        let converged = converged.filter(|series| after_solver.contains(&&*series.name));
         let renamed = |series: Series| Series { name: format!("{CONVERGED}{}", series.name), ..series };
         results.values.extend(converged.map(renamed));
         contents.extend((results.values.len() as u32).to_le_bytes());
@@ -296,9 +295,7 @@ impl<R: Read> Trace<R> {
         if !begins {
             return Err(Invalid { reason: "it does not begin with MJTRACE1".to_owned() }.of(NAME));
         }
-        let (library, engine, target, processor) = Default::default();
-        let origin = Origin { library, engine, target, processor };
-        let mut trace = Self { source, origin, xml: String::new(), fields: Vec::new(), calls: 0 };
+        let mut trace = Self { source, origin: Origin::here(), xml: String::new(), fields: Vec::new(), calls: 0 };
         let (kind, contents) = trace.record()?;
         if kind != ORIGIN {
             return Err(Invalid { reason: "its first record is not its origin".to_owned() }.of(NAME));
@@ -308,15 +305,9 @@ impl<R: Read> Trace<R> {
     }
 
     fn parse_origin(&mut self, reader: &mut Reader<'_>) -> Result<(), Invalid> {
-        let mut text = |what| reader.text(what).map(str::to_owned);
-        self.origin = Origin {
-            library: text("the version of the crate")?,
-            engine: text("the version of the engine")?,
-            target: text("the target")?,
-            processor: text("the processor")?,
-        };
-        self.xml = text("the MJCF")?;
-        self.fields = text("the fields")?.split(' ').map(str::to_owned).collect();
+        self.origin = Origin::read(reader)?;
+        reader.text("the MJCF")?.clone_into(&mut self.xml);
+        self.fields = reader.text("the fields")?.split(' ').map(str::to_owned).collect();
         Ok(())
     }
 
