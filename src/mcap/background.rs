@@ -11,10 +11,13 @@ use ::mcap::write::NoSeek;
 
 use super::channels::{Sink, error};
 
-/// Size of a buffer, bytes. A full buffer is passed to the thread.
-const BUFFER: usize = 64 << 10;
+/// Size of a buffer, bytes. A full buffer is passed to the thread, which costs up to a step of time
+/// for waking it: with buffers of 64 KiB, 2 % of all steps of a humanoid.
+const BUFFER: usize = 512 << 10;
 /// Number of buffers. If the thread has all, a step waits.
 const BUFFERS: usize = 4;
+/// Id that no channel has, for messages to the thread: a channel to add, its schema and its topic.
+const ADD_CHANNEL: u16 = 0;
 /// Bytes of the header of a message in a buffer: channel, sequence, time and length.
 const HEADER: usize = 2 + 4 + 8 + 4;
 
@@ -78,6 +81,11 @@ impl Background {
 }
 
 impl Sink for Background {
+    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()> {
+        let header = MessageHeader { channel_id: ADD_CHANNEL, sequence: 0, log_time: 0, publish_time: 0 };
+        self.send(&header, format!("{schema} {topic}").as_bytes())
+    }
+
     #[inline]
     fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()> {
         if !self.buffer.is_empty() && self.buffer.len() + HEADER + message.len() > BUFFER {
@@ -115,8 +123,14 @@ fn write<W: Write>(writer: &mut Writer<NoSeek<W>>, mut buffer: &[u8]) -> io::Res
         let (message, rest) = rest.split_at(length);
         let time = u64::from_le_bytes(*time);
         let (channel_id, sequence) = (u16::from_le_bytes(*channel), u32::from_le_bytes(*sequence));
-        let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
-        writer.write_to_known_channel(&header, message).map_err(error)?;
+        if channel_id == ADD_CHANNEL {
+            let text = str::from_utf8(message).expect(WHOLE);
+            let (schema, topic) = text.split_once(' ').expect(WHOLE);
+            Sink::add_channel(writer, topic, schema)?;
+        } else {
+            let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
+            writer.write_to_known_channel(&header, message).map_err(error)?;
+        }
         buffer = rest;
     }
     Ok(())

@@ -38,8 +38,18 @@ enum Topic {
     Scene,
 }
 
+impl Topic {
+    /// Returns the id of its channel. Ids begin with 1.
+    fn channel(self) -> u16 {
+        self as u16 + 1
+    }
+}
+
 /// Writer of messages.
 pub(crate) trait Sink {
+    /// Adds a channel, whose id is the number of channels. The [common](schema::descriptors)
+    /// descriptors have its schema.
+    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()>;
     /// Writes a message.
     fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()>;
     /// Writes the end of the file.
@@ -47,6 +57,10 @@ pub(crate) trait Sink {
 }
 
 impl<W: Write> Sink for Writer<NoSeek<W>> {
+    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()> {
+        add_channel(self, topic, schema, &schema::descriptors())
+    }
+
     fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()> {
         self.write_to_known_channel(header, message).map_err(error)
     }
@@ -62,6 +76,9 @@ pub(crate) struct Channels<S> {
     sink: S,
     /// Number of the present record.
     sequence: u32,
+    /// Topics that follow [`TOPICS`].
+    #[cfg(feature = "renderer")]
+    further: Vec<String>,
     state: Message,
     sensors: Message,
     names: Names,
@@ -92,9 +109,8 @@ pub(crate) fn start<W: Write>(out: W, model: &Model) -> io::Result<Writer<NoSeek
     let common = schema::descriptors();
     let sensors = schema::descriptor("sensors.proto", &sensors_schema(model));
     for (index, (topic, name)) in TOPICS.iter().enumerate() {
-        let data = if index == Topic::Sensors as usize { &sensors } else { &common };
-        let schema = writer.add_schema(name, "protobuf", data).map_err(error)?;
-        writer.add_channel(schema, topic, "protobuf", &BTreeMap::new()).map_err(error)?;
+        let descriptors = if index == Topic::Sensors as usize { &sensors } else { &common };
+        add_channel(&mut writer, topic, name, descriptors)?;
     }
     let (metadata, xml) = describe(model);
     writer.write_metadata(&metadata).map_err(error)?;
@@ -104,6 +120,17 @@ pub(crate) fn start<W: Write>(out: W, model: &Model) -> io::Result<Writer<NoSeek
         writer.attach(&Attachment { log_time: 0, create_time: 0, name, media_type, data }).map_err(error)?;
     }
     Ok(writer)
+}
+
+fn add_channel<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    topic: &str,
+    schema: &str,
+    descriptors: &[u8],
+) -> io::Result<()> {
+    let schema = writer.add_schema(schema, "protobuf", descriptors).map_err(error)?;
+    writer.add_channel(schema, topic, "protobuf", &BTreeMap::new()).map_err(error)?;
+    Ok(())
 }
 
 impl<S: Sink> Channels<S> {
@@ -121,6 +148,8 @@ impl<S: Sink> Channels<S> {
         let mut channels = Self {
             sink,
             sequence: 0,
+            #[cfg(feature = "renderer")]
+            further: Vec::new(),
             state,
             sensors: readings,
             names: Names { bodies: Vec::new(), geoms: Vec::new(), joints: Vec::new() },
@@ -151,7 +180,7 @@ impl<S: Sink> Channels<S> {
         self.sequence = self.sequence.wrapping_add(1);
         let [qpos, qvel, act, ctrl] = state;
         self.state.fill([std::slice::from_ref(&time), qpos, qvel, act, ctrl]);
-        send(&mut self.sink, Topic::State, self.sequence, nanoseconds(time), &self.state)
+        send(&mut self.sink, Topic::State.channel(), self.sequence, nanoseconds(time), &self.state)
     }
 
     /// Writes the readings of all sensors of the present record.
@@ -159,13 +188,13 @@ impl<S: Sink> Channels<S> {
         let (starts, counts) = (model.sensor_adr(), model.sensor_dim());
         self.sensors
             .fill(starts.iter().zip(counts).map(|(&start, &count)| &readings[start as usize..][..count as usize]));
-        send(&mut self.sink, Topic::Sensors, self.sequence, nanoseconds(time), &self.sensors)
+        send(&mut self.sink, Topic::Sensors.channel(), self.sequence, nanoseconds(time), &self.sensors)
     }
 
     /// Writes the shapes of the model.
     pub(crate) fn write_scene(&mut self, time: f64) -> io::Result<()> {
         self.scene.set_stamps(nanoseconds(time));
-        send(&mut self.sink, Topic::Scene, self.sequence, nanoseconds(time), &self.scene)
+        send(&mut self.sink, Topic::Scene.channel(), self.sequence, nanoseconds(time), &self.scene)
     }
 
     /// Writes the poses, joint states and contacts of the present record. The forces must have been
@@ -184,7 +213,31 @@ impl<S: Sink> Channels<S> {
         self.contacts.set_stamps(nanoseconds(time));
         let Self { sink, sequence, joints, frames, contacts, .. } = self;
         let messages = [(Topic::Joints, joints), (Topic::Frames, frames), (Topic::Contacts, contacts)];
-        messages.into_iter().try_for_each(|(topic, message)| send(sink, topic, *sequence, nanoseconds(time), message))
+        messages
+            .into_iter()
+            .try_for_each(|(topic, message)| send(sink, topic.channel(), *sequence, nanoseconds(time), message))
+    }
+
+    /// Writes a message of a topic, which is added at its first message.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn write_message(
+        &mut self,
+        time: f64,
+        topic: &str,
+        schema: &str,
+        message: &mut Message,
+    ) -> io::Result<()> {
+        let mut topics = TOPICS.iter().map(|(topic, _)| *topic).chain(self.further.iter().map(|topic| &**topic));
+        let index = if let Some(index) = topics.position(|known| known == topic) {
+            index
+        } else {
+            self.sink.add_channel(topic, schema)?;
+            self.further.push(topic.to_owned());
+            TOPICS.len() + self.further.len() - 1
+        };
+        let channel = u16::try_from(index + 1).map_err(|_| io::Error::other("the file has 65,535 topics"))?;
+        message.set_stamps(nanoseconds(time));
+        send(&mut self.sink, channel, self.sequence, nanoseconds(time), message)
     }
 
     fn encode_contacts(&mut self, data: &Data) {
@@ -264,10 +317,8 @@ impl Names {
     }
 }
 
-fn send(sink: &mut impl Sink, topic: Topic, sequence: u32, time: u64, message: &Message) -> io::Result<()> {
-    // The channels have the numbers from 1 on.
-    let header = MessageHeader { channel_id: topic as u16 + 1, sequence, log_time: time, publish_time: time };
-    sink.send(&header, message.bytes())
+fn send(sink: &mut impl Sink, channel_id: u16, sequence: u32, time: u64, message: &Message) -> io::Result<()> {
+    sink.send(&MessageHeader { channel_id, sequence, log_time: time, publish_time: time }, message.bytes())
 }
 
 /// Returns the metadata of a model, and its text if the engine can write it.

@@ -39,6 +39,7 @@
 //! | `/tf` | `foxglove.FrameTransforms` | display: the frame of each body in the frame `world` |
 //! | `/contacts` | `mujoco.Contacts` | display: geoms, position, normal, distance, force on the second geom |
 //! | `/scene` | `foxglove.SceneUpdate` | once, and when an edit of the model changes them: shapes in the frames of the bodies |
+//! | `/camera/NAME/…` | `foxglove.RawImage`, `foxglove.CompressedImage`, `foxglove.CameraCalibration` | images and their cameras, by `Log::write_image` and `Log::write_camera` (feature `renderer`) |
 //!
 //! Units are SI units, and vectors are in the world frame. The messages for display have a
 //! [rate](Log::with_display_rate) of 50 Hz of simulated time. The time of a message is the
@@ -58,10 +59,10 @@
 //! # Cost
 //!
 //! A record of state and sensors overwrites the numbers of two messages that have been encoded
-//! before, and copies them into a buffer. A thread writes full buffers of 64 KiB to the file, so an
-//! error of the file can appear some steps later. If it has four buffers to write, a step waits.
-//! The step allocates memory only for contacts. `cargo bench --features mcap --bench mcap` compares
-//! with a step without a log.
+//! before, and copies them into a buffer. A thread writes full buffers of 512 KiB to the file, so
+//! an error of the file can appear some steps later, and a process that is killed loses them. If it
+//! has four buffers to write, a step waits. `cargo bench --features mcap --bench mcap` compares
+//! with a step without a log: 1.01 for the humanoid with a time step of 1 ms.
 //!
 //! The file has chunks of 256 KiB with checksums. They are not compressed; `mcap compress` of the
 //! program `mcap` does that afterwards.
@@ -84,6 +85,8 @@ use std::path::{Path, PathBuf};
 use self::background::Background;
 pub(crate) use self::channels::{Channels, start};
 pub use self::joint_states::{JointSeries, read_joint_states};
+#[cfg(feature = "renderer")]
+pub(crate) use self::protobuf::Message;
 pub(crate) use self::read::{Part, read_states};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
@@ -201,6 +204,12 @@ impl Log {
         let state = is_displayed.then_some((data.qpos(), data.qvel()));
         let written = Self::write_results(&mut self.channels, data.time(), state, data);
         written.map_err(|error| Error::file(&self.path)(error))
+    }
+
+    /// Writes a message of a topic, which is added at its first message.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn write_message(&mut self, time: f64, topic: &str, schema: &str, message: &mut Message) -> Result<()> {
+        self.channels.write_message(time, topic, schema, message).map_err(|error| Error::file(&self.path)(error))
     }
 
     /// Writes the end of the file.

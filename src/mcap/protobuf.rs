@@ -18,7 +18,7 @@ const STAMP: usize = 5;
 
 /// Encoded message, and the places in it that change.
 #[derive(Default)]
-pub(super) struct Message {
+pub(crate) struct Message {
     bytes: Vec<u8>,
     /// Places of numbers: a number, or the values of a packed array.
     slots: Vec<Range<usize>>,
@@ -50,33 +50,50 @@ impl Message {
         self.put_varint(u64::from(field) << 3 | wire);
     }
 
-    pub(super) fn put_number(&mut self, field: u32, value: u64) {
+    pub(crate) fn put_number(&mut self, field: u32, value: u64) {
         self.put_key(field, VARINT);
         self.put_varint(value);
     }
 
-    pub(super) fn put_bytes(&mut self, field: u32, bytes: &[u8]) {
+    pub(crate) fn put_bytes(&mut self, field: u32, bytes: &[u8]) {
         self.put_key(field, BYTES);
         self.put_varint(bytes.len() as u64);
         self.bytes.extend_from_slice(bytes);
     }
 
-    pub(super) fn put_text(&mut self, field: u32, text: &str) {
+    pub(crate) fn put_text(&mut self, field: u32, text: &str) {
         self.put_bytes(field, text.as_bytes());
     }
 
+    /// Appends a number of 32 bits.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn put_u32(&mut self, field: u32, value: u32) {
+        self.put_key(field, FIXED32);
+        self.bytes.extend_from_slice(&value.to_le_bytes());
+    }
+
+    /// Appends an array.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn put_array(&mut self, field: u32, values: &[f64]) {
+        self.put_doubles(field, values.len());
+        self.set(self.slots.len() - 1, values);
+    }
+
     /// Appends a message as a field.
-    pub(super) fn put_message(&mut self, field: u32, write: impl FnOnce(&mut Self)) {
-        let mut part = Self::default();
-        write(&mut part);
-        self.put_bytes(field, &part.bytes);
-        let start = self.bytes.len() - part.bytes.len();
-        self.slots.extend(part.slots.into_iter().map(|slot| start + slot.start..start + slot.end));
-        self.stamps.extend(part.stamps.into_iter().map(|stamp| start + stamp));
+    pub(crate) fn put_message(&mut self, field: u32, write: impl FnOnce(&mut Self)) {
+        self.put_key(field, BYTES);
+        let (start, slot, stamp) = (self.bytes.len(), self.slots.len(), self.stamps.len());
+        write(self);
+        let end = self.bytes.len();
+        self.put_varint((end - start) as u64);
+        let shift = self.bytes.len() - end;
+        self.bytes[start..].rotate_right(shift);
+        self.slots[slot..].iter_mut().for_each(|slot| *slot = slot.start + shift..slot.end + shift);
+        self.stamps[stamp..].iter_mut().for_each(|stamp| *stamp += shift);
     }
 
     /// Appends a message of numbers in the fields 1, 2, …: a vector, a quaternion or a colour.
-    pub(super) fn put_tuple(&mut self, field: u32, values: &[f64]) {
+    pub(crate) fn put_tuple(&mut self, field: u32, values: &[f64]) {
         self.put_key(field, BYTES);
         self.put_varint(9 * values.len() as u64);
         for (number, &value) in (1..).zip(values) {
@@ -110,7 +127,7 @@ impl Message {
     }
 
     /// Appends a timestamp of zero.
-    pub(super) fn put_stamp(&mut self, field: u32) {
+    pub(crate) fn put_stamp(&mut self, field: u32) {
         self.put_key(field, BYTES);
         self.put_varint(2 * (1 + STAMP) as u64);
         self.stamps.push(self.bytes.len());

@@ -1,8 +1,9 @@
 //! Reading of MCAP files of unknown origin.
 //!
 //! The crate `mcap` reads the records. Two of its parsers would panic: that of records which are
-//! longer than their chunk, and that of attachments. So this module checks the lengths in each
-//! chunk first, and does not parse attachments.
+//! longer than their chunk, and that of attachments. That of texts allocates the length that the
+//! file states, up to 4 GiB. So this module checks the lengths in records and chunks first, and
+//! does not parse attachments.
 
 use std::collections::HashMap;
 use std::io::{self, BufReader, Read};
@@ -99,9 +100,39 @@ fn check_chunk(mut data: &[u8]) -> io::Result<()> {
             let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
             rest.split_at_checked(length)
         });
-        data = record.ok_or_else(|| invalid("a record is longer than its chunk".to_owned()))?.1;
+        let (record, rest) = record.ok_or_else(|| invalid("a record is longer than its chunk".to_owned()))?;
+        check_lengths(*opcode, record)?;
+        data = rest;
     }
     Ok(())
+}
+
+/// Checks that the texts and other parts of a record are no longer than the record.
+fn check_lengths(opcode: u8, record: &[u8]) -> io::Result<()> {
+    // Bytes before the parts, and the number of parts.
+    let (before, parts) = match opcode {
+        op::SCHEMA => (2, 3),
+        op::CHANNEL => (4, 3),
+        op::CHUNK => (28, 1),
+        _ => return Ok(()),
+    };
+    let check = || {
+        let (mut rest, mut part) = (record.get(before..)?, &[][..]);
+        for _ in 0..parts {
+            part = take_part(&mut rest)?;
+        }
+        // The last part of a channel consists of texts.
+        while opcode == op::CHANNEL && !part.is_empty() {
+            take_part(&mut part)?;
+        }
+        Some(())
+    };
+    check().ok_or_else(|| invalid(format!("a part of a record of type {opcode:#04x} is longer than the record")))
+}
+
+fn take_part<'b>(rest: &mut &'b [u8]) -> Option<&'b [u8]> {
+    let length = u32::from_le_bytes(*rest.split_off(..4)?.first_chunk()?);
+    rest.split_off(..length as usize)
 }
 
 /// Schemas and channels so far.
@@ -121,6 +152,7 @@ impl Names {
         match event.map_err(error)? {
             LinearReadEvent::ReadRequest(count) => return Ok(Some(count)),
             LinearReadEvent::Record { opcode: op::CHUNK, data } => {
+                check_lengths(op::CHUNK, data)?;
                 if let Record::Chunk { header, data } = parse_record(op::CHUNK, data).map_err(error)? {
                     if header.compression.is_empty() {
                         check_chunk(&data)?;
@@ -131,6 +163,7 @@ impl Names {
                 }
             }
             LinearReadEvent::Record { opcode: opcode @ (op::SCHEMA | op::CHANNEL | op::MESSAGE), data } => {
+                check_lengths(opcode, data)?;
                 self.take(parse_record(opcode, data).map_err(error)?, put)?;
             }
             LinearReadEvent::Record { .. } => (),

@@ -73,6 +73,7 @@ fn put_field(descriptor: &mut Message, field: &str, package: &str) {
         "fixed32" => 7,
         "bool" => 8,
         "string" => 9,
+        "bytes" => 12,
         _ => MESSAGE,
     };
     descriptor.put_number(5, code);

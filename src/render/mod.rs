@@ -170,6 +170,8 @@ mod draw_list;
 mod error;
 mod gpu;
 mod image;
+#[cfg(feature = "mcap")]
+mod log;
 mod pass;
 mod renderer;
 mod settings;
@@ -186,6 +188,8 @@ pub(crate) use self::gpu::DriverUse;
 pub(crate) use self::gpu::buffer::ReadBackBuffer;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
+#[cfg(feature = "mcap")]
+pub use self::log::LogImage;
 #[cfg(feature = "viewer")]
 pub(crate) use self::pass::{create_texture, screen_pipeline};
 pub use self::renderer::{BatchCamera, Images, Snapshot};

@@ -10,6 +10,9 @@ mod cases;
 #[path = "../common/child.rs"]
 mod child;
 
+#[cfg(feature = "mcap")]
+#[path = "../common/chunk_crc.rs"]
+mod chunk_crc;
 mod comparison;
 #[cfg(validates_binaries)]
 mod flight;

@@ -7,6 +7,8 @@ use mujoco_safe::{Data, Model, Trajectory, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::chunk_crc::{chunk_crc, clear_chunk_crc};
+
 /// Returns a model and a log of some steps.
 fn log() -> (Model, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
@@ -49,7 +51,7 @@ fn changed_bytes_do_no_harm() {
                 _ => [0, 1, 0x7f, 0xff][random.random_range(0..4)],
             };
         }
-        clear_crc(&mut damaged);
+        clear_chunk_crc(&mut damaged);
         fs::write(&path, &damaged).unwrap();
         match Trajectory::load_mcap(&model, &path) {
             Ok(_) => read += 1,
@@ -73,8 +75,8 @@ fn checksums_find_changed_numbers() {
 }
 
 #[test]
-fn records_longer_than_their_chunk_and_short_attachments_are_errors() {
-    // The parsers of the crate mcap would panic.
+fn records_longer_than_their_chunk_huge_texts_and_short_attachments_are_errors() {
+    // The parsers of the crate mcap would panic, or allocate 4 GiB.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.mcap");
     let model = sample::cartpole();
@@ -86,10 +88,16 @@ fn records_longer_than_their_chunk_and_short_attachments_are_errors() {
     };
     let header = record(1, &[0; 8]);
     let end = [record(15, &[0; 4]), record(2, &[0; 20])].concat();
+    let channel = record(4, &[&[1, 0, 0, 0][..], &[0; 8], &[8, 0, 0, 0], &[0, 0, 0, 0], &[0xff; 4]].concat());
+    let schema = record(3, &[&[1, 0][..], &[0xff; 4], &[b'a'; 8]].concat());
     let long = [&[5][..], &100_u64.to_le_bytes(), &[0; 10]].concat();
     for (part, expected) in [
         (chunk(&long), Some("a record is longer than its chunk")),
         (chunk(&record(9, &[0; 40])), Some("a chunk has a record of type 0x09")),
+        (chunk(&channel), Some("a part of a record of type 0x04 is longer than the record")),
+        (channel, Some("a part of a record of type 0x04 is longer than the record")),
+        (schema, Some("a part of a record of type 0x03 is longer than the record")),
+        (record(6, &[0xff; 40]), Some("a part of a record of type 0x06 is longer than the record")),
         (record(9, &[0; 2]), None),
         (record(9, &[0; 40]), None),
         (record(5, &[0; 22]), Some("a message has the unknown channel 0")),
@@ -103,27 +111,5 @@ fn records_longer_than_their_chunk_and_short_attachments_are_errors() {
             }
             None => assert!(result.unwrap().is_empty()),
         }
-    }
-}
-
-/// Sets the checksum of the chunk to zero, which means that there is none, so that damage reaches
-/// the parts inside.
-pub(super) fn clear_crc(bytes: &mut [u8]) {
-    if let Some(crc) = chunk_crc(bytes) {
-        bytes[crc..crc + 4].fill(0);
-    }
-}
-
-/// Returns the place of the checksum of the chunk.
-fn chunk_crc(bytes: &[u8]) -> Option<usize> {
-    let mut place = mcap::MAGIC.len();
-    loop {
-        let opcode = *bytes.get(place)?;
-        let length = bytes.get(place + 1..place + 9)?.try_into().ok()?;
-        if opcode == 6 {
-            let crc = place + 9 + 24;
-            return (crc + 4 <= bytes.len()).then_some(crc);
-        }
-        place = place.checked_add(9)?.checked_add(usize::try_from(u64::from_le_bytes(length)).ok()?)?;
     }
 }

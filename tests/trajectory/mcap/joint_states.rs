@@ -8,6 +8,8 @@ use mujoco_safe::mcap::read_joint_states;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::chunk_crc::clear_chunk_crc;
+
 fn bag() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/trajectory/mcap/joint_states.mcap"))
 }
@@ -47,7 +49,7 @@ fn changed_bytes_do_no_harm() {
         let mut damaged = bytes.clone();
         let place = random.random_range(0..damaged.len());
         damaged[place] = random.random();
-        super::damaged::clear_crc(&mut damaged);
+        clear_chunk_crc(&mut damaged);
         damaged.truncate(random.random_range(0..4 * bytes.len()));
         fs::write(&path, &damaged).unwrap();
         match read_joint_states(&path, "/joint_states") {

@@ -10,7 +10,8 @@ use serde_json::Value;
 use crate::python;
 
 /// Prints the messages of all topics in the order of the file as JSON, with the metadata and the
-/// names of the attachments. Both readers check the checksums of chunks, attachments and sections.
+/// names of the attachments. Both readers check the checksums of chunks, attachments and sections;
+/// `check.py` checks the rest of the file before.
 const SCRIPT: &str = r#"
 import json, sys
 from mcap.reader import NonSeekingReader, make_reader
@@ -39,7 +40,8 @@ print(json.dumps(dict(messages=messages, attachments=attachments, metadata=metad
 "#;
 
 fn read(path: &Path) -> Option<Value> {
-    let output = python::run("mcap-protobuf-support", "mcap_protobuf", SCRIPT, path)?;
+    let script = [include_str!("check.py"), SCRIPT].concat();
+    let output = python::run("mcap-protobuf-support", "mcap_protobuf, foxglove_schemas_protobuf", &script, path)?;
     Some(serde_json::from_str(&output).unwrap())
 }
 
@@ -154,6 +156,78 @@ fn the_official_reader_reads_the_values_of_a_log() {
     assert_eq!(file["attachments"][0][0], "model.xml");
     assert_eq!(file["attachments"][0][2].as_str().unwrap(), xml);
     assert_eq!(file["metadata"]["mujoco"]["sizes"], "nq 28, nv 27, na 0, nu 21, nsensordata 14");
+}
+
+#[cfg(feature = "renderer")]
+#[test]
+fn the_official_reader_reads_images_and_cameras() {
+    use mujoco_safe::render::{DepthImage, LogImage, RgbImage};
+    use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+    use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.mcap");
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    let mut side = Camera::fixed(data.model(), data.model().camera("side").unwrap().id());
+    scene.update(&mut data, &SceneOptions::default(), None, &mut side, Categories::all()).unwrap();
+    let pinhole = scene.pinhole_camera(3, 2).unwrap();
+
+    let mut log = Log::create(&path, data.model()).unwrap();
+    log.write(&data).unwrap();
+    let pixels: Vec<u8> = (0..18).map(|value| 10 * value).collect();
+    let rgb = RgbImage::from_rgb(3, 2, pixels.clone()).unwrap();
+    let metres = [0.5, 1.25, f32::INFINITY, 3e-3, 7.0, 0.1];
+    let depth = DepthImage::from_metres(3, 2, metres.to_vec()).unwrap();
+    log.write_camera("side", 0.25, &pinhole).unwrap();
+    for time in [0.25, 0.5] {
+        log.write_image("side", time, &rgb).unwrap();
+        log.write_image("side", time, LogImage::Png(&rgb)).unwrap();
+        log.write_image("side", time, &depth).unwrap();
+    }
+    assert!(matches!(log.write_image("side", 1.0, &RgbImage::default()), Err(Error::Invalid { .. })));
+    assert!(matches!(log.write_image("side", 1.0, &DepthImage::default()), Err(Error::Invalid { .. })));
+    let orthographic = mujoco_safe::scene::PinholeCamera { orthographic: true, ..pinhole };
+    assert!(matches!(log.write_camera("side", 1.0, &orthographic), Err(Error::Invalid { .. })));
+    log.finish().unwrap();
+    assert_eq!(Trajectory::load_mcap(data.model(), &path).unwrap().len(), 1);
+    let Some(file) = read(&path) else { return };
+
+    let bytes = |image: &Value| numbers(&image["data"]).iter().map(|&byte| byte as u8).collect::<Vec<_>>();
+    let images = messages(&file, "/camera/side/rgb", "foxglove.RawImage");
+    assert_eq!(images.iter().map(|(_, time, _)| *time).collect::<Vec<_>>(), [250_000_000, 500_000_000]);
+    let (_, time, image) = images[0];
+    assert_eq!((timestamp(image), bytes(image)), (time, pixels.clone()));
+    assert_eq!((&image["encoding"], &image["frame_id"]), (&Value::from("rgb8"), &Value::from("camera/side")));
+    assert_eq!(["width", "height", "step"].map(|field| image[field].as_u64().unwrap()), [3, 2, 9]);
+    let image = messages(&file, "/camera/side/depth", "foxglove.RawImage")[1].2;
+    let found: Vec<f32> = bytes(image).as_chunks().0.iter().map(|&depth| f32::from_le_bytes(depth)).collect();
+    assert_eq!((&image["encoding"], &found[..]), (&Value::from("32FC1"), &metres[..]));
+    assert_eq!(image["step"], 12);
+    let image = messages(&file, "/camera/side/png", "foxglove.CompressedImage")[0].2;
+    assert_eq!(image["format"], "png");
+    let mut png = png::Decoder::new(std::io::Cursor::new(bytes(image))).read_info().unwrap();
+    let mut decoded = vec![0; 18];
+    png.next_frame(&mut decoded).unwrap();
+    assert_eq!(decoded, pixels);
+
+    // The calibration and the frame project a point to its pixel.
+    let calibration = messages(&file, "/camera/side/calibration", "foxglove.CameraCalibration")[0].2;
+    let frames = messages(&file, "/tf", "foxglove.FrameTransforms");
+    let of_camera = |frames: &&Value| frames["transforms"][0]["child_frame_id"] == calibration["frame_id"];
+    let frame = &frames.iter().map(|(_, _, frames)| *frames).find(of_camera).unwrap()["transforms"][0];
+    let [x, y, z] = vector(&frame["rotation"]);
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::new(frame["rotation"]["w"].as_f64().unwrap(), x, y, z));
+    let head = *data.body("head").unwrap().xpos();
+    let in_camera = rotation.inverse() * (Vector3::from(head) - Vector3::from(vector(&frame["translation"])));
+    let projection = nalgebra::Matrix3x4::from_row_slice(&numbers(&calibration["P"]));
+    let image = projection * in_camera.push(1.0);
+    let expected = pinhole.project(head).unwrap();
+    for axis in 0..2 {
+        assert!((image[axis] / image[2] + 0.5 - expected[axis]).abs() < 1e-6, "{image} {expected:?}");
+    }
+    assert!(image[2] > 0.0);
 }
 
 #[test]
