@@ -22,7 +22,7 @@ const MEMORY: u64 = 4 << 20;
 /// Largest number of findings, because a child that always crashes would never finish.
 const MOST_FINDINGS: usize = 1000;
 
-const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--schema N] [--urdf N] [--archives N] [--plain N] [--recordings N] \
+const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--schema N] [--urdf N] [--archives N] [--plain N] [--recordings N] [--logs N] \
                      [--first SEED] [--jobs N] [--progress]";
 
 /// A campaign: the number of cases per target, and its options.
@@ -46,6 +46,7 @@ impl Campaign {
             (Target::Mjcf, 600),
             (Target::Schema, 400),
             (Target::Recordings, 600),
+            (Target::Logs, 600),
         ];
         let selected = all.map(|(target, number)| (target, cases(number / 6, number)));
         Self { cases: selected.into(), first: 0, jobs: 2, progress: false }

@@ -21,6 +21,7 @@ mod assets;
 mod binary;
 mod bytes;
 mod coverage;
+mod log;
 mod mjcf;
 mod models;
 mod newer_models;
@@ -35,6 +36,9 @@ mod urdf;
 #[path = "../schema_models/mod.rs"]
 mod schema_models;
 
+#[cfg(feature = "mcap")]
+#[path = "../chunk_crc.rs"]
+mod chunk_crc;
 #[path = "../mutate.rs"]
 mod mutate;
 #[path = "../print_all.rs"]
@@ -75,10 +79,12 @@ pub enum Target {
     Schema,
     /// Recordings of random calls, repeated bit for bit, and damaged recordings.
     Recordings,
+    /// Damaged logs (MCAP) and ROS 2 bags, and replays of accepted trajectories.
+    Logs,
 }
 
 impl Target {
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Sequences,
         Self::Binaries,
         Self::Texts,
@@ -88,6 +94,7 @@ impl Target {
         Self::Mjcf,
         Self::Schema,
         Self::Recordings,
+        Self::Logs,
     ];
 
     pub fn name(self) -> &'static str {
@@ -101,6 +108,7 @@ impl Target {
             Self::Mjcf => "mjcf",
             Self::Schema => "schema",
             Self::Recordings => "recordings",
+            Self::Logs => "logs",
         }
     }
 
@@ -122,6 +130,7 @@ impl Target {
             Self::Mjcf => mjcf::generated_mjcf(bytes, log),
             Self::Schema => schema::hostile_text(bytes, log),
             Self::Recordings => recording::recorded_calls(bytes, log),
+            Self::Logs => log::mutated_log(bytes, log),
         }
     }
 }
