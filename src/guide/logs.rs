@@ -45,20 +45,70 @@
 //!         print(state.time, state.qpos[2])
 //! ```
 //!
+//! # Images
+//!
+//! With the feature `renderer` besides, a log has images of cameras. `write_camera` writes the pose
+//! and the focal length, by which other programs place the image in the scene:
+//!
+#![cfg_attr(all(feature = "mcap", feature = "renderer"), doc = "```no_run")]
+#![cfg_attr(not(all(feature = "mcap", feature = "renderer")), doc = "```ignore")]
+//! use mujoco_safe::mcap::Log;
+//! use mujoco_safe::render::{LogImage, Renderer};
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let mut renderer = Renderer::new(data.model(), 320, 240)?;
+//! let mut log = Log::create("fall.mcap", data.model())?;
+//! for step in 0..200 {
+//!     if step % 8 == 0 {
+//!         data.forward()?;
+//!         let mut snapshot = renderer.snapshot(&mut data, "side")?;
+//!         let (images, camera) = (snapshot.images()?, snapshot.pinhole_camera()?);
+//!         log.write_camera("side", data.time(), &camera)?;
+//!         log.write_image("side", data.time(), LogImage::Png(&images.rgb))?;
+//!         log.write_image("side", data.time(), &images.depth)?;
+//!     }
+//!     log.step(&mut data)?;
+//! }
+//! log.finish()?;
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
+//! ```
+//!
 //! # Foxglove
 //!
-//! Open the file by *Open local file*. Add these panels:
+//! Choose *Open local file…*, and the file. Add these panels by *Add panel*; their settings are in
+//! the sidebar:
 //!
-//! - *3D*: select the topic `/scene` in its settings, and `world` as the display frame. The shapes
-//!   follow the frames of `/tf`.
+//! - *3D*: under *Topics* make `/scene` visible, and under *Frame* select `world` as the *Display
+//!   frame*. The shapes follow the frames of `/tf`. An image such as `/camera/side/png` is in front
+//!   of its camera if `/camera/side/calibration` is visible, too.
+//! - *Image*: select `/camera/side/png` as the *Topic* and `/camera/side/calibration` as the
+//!   *Calibration*; if `/scene` is visible, its shapes are drawn over the image.
+//!   `/camera/side/depth` has distances in metres, for which a *Color mode* with limits can be set.
 //! - *Plot*: a series has a path of a message. `/state.qpos[2]` is the height of the humanoid,
 //!   `/sensors.torso_gyro[0]` a reading, `/joints.joints[:]{name=="left_knee"}.position` a joint.
 //! - *Raw Messages*: `/contacts`, the geoms and forces.
 //!
 //! # Rerun
 //!
-//! `rerun squat.mcap` opens the file. It shows the frames of `/tf` in a 3D view, and plots the
-//! numbers of all messages. Its [list of messages] has no `SceneUpdate`, so it does not show the
-//! shapes.
+//! `pip install rerun-sdk`, then `rerun fall.mcap` opens the file. It shows the frames of `/tf` and
+//! the images at their cameras in a 3D view, each image in a 2D view, and plots the numbers of all
+//! messages. Its [list of messages] has no `SceneUpdate`, so it does not show the shapes.
 //!
 //! [list of messages]: https://rerun.io/docs/reference/mcap/message-formats
+//!
+//! # LeRobot
+//!
+//! `examples/lerobot` writes episodes of a simulation as a dataset of [LeRobot], in its format
+//! v3.0: Parquet files by the crate `parquet`, a video for each episode, and the metadata with the
+//! statistics by which a policy normalises its inputs. It is a package of its own, because of the
+//! many dependencies of `parquet`:
+//!
+//! ```text
+//! cargo run --release --manifest-path examples/lerobot/Cargo.toml -- squats 3
+//! ```
+//!
+//! `scripts/lerobot` loads the dataset with LeRobot's own package (tried with 0.6.1): rows, images,
+//! statistics and batches for the training of a policy.
+//!
+//! [LeRobot]: https://github.com/huggingface/lerobot
