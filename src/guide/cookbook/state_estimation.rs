@@ -97,8 +97,8 @@
 //! }
 //! let present = smoother.filter().covariance()[(3, 3)].sqrt().to_degrees();
 //! println!("NEES of roll and pitch {:.1}, roll ±{:.2}°", nees / 400.0, 2.0 * present);
-//! // The mean of a consistent filter is 2. This one trusts itself more, because contacts have
-//! // kinks: the bound is that of one step, not the narrow one of a mean of independent errors.
+//! // The mean of a consistent filter is 2. This one trusts itself more, because contacts
+//! // have kinks: the bound is that of one step, not that of a mean of independent errors.
 //! assert!(nees / 400.0 < chi_square_quantile(0.99, 2)?);
 //!
 //! // With a lag of a quarter of a second, the estimates are better.
