@@ -49,9 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(folder);
     fs::create_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut dataset = Dataset::default();
-    let mut renderer = Renderer::new(&sample::humanoid(), SIZE[0], SIZE[1])?;
+    let mut data = Data::new(sample::humanoid())?;
+    let mut renderer = Renderer::new(data.model(), SIZE[0], SIZE[1])?;
     for episode in 0..episodes.parse()? {
-        dataset.simulate(&folder, episode, &mut renderer)?;
+        dataset.simulate(&mut data, &folder, episode, &mut renderer)?;
     }
     dataset.write(&folder)
 }
@@ -69,11 +70,16 @@ struct Dataset {
 impl Dataset {
     /// Simulates an episode, and writes its video. A proportional-derivative controller follows the
     /// actions.
-    fn simulate(&mut self, folder: &Path, episode: u64, renderer: &mut Renderer) -> Result<(), Box<dyn Error>> {
-        let mut data = Data::new(sample::humanoid())?;
+    fn simulate(
+        &mut self,
+        data: &mut Data,
+        folder: &Path,
+        episode: u64,
+        renderer: &mut Renderer,
+    ) -> Result<(), Box<dyn Error>> {
         data.reset_to_key("squat")?;
         let mut controller = PdController::new(data.model(), 1.0, 0.1);
-        controller.hold(&mut data)?;
+        controller.hold(data)?;
         let lengths = data.actuator_length().to_vec();
         let mut random = RandomController::new(episode);
         let video = folder.join(path("videos", VIDEO, episode, "mp4"));
@@ -84,19 +90,19 @@ impl Dataset {
         for frame in 0..FRAMES {
             // A row has what a policy sees, and what it then does.
             data.forward()?;
-            renderer.snapshot(&mut data, "side")?.rgb_into(&mut picture)?;
+            renderer.snapshot(data, "side")?.rgb_into(&mut picture)?;
             recorder.push(&picture, frame as f64 / f64::from(FRAMES_PER_SECOND))?;
             let colours = picture.as_bytes().as_chunks::<3>().0;
             self.colours.add(colours.iter().map(|colour| colour.map(|channel| f64::from(channel) / 255.0)));
             self.states.extend(data.qpos().iter().chain(data.qvel()).map(|&value| value as f32));
-            random.control(&mut data)?;
+            random.control(data)?;
             for (actuator, (&length, &noise)) in data.model().actuators().zip(lengths.iter().zip(data.ctrl())) {
                 let target = length + 0.1 * noise;
                 controller.set_target(actuator.id(), target);
                 self.actions.push(target as f32);
             }
             for _ in 0..STEPS {
-                controller.control(&mut data)?;
+                controller.control(data)?;
                 data.step()?;
             }
         }
