@@ -1,14 +1,14 @@
 //! An arm with seven joints follows a moving target between two pillars with inverse kinematics.
 //!
 //! ```text
-//! cargo run --release --features renderer --example arm_obstacles -- --out out    # without the feature, no film
+//! cargo run --release --features renderer --example arm_obstacles -- --out out
 //! ```
 //!
 //! In each tick of 10 ms, the hand takes the step towards the target that the ranges of the joints,
 //! their speeds and accelerations allow, and that keeps all links away from the pillars. The target
 //! passes through the pillars, so the hand goes around them there. The program prints the largest
 //! error where the target is free, the smallest distance and the time of a tick. `--out` writes a
-//! plot and a film.
+//! plot and, with the feature `renderer`, a film.
 
 #[path = "common/mod.rs"]
 mod common;

@@ -39,7 +39,7 @@
 //! | `/tf` | `foxglove.FrameTransforms` | display: the frame of each body in the frame `world` |
 //! | `/contacts` | `mujoco.Contacts` | display: geoms, position, normal, distance, force on the second geom |
 //! | `/scene` | `foxglove.SceneUpdate` | once, and when an edit of the model changes them: shapes in the frames of the bodies |
-//! | `/camera/NAME/…` | `foxglove.RawImage`, `foxglove.CompressedImage`, `foxglove.CameraCalibration` | images and their cameras, by `Log::write_image` and `Log::write_camera` (feature `renderer`) |
+//! | `/camera/NAME/…` | `foxglove.RawImage`, `foxglove.CompressedImage`, `foxglove.CameraCalibration` | by `Log::write_image` and `Log::write_camera` |
 //!
 //! Units are SI units, and vectors are in the world frame. The messages for display have a
 //! [rate](Log::with_display_rate) of 50 Hz of simulated time. The time of a message is the

@@ -34,7 +34,7 @@ fn models() -> impl Iterator<Item = Model> {
     [sample::humanoid(), sample::cartpole()].into_iter().chain(small).chain(installed)
 }
 
-/// What an image of the scene shows.
+/// Contents of a scene that an image depends on.
 #[derive(Debug, PartialEq)]
 struct Contents {
     /// Pose, size and colour, and label.

@@ -78,7 +78,7 @@ impl<'a> Damping<'a> {
     }
 }
 
-/// What the derivatives by all inertial parameters of a body share.
+/// Terms that are the same in the derivatives by all inertial parameters of a body.
 pub(super) struct BodyTerms {
     body: usize,
     frame: BodyFrame,
