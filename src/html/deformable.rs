@@ -74,6 +74,12 @@ impl Sampler {
         Ok(())
     }
 
+    /// Computes the results that an update reads.
+    #[cfg(feature = "live")]
+    pub(crate) fn compute(&self, data: &mut Data) -> Result<()> {
+        self.options.compute(data, crate::scene::Categories::all())
+    }
+
     /// Updates the scene to the present state.
     pub(crate) fn update(&mut self, data: &mut Data) -> Result<()> {
         let mut camera = Camera::free(data.model());

@@ -9,6 +9,7 @@ use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
 use crate::replay::{self, Frame};
 use crate::rollout::Batch;
+use crate::scene::compute_poses;
 
 /// Longest text of a problem in a state, bytes.
 const LONGEST_PROBLEM: usize = 500;
@@ -17,7 +18,7 @@ const LONGEST_PROBLEM: usize = 500;
 const PAUSED: u32 = 1;
 const BATCH: u32 = 2;
 
-/// What the page says besides the simulations.
+/// State of the page, besides the simulations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Status<'s> {
     pub(super) is_paused: bool,
@@ -63,11 +64,10 @@ impl Shown {
         }
     }
 
-    /// Adds a simulation after the result of setting its state. If it has no poses, for example
-    /// because of NaN, they are NaN, and the page does not draw it.
-    fn add_loaded(&mut self, loaded: Result<()>, data: &mut Data, frames: &[Frame]) {
-        let mut compute = || data.kinematics().and_then(|()| data.com_pos()).and_then(|()| data.camlight());
-        if loaded.and_then(|()| compute()).is_ok() {
+    /// Adds a simulation. If it has no poses, for example because of NaN, they are NaN, and the page
+    /// does not draw it.
+    fn add_computed(&mut self, is_computed: bool, data: &Data, frames: &[Frame]) {
+        if is_computed {
             self.add(data, frames);
         } else {
             self.times.push(data.time());
@@ -118,8 +118,8 @@ impl StateWriter {
             // A batch may have left an edited model.
             memory.swap_model(&mut self.model.clone());
             for state in ghosts.rows() {
-                let loaded = memory.set_state(*spec, state);
-                shown.add_loaded(loaded, memory, frames);
+                let computed = memory.set_state(*spec, state).and_then(|()| compute_poses(memory));
+                shown.add_computed(computed.is_ok(), memory, frames);
             }
         }
         match &mut self.sampler {
@@ -136,14 +136,17 @@ impl StateWriter {
         controls.resize(self.model.nu(), 0.0);
         let mut result = Ok(());
         for index in 0..batch.len().min(1 + self.most_ghosts) {
-            let loaded = batch.load(index, memory);
-            shown.add_loaded(loaded, memory, frames);
+            let computed = batch.load(index, memory).and_then(|()| match &self.sampler {
+                Some(sampler) if index == 0 => sampler.compute(memory),
+                _ => compute_poses(memory),
+            });
+            shown.add_computed(computed.is_ok(), memory, frames);
             if index == 0 {
                 for (shown, &ctrl) in controls.iter_mut().zip(batch.controls().row(0)) {
                     *shown = ctrl as f32;
                 }
                 if let Some(sampler) = &mut self.sampler {
-                    result = memory.fwd_position().and_then(|()| sampler.update(memory));
+                    result = computed.and_then(|()| sampler.update(memory));
                 }
             }
         }

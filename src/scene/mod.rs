@@ -69,6 +69,8 @@ pub use self::camera_source::CameraSource;
 pub use self::flex::SceneFlex;
 use self::geom::MaterialTexture;
 pub use self::geom::{SceneGeomMut, SceneSkin};
+#[cfg(feature = "live")]
+pub(crate) use self::needs::compute_poses;
 pub use self::new_geom::{Connector, TextureRepeat};
 pub use self::selection::Selection;
 pub use self::viewpoint::{Head, Transform};

@@ -10,38 +10,46 @@ use crate::stage::{MissingResults, PipelineFlags, Stage};
 
 /// Returns an error if the poses of cameras and lights have not been computed.
 pub(super) fn check_poses(call: &'static str, data: &Data) -> Result<()> {
+    check(call, data, PipelineFlags::POSES, Stage::Position)
+}
+
+/// Returns an error if a result of `reads` has not been computed, with the stage that computes them.
+/// Readings of sensors are no results of a stage.
+fn check(call: &'static str, data: &Data, reads: PipelineFlags, stage: Stage) -> Result<()> {
     data.check_usable()?;
-    if data.computed().contains(PipelineFlags::POSES) {
-        return Ok(());
-    }
-    Err(Error::NotComputed { call, missing: Stage::Position.into() })
+    let missing = reads - data.computed();
+    let missing = match missing {
+        _ if missing.is_empty() => return Ok(()),
+        PipelineFlags::SENSOR_POS => MissingResults::parts(missing),
+        _ => stage.into(),
+    };
+    Err(Error::NotComputed { call, missing })
+}
+
+/// Computes the poses of bodies, cameras and lights.
+#[cfg(any(feature = "renderer", feature = "live"))]
+pub(crate) fn compute_poses(data: &mut Data) -> Result<()> {
+    data.kinematics()?;
+    data.com_pos()?;
+    data.camlight()
 }
 
 impl SceneOptions {
     /// Returns an error if a result that the engine reads for these geoms has not been computed.
     pub(super) fn check_computed(&self, call: &'static str, data: &Data, categories: Categories) -> Result<()> {
-        data.check_usable()?;
-        let missing = self.reads(data.model(), categories) - data.computed();
-        let missing = match missing {
-            _ if missing.is_empty() => return Ok(()),
-            PipelineFlags::SENSOR_POS => MissingResults::parts(missing),
-            _ if self.shows_contacts() => Stage::Acceleration.into(),
-            _ => Stage::Position.into(),
-        };
-        Err(Error::NotComputed { call, missing })
+        let stage = if self.shows_contacts() { Stage::Acceleration } else { Stage::Position };
+        check(call, data, self.reads(data.model(), categories), stage)
     }
 
     /// Computes the results that the engine reads for a scene, and no other ones.
-    #[cfg(feature = "renderer")]
+    #[cfg(any(feature = "renderer", feature = "live"))]
     pub(crate) fn compute(&self, data: &mut Data, categories: Categories) -> Result<()> {
         let reads = self.reads(data.model(), categories);
         if self.shows_contacts() {
             return data.forward();
         }
         if PipelineFlags::POSES.contains(reads) {
-            data.kinematics()?;
-            data.com_pos()?;
-            return data.camlight();
+            return compute_poses(data);
         }
         data.fwd_position()?;
         if reads.contains(PipelineFlags::SENSOR_POS) { data.sensor_pos() } else { Ok(()) }

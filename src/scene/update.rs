@@ -18,9 +18,9 @@ impl Scene {
     /// `perturbation` is drawn if `options` enable it. `categories` restricts the geoms;
     /// [`Categories::all`] includes everything.
     ///
-    /// What the scene shows must have been computed. [`Data::forward`] computes all of it, and
-    /// [`Data::step`] leaves the results of the previous state, which are sufficient. Otherwise
-    /// these are sufficient, if neither contacts nor constraints are shown:
+    /// The quantities that the scene shows must have been computed. [`Data::forward`] computes all
+    /// of them, and [`Data::step`] leaves those of the previous state, which are sufficient. If
+    /// neither contacts nor constraints are shown, these calls are sufficient, too:
     ///
     /// - [`kinematics`](Data::kinematics), [`com_pos`](Data::com_pos) and
     ///   [`camlight`](Data::camlight), which take a fraction of the time,

@@ -167,3 +167,19 @@ fn vertices_of_tendons_and_skins_are_those_of_the_engine() {
         close(*found, [x * cos - z * sin, 0.0, x * sin + z * cos]);
     }
 }
+
+#[test]
+fn a_batch_with_a_tendon_and_a_rangefinder_has_no_problem() {
+    let rays = "<sensor><rangefinder site='tip'/></sensor></mujoco>";
+    let model = Model::from_xml_str(&SOFT.replace("</mujoco>", rays)).unwrap();
+    let mut batch = Batch::new(model, 2).unwrap();
+    let mut page = LivePage::bind(batch.model(), &LiveOptions::default()).unwrap();
+    let data = batch.data(0).unwrap();
+    let mut browser = Browser::open(&page, &data);
+    for _ in 0..2 {
+        batch.step(|_, _| ()).unwrap();
+        let (state, _) = ask_in(&mut browser, &[], || page.exchange_batch(&mut batch).unwrap());
+        assert_eq!(state.problem, "");
+        assert!(state.vertices.iter().flatten().flatten().all(|number| number.is_finite()));
+    }
+}
