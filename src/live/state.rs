@@ -64,8 +64,8 @@ impl Shown {
         }
     }
 
-    /// Adds a simulation. If it has no poses, for example because of NaN, they are NaN, and the page
-    /// does not draw it.
+    /// Adds a simulation. If it has no poses, for example because of NaN, they are NaN, and the
+    /// page does not draw it.
     fn add_computed(&mut self, is_computed: bool, data: &Data, frames: &[Frame]) {
         if is_computed {
             self.add(data, frames);

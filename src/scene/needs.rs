@@ -13,8 +13,8 @@ pub(super) fn check_poses(call: &'static str, data: &Data) -> Result<()> {
     check(call, data, PipelineFlags::POSES, Stage::Position)
 }
 
-/// Returns an error if a result of `reads` has not been computed, with the stage that computes them.
-/// Readings of sensors are no results of a stage.
+/// Returns an error if a result of `reads` has not been computed, with the stage that computes
+/// them. Readings of sensors are no results of a stage.
 fn check(call: &'static str, data: &Data, reads: PipelineFlags, stage: Stage) -> Result<()> {
     data.check_usable()?;
     let missing = reads - data.computed();

@@ -181,7 +181,7 @@ fn lengths_of_tendons_stay_in_their_ranges() {
             assert_eq!(active.contains(&limit), expected.contains(&limit), "{limit:?} of {active:?}");
         }
     }
-    // The length of the fixed tendon is linear in the positions, and that of the spatial one is not.
+    // The length of the fixed tendon is linear in the positions, unlike that of the spatial one.
     assert!(most[0] < 1e-12 && most[1] < 0.05, "{most:?}");
 }
 
