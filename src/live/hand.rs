@@ -79,15 +79,10 @@ impl Hand {
         self.held = None;
     }
 
-    /// Applies the force for the next step, or moves a mocap body. Other bodies that are fixed in
-    /// the world have no force.
+    /// Applies the force for the next step, or moves a mocap body.
     pub(super) fn apply(&mut self, data: &mut Data) -> Result<()> {
         self.perturbation.apply_pose(data, MovableBodies::Mocap)?;
-        // A body moves with the first of its ancestors that is not welded to its parent. With newer
-        // engines, this can be a mocap body.
-        let (weld, dofs) = (data.model().body_weldid(), data.model().body_dofnum());
-        let is_fixed = self.held.is_some_and(|held| dofs[weld[held.body] as usize] == 0);
-        if is_fixed { Ok(()) } else { self.perturbation.apply_force(data) }
+        self.perturbation.apply_force(data)
     }
 
     /// Moves a body that can move freely, for a paused simulation. Returns `true` if the state may

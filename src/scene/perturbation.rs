@@ -264,7 +264,9 @@ impl Perturbation {
 
     /// Adds the [`force`](Self::force) to the applied force of the selected body, after removing
     /// the force that an earlier call added. It can therefore be called before each step, and
-    /// preserves forces that the program applies. (The engine's function overwrites them.)
+    /// preserves forces that the program applies. (The engine's function overwrites them.) A body
+    /// without degrees of freedom, such as a mocap body, gets no force: the engine's, up to 3·10¹⁶
+    /// N with MuJoCo 2.2.2, would only be seen by force sensors.
     ///
     /// # Errors
     ///
@@ -277,7 +279,10 @@ impl Perturbation {
     pub fn apply_force(&mut self, data: &mut Data) -> Result<()> {
         let force = self.force(data)?;
         self.remove_force(data);
-        let Some(body) = self.select.filter(|_| force != [0.0; 6]) else { return Ok(()) };
+        // A body moves with the first of its ancestors that is not welded to its parent.
+        let (weld, dofs) = (data.model().body_weldid(), data.model().body_dofnum());
+        let movable = self.select.filter(|body| dofs[weld[body.index()] as usize] > 0);
+        let Some(body) = movable.filter(|_| force != [0.0; 6]) else { return Ok(()) };
         let applied = &mut data.xfrc_applied_mut()[body.index()];
         let before = *applied;
         *applied = std::array::from_fn(|i| before[i] + force[i]);

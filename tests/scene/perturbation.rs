@@ -126,6 +126,33 @@ fn perturbations_keep_the_callers_forces() {
     assert_eq!(data.xfrc_applied()[0], [0.0; 6]);
 }
 
+/// The engine divides by the inertia that such a body shows, which is nearly zero.
+#[test]
+fn bodies_that_cannot_move_get_no_force() {
+    let model = mujoco_safe::Model::from_xml_str(
+        r#"<mujoco>
+             <worldbody>
+               <body name="hand" mocap="true"><geom size=".1"/><body name="finger"><geom size=".1"/></body></body>
+               <body name="post" pos="1 0 0"><geom size=".1"/></body>
+               <body name="ball" pos="2 0 0"><freejoint/><geom size=".1"/></body>
+             </worldbody>
+           </mujoco>"#,
+    )
+    .unwrap();
+    let mut data = mujoco_safe::Data::new(model).unwrap();
+    data.forward().unwrap();
+    for (name, is_movable) in [("hand", false), ("finger", false), ("post", false), ("ball", true)] {
+        let body = data.model().body(name).unwrap().id();
+        let mut perturbation = Perturbation::default();
+        perturbation.select = Some(body);
+        perturbation.active = PerturbationFlags::TRANSLATE;
+        (perturbation.refpos, perturbation.scale) = ([0.0, 0.0, 1.0], 1.0);
+        perturbation.apply_force(&mut data).unwrap();
+        assert_eq!(data.xfrc_applied()[body.index()] != [0.0; 6], is_movable, "{name}");
+        perturbation.remove_force(&mut data);
+    }
+}
+
 #[test]
 fn the_selected_point_stays_on_the_body() {
     let mut data = mujoco_safe::Data::new(mujoco_safe::sample::humanoid()).unwrap();
