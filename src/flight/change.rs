@@ -1,16 +1,18 @@
 //! Values that differ between two vectors, as runs of words, and a checksum.
+//!
+//! In memory and in files, a run is a word with the index of its first value and the number of
+//! values, 32 bits each, and the values.
 
 /// Number of words that are compared at a time.
 pub(super) const BLOCK: usize = 16;
 
-/// End of a list of runs.
-pub(super) const END: u32 = u32::MAX;
+/// End of a list of runs. No run has this word.
+const END: f64 = f64::from_bits(u64::MAX);
 
-/// Returns a bound of the size of the runs of `count` words in bytes, with their end: one word, or
-/// every other one of three, differs. Words that are compared in several parts, which have no
-/// common runs, need no more if each part but `short` ones has two or more words.
-pub(super) fn bound(count: usize, short: usize) -> usize {
-    12 * count + 4 * short + 4
+/// Returns a bound of the number of words of the runs of `count` words with their end. Words that
+/// are compared in several parts have no common runs.
+pub(super) fn bound(count: usize) -> usize {
+    2 * count + 1
 }
 
 /// Returns `true` if all bits of two vectors are the same.
@@ -54,6 +56,56 @@ pub(super) fn runs(new: &[f64], old: &[f64], mut each: impl FnMut(usize, &[f64])
     if let Some(start) = start {
         each(start, &new[start..]);
     }
+}
+
+/// Run of values of a vector.
+pub(super) struct Run<'w> {
+    start: usize,
+    values: &'w [f64],
+}
+
+impl Run<'_> {
+    /// Sets these values of a vector.
+    pub(super) fn set(&self, vector: &mut [f64]) {
+        vector[self.start..][..self.values.len()].copy_from_slice(self.values);
+    }
+
+    /// Returns `true` if the run has all values of a vector of this length.
+    pub(super) fn is_whole(&self, length: usize) -> bool {
+        self.values.len() == length
+    }
+}
+
+/// Appends a run.
+#[inline]
+pub(super) fn put_run(to: &mut Vec<f64>, start: usize, values: &[f64]) {
+    to.push(f64::from_bits((start as u64) << 32 | values.len() as u64));
+    to.extend_from_slice(values);
+}
+
+/// Appends the end of a list of runs.
+#[inline]
+pub(super) fn put_end(to: &mut Vec<f64>) {
+    to.push(END);
+}
+
+/// Returns the next run of words of unknown origin. `None` if it is incomplete or exceeds a vector
+/// of `length` values.
+pub(super) fn take_run<'w>(words: &mut &'w [f64], length: usize) -> Option<Run<'w>> {
+    let header = words.split_off_first()?.to_bits();
+    let (start, count) = ((header >> 32) as usize, header as u32 as usize);
+    let values = words.split_off(..count)?;
+    (start + count <= length).then_some(Run { start, values })
+}
+
+/// Returns the runs up to the end of their list, as [`take_run`] does.
+pub(super) fn take_runs<'w>(words: &mut &'w [f64], length: usize) -> Option<Vec<Run<'w>>> {
+    let mut runs = Vec::new();
+    while words.first()?.to_bits() != END.to_bits() {
+        runs.push(take_run(words, length)?);
+    }
+    words.split_off_first();
+    Some(runs)
 }
 
 /// Checksum of words. It is not cryptographic: it detects changes, not forgeries.
@@ -104,7 +156,7 @@ impl Checksum {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, bound, runs};
+    use super::{Checksum, bound, put_end, put_run, runs, take_runs};
 
     fn found(new: &[f64], old: &[f64]) -> Vec<(usize, Vec<f64>)> {
         let mut found = Vec::new();
@@ -128,15 +180,28 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_holds_for_short_runs_and_short_parts() {
+    fn runs_are_read_as_they_were_written_and_within_the_bound() {
+        let all = |length: usize| vec![1.0; length];
+        let every_other = |length: usize| (0..length).map(|index| f64::from(index % 2 == 0)).collect();
         for count in [1_usize, 2, 17, 64] {
-            let new: Vec<f64> = (0..count).map(|index| if index % 2 == 0 { 1.0 } else { 0.0 }).collect();
-            let size: usize = found(&new, &vec![0.0; count]).iter().map(|(_, run)| 8 + 8 * run.len()).sum();
-            assert!(size + 4 <= bound(count, 1), "{count}");
-            assert!(8 + 8 * count + 4 <= bound(count, 1), "{count}");
+            for new in [all(count), every_other(count)] {
+                // As one part, and as parts of one word.
+                for part in [count, 1] {
+                    let (mut words, mut start) = (Vec::new(), 0);
+                    for values in new.chunks(part) {
+                        runs(values, &vec![0.0; part], |of, run| put_run(&mut words, start + of, run));
+                        start += part;
+                    }
+                    put_end(&mut words);
+                    assert!(words.len() <= bound(count), "{count}");
+                    let (mut rest, mut read) = (&words[..], vec![0.0; count]);
+                    take_runs(&mut rest, count).unwrap().iter().for_each(|run| run.set(&mut read));
+                    assert!(rest.is_empty() && read == new, "{read:?}");
+                    assert!(take_runs(&mut &words[..words.len() - 1], count).is_none());
+                    assert!(take_runs(&mut &words[..], (count - 1) & !1).is_none());
+                }
+            }
         }
-        // Each part has one word, and all differ.
-        assert_eq!(16 * (8 + 8) + 4, bound(16, 16));
     }
 
     fn of(values: &[f64]) -> u64 {

@@ -11,8 +11,9 @@ use super::inputs;
 use super::matched::{Order, align};
 use super::model_difference::{self, ModelDifferences};
 use super::origin::Origin;
+use super::parts::invalid;
 use super::quantities::{self, AFTER_SOLVER, Quantity, find};
-use super::trace::{CONVERGED, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate, fields};
+use super::trace::{CONVERGED, NAME, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate, fields};
 use crate::data::Data;
 use crate::engine::engine_version;
 use crate::error::{Error, Result};
@@ -66,8 +67,11 @@ impl Comparison {
     /// [`Error::File`] if the trace cannot be read.
     pub fn new(trace: impl Read, model: Option<&Model>) -> Result<Self> {
         let mut trace = Trace::open(trace)?;
+        let Record::Begin { origin, xml, fields } = trace.next()? else {
+            return Err(invalid(NAME, "its first record is not its origin"));
+        };
         let mut comparison = Self {
-            origin: trace.origin.clone(),
+            origin: Origin::of(origin),
             calls: 0,
             identical: 0,
             divergences: Vec::new(),
@@ -76,28 +80,27 @@ impl Comparison {
             only_there: Vec::new(),
             only_here: Vec::new(),
         };
-        comparison.compare_fields(&trace.fields);
-        let (mut first, mut side) = (None::<TracedModel>, None);
+        comparison.compare_fields(&fields);
+        let (mut first, mut side) = (None::<TracedModel>, None::<Side>);
         loop {
-            match trace.next()? {
-                Record::Model(traced) => {
+            match (trace.next()?, &mut side) {
+                (Record::Model(traced), side) => {
                     let model = match model {
                         Some(model) => model.try_clone()?,
-                        None => comparison.load(&trace.xml, &traced, first.as_ref())?,
+                        None => comparison.load(&xml, &traced, first.as_ref())?,
                     };
                     let disturbance = comparison.compare_models(&traced, &model)?;
-                    side = Some(Side::new(model, disturbance)?);
+                    *side = Some(Side::new(model, disturbance)?);
                     first.get_or_insert(traced);
                 }
-                Record::Call(call) => {
-                    let side = side.as_mut().ok_or_else(|| Error::InvalidRecording {
-                        source_name: "the trace".to_owned(),
-                        reason: "a call precedes the first model".to_owned(),
-                    })?;
+                (Record::Call(call), Some(side)) => {
                     comparison.compare_call(side, &call)?;
                     comparison.calls += 1;
                 }
-                Record::End => return Ok(comparison),
+                (Record::End { .. }, _) => return Ok(comparison),
+                (Record::Begin { .. } | Record::Call(_), _) => {
+                    return Err(invalid(NAME, "its records have a wrong order"));
+                }
             }
         }
     }
@@ -130,7 +133,7 @@ impl Comparison {
         }
         let mut model = Model::from_xml_str(xml)?;
         if let Some(first) = first {
-            model_difference::follow(&mut model.edit(), first, traced);
+            model_difference::follow(&mut model.edit(), &first.fields, &traced.fields);
         }
         Ok(model)
     }
@@ -138,8 +141,12 @@ impl Comparison {
     /// Compares the models, and returns the size of disturbances: at least that of the differences
     /// of the models that rounding explains.
     fn compare_models(&mut self, there: &TracedModel, here: &Model) -> Result<f64> {
-        let ModelDifferences { divergences, other_fields, rounding } =
-            model_difference::compare(there, here, self.calls, self.origin.engine == engine_version().to_string())?;
+        let ModelDifferences { divergences, other_fields, rounding } = model_difference::compare(
+            &there.fields,
+            here,
+            self.calls,
+            self.origin.engine == engine_version().to_string(),
+        )?;
         for divergence in divergences {
             if !has(&self.divergences, &divergence.field) {
                 self.divergences.push(divergence);

@@ -1,5 +1,7 @@
 //! The values on which a call depends besides the model, and the calls.
 
+use serde::{Deserialize, Serialize};
+
 #[cfg(engine_since = "3.0.0")]
 use super::change::BLOCK;
 use super::change::Checksum;
@@ -8,7 +10,7 @@ use crate::error::Result;
 use crate::model::Model;
 
 /// Method of [`Data`] that a recording repeats.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Call {
     Step,
     Step1,
@@ -17,16 +19,7 @@ pub(super) enum Call {
 }
 
 impl Call {
-    const ALL: [Self; 4] = [Self::Step, Self::Step1, Self::Step2, Self::Forward];
-
-    /// Returns the number of the call in files.
-    pub(super) fn code(self) -> u8 {
-        self as u8
-    }
-
-    pub(super) fn of_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
-    }
+    pub(super) const ALL: [Self; 4] = [Self::Step, Self::Step1, Self::Step2, Self::Forward];
 
     #[inline]
     pub(super) fn make(self, data: &mut Data) -> Result<()> {
@@ -67,12 +60,6 @@ pub(super) fn count(model: &Model) -> usize {
     };
     model.state_size(StateSpec::INTEGRATION) + others
 }
-
-/// Bound of the number of [`parts`] with one word: the components of a state, earlier results, and
-/// the last block of equalities.
-pub(super) const SHORT_PARTS: usize = 16;
-
-const _: () = assert!(StateSpec::all().bits().count_ones() + 2 <= SHORT_PARTS as u32);
 
 /// Calls `each` with the place of the first value, and the values, of each part of all values.
 #[inline]

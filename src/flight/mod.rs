@@ -130,18 +130,17 @@
 mod change;
 mod compare;
 mod divergence;
-mod format;
 mod inputs;
 mod matched;
 mod model_difference;
 mod model_image;
 mod origin;
+mod parts;
 mod quantities;
 mod recorder;
 mod recording;
 mod repeat;
 mod report;
-mod ring;
 #[cfg(test)]
 mod tests;
 mod trace;

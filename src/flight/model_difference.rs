@@ -1,8 +1,9 @@
 //! Differences of the compiled model of a trace from the model of this engine.
 
 use super::divergence::Divergence;
-use super::trace::TracedModel;
+use super::quantities::{Series, find};
 use crate::error::Result;
+use crate::field_docs::FieldDoc;
 use crate::model::save::{Arrays, decode, settings, sizes};
 use crate::model::{Model, ModelMut};
 
@@ -42,6 +43,7 @@ const ROUNDING: f64 = 1e-10;
 /// Largest absolute difference of two constants near zero that counts as rounding.
 const NEAR_ZERO: f64 = 1e-15;
 
+/// Differences of two models.
 #[derive(Default)]
 pub(super) struct ModelDifferences {
     pub(super) divergences: Vec<Divergence>,
@@ -50,62 +52,58 @@ pub(super) struct ModelDifferences {
     pub(super) rounding: f64,
 }
 
+/// Returns all sizes, options and arrays of a model.
+pub(super) fn fields(model: &Model) -> Result<Vec<Series>> {
+    let sizes = sizes(model).map(|(name, size)| (name, vec![size as f64]));
+    let settings = sizes.chain(settings(model)).map(|(name, values)| (name, values.len(), values));
+    let arrays = Arrays::of(model)?;
+    let array = |field: FieldDoc| (field.name, arrays.columns(&field), decode(field.ctype, arrays.bytes(field.name)));
+    let all = settings.chain(Model::fields().filter(|field| field.is_array).map(array));
+    Ok(all.map(|(name, columns, values)| Series { name: name.to_owned(), columns: columns.max(1), values }).collect())
+}
+
 /// Compares all sizes, options and arrays that both engines have. Engines of the same version have
 /// the same codes.
-pub(super) fn compare(there: &TracedModel, here: &Model, call: u64, is_same_version: bool) -> Result<ModelDifferences> {
+pub(super) fn compare(there: &[Series], here: &Model, call: u64, is_same_version: bool) -> Result<ModelDifferences> {
     let mut differences = ModelDifferences::default();
-    let mut add = |field: &str, is_other: bool, worst: Worst, element: String| {
-        if is_other {
-            return differences.other_fields.push(field.to_owned());
-        }
-        let Worst { there, here, .. } = worst;
-        let (field, stage) = (field.to_owned(), "model");
-        differences.divergences.push(Divergence { call, time: 0.0, stage, field, element, there, here, rounding: 0.0 });
-    };
-    let is_code = |name| !is_same_version && CODES.contains(&name);
-    let own = sizes(here).map(|(name, size)| (name, vec![size as f64]));
-    for (name, own) in own.chain(settings(here)) {
-        let Some(traced) = there.settings.iter().find(|traced| traced.name == name) else { continue };
-        let enters = name.starts_with("opt.") || name == "stat.meaninertia" || SIZES.contains(&name);
-        let is_other = !enters || is_code(name);
-        if let Some(worst) = worst(&traced.values, &own, own.len().max(1), &mut 0.0) {
-            let element = if own.len() > 1 { format!("the model[{}]", worst.index) } else { "the model".to_owned() };
-            add(name, is_other, worst, element);
-        }
-    }
     let arrays = Arrays::of(here)?;
-    let mut rounding = 0.0;
-    for field in Model::fields().filter(|field| field.is_array) {
-        let Some((_, ctype, traced)) = there.arrays.iter().find(|(name, ..)| *name == field.name) else { continue };
-        let own = arrays.bytes(field.name);
-        if own == traced {
+    for own in fields(here)? {
+        let name = &*own.name;
+        let Some(traced) = find(there, name) else { continue };
+        let array = Model::fields().find(|field| field.is_array && field.name == name);
+        let enters = match array {
+            Some(_) => {
+                !OTHERS.iter().any(|begin| name.starts_with(begin)) && !OTHER_ENDS.iter().any(|end| name.ends_with(end))
+            }
+            None => name.starts_with("opt.") || name == "stat.meaninertia" || SIZES.contains(&name),
+        };
+        let enters = enters && (is_same_version || !CODES.contains(&name));
+        // Another version can have further columns.
+        let columns = own.columns.min(traced.columns);
+        let has_same_rows = own.values.len() / own.columns == traced.values.len() / traced.columns;
+        let values = |series: &Series| -> Vec<f64> {
+            let width = if has_same_rows { columns } else { series.columns };
+            series.values.chunks(series.columns).flat_map(|row| &row[..width]).copied().collect()
+        };
+        let mut rounding = 0.0;
+        let worst = worst(&values(traced), &values(&own), columns, &mut rounding);
+        if enters {
+            differences.rounding = differences.rounding.max(rounding);
+        }
+        let Some(Worst { index, there, here }) = worst else { continue };
+        if !enters {
+            differences.other_fields.push(own.name);
             continue;
         }
-        let (mut traced, mut own) = (decode(ctype, traced), decode(field.ctype, own));
-        let mut columns = arrays.columns(&field).max(1);
-        // Another version can have further columns.
-        let rows = own.len() / columns;
-        if traced.len() != own.len() && rows > 0 && !traced.is_empty() && traced.len().is_multiple_of(rows) {
-            let common = columns.min(traced.len() / rows);
-            let cut =
-                |values: &[f64]| values.chunks(values.len() / rows).flat_map(|row| &row[..common]).copied().collect();
-            (traced, own, columns) = (cut(&traced), cut(&own), common.max(1));
-        }
-        let is_other = OTHERS.iter().any(|beginning| field.name.starts_with(beginning))
-            || OTHER_ENDS.iter().any(|end| field.name.ends_with(end))
-            || is_code(field.name);
-        let mut unused = 0.0;
-        let rounding = if is_other { &mut unused } else { &mut rounding };
-        if let Some(worst) = worst(&traced, &own, columns, rounding) {
-            let element = match worst.index {
-                usize::MAX => "the number of values".to_owned(),
-                index if columns == 1 => arrays.described(&field, index),
-                index => format!("{}[{}]", arrays.described(&field, index / columns), index % columns),
-            };
-            add(field.name, is_other, worst, element);
-        }
+        let owner = array.map_or("the model".to_owned(), |field| arrays.described(&field, index / columns));
+        let element = match index {
+            usize::MAX => "the number of values".to_owned(),
+            _ if columns == 1 => owner,
+            index => format!("{owner}[{}]", index % columns),
+        };
+        let (stage, field) = ("model", own.name);
+        differences.divergences.push(Divergence { call, time: 0.0, stage, field, element, there, here, rounding: 0.0 });
     }
-    differences.rounding = rounding;
     Ok(differences)
 }
 
@@ -145,18 +143,17 @@ fn worst(there: &[f64], here: &[f64], columns: usize, rounding: &mut f64) -> Opt
 
 /// Makes the edits of a model that distinguish it from an earlier one, as far as programs can set
 /// the values.
-pub(super) fn follow(model: &mut ModelMut<'_>, first: &TracedModel, edited: &TracedModel) {
-    for ((name, ctype, before), (other, _, after)) in first.arrays.iter().zip(&edited.arrays) {
-        let Some(array) = model.number_array(name).filter(|_| name == other && before != after) else { continue };
-        let (before, after) = (decode(ctype, before), decode(ctype, after));
-        if before.len() != array.rows * array.columns || after.len() != before.len() {
+pub(super) fn follow(model: &mut ModelMut<'_>, first: &[Series], edited: &[Series]) {
+    for (before, after) in first.iter().zip(edited) {
+        let Some(array) = model.number_array(&before.name).filter(|_| before.name == after.name) else { continue };
+        let length = array.rows * array.columns;
+        if before.values.len() != length || after.values.len() != length {
             continue;
         }
-        let changed = before.iter().zip(&after).enumerate().filter(|(_, (before, after))| before != after);
-        for (index, (_, &value)) in changed {
+        for (index, (before, &after)) in before.values.iter().zip(&after.values).enumerate() {
             let (row, column) = (index / array.columns, index % array.columns);
-            if model.find_number(array.name, row, column).is_ok() {
-                model.set_number(array.name, row, column, value);
+            if *before != after && model.find_number(array.name, row, column).is_ok() {
+                model.set_number(array.name, row, column, after);
             }
         }
     }

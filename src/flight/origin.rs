@@ -1,6 +1,5 @@
 //! The program and the machine that made a recording.
 
-use super::format::{Block, Invalid, Reader};
 use crate::engine::engine_version;
 
 /// Program and machine that made a recording. Another one may compute other last bits.
@@ -28,22 +27,13 @@ impl Origin {
         }
     }
 
-    fn parts(&self) -> [&str; 4] {
-        [&self.library, &self.engine, &self.target, &self.processor]
+    /// Returns the origin with these [parts](Self::parts).
+    pub(super) fn of([library, engine, target, processor]: [String; 4]) -> Self {
+        Self { library, engine, target, processor }
     }
 
-    pub(super) fn put(&self, to: &mut Vec<u8>) {
-        self.parts().iter().for_each(|text| to.put_block(text.as_bytes()));
-    }
-
-    pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, Invalid> {
-        let mut text = |what| reader.text(what).map(str::to_owned);
-        Ok(Self {
-            library: text("the version of the crate")?,
-            engine: text("the version of the engine")?,
-            target: text("the target")?,
-            processor: text("the processor")?,
-        })
+    pub(super) fn parts(&self) -> [String; 4] {
+        [&self.library, &self.engine, &self.target, &self.processor].map(String::clone)
     }
 
     /// Returns the parts that differ in this process, as sentences.

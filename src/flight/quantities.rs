@@ -1,6 +1,8 @@
 //! Quantities of the stages of a step that two engines compute, in forms that do not depend on the
 //! engine's layout.
 
+use serde::{Deserialize, Serialize};
+
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
 use crate::kind::Kind;
@@ -41,7 +43,7 @@ macro_rules! quantities {
             stage: stringify!($stage),
             rows: $rows,
             columns: $columns,
-            read: |$data, out| $values.put(out),
+            read: |$data, out| out.extend($values),
         }),*),*]
     };
 }
@@ -59,31 +61,31 @@ const TENDONS: Rows = Rows::Elements(Kind::Tendon);
 #[rustfmt::skip]
 pub(super) static QUANTITIES: &[Quantity] = quantities! {
     kinematics {
-        "xpos" 3 BODIES, data => data.xpos();
-        "xquat" 4 BODIES, data => data.xquat();
-        "xipos" 3 BODIES, data => data.xipos();
-        "xanchor" 3 JOINTS, data => data.xanchor();
-        "xaxis" 3 JOINTS, data => data.xaxis();
-        "geom_xpos" 3 GEOMS, data => data.geom_xpos();
-        "geom_xmat" 9 GEOMS, data => data.geom_xmat();
-        "site_xpos" 3 SITES, data => data.site_xpos();
-        "site_xmat" 9 SITES, data => data.site_xmat();
+        "xpos" 3 BODIES, data => data.xpos().as_flattened();
+        "xquat" 4 BODIES, data => data.xquat().as_flattened();
+        "xipos" 3 BODIES, data => data.xipos().as_flattened();
+        "xanchor" 3 JOINTS, data => data.xanchor().as_flattened();
+        "xaxis" 3 JOINTS, data => data.xaxis().as_flattened();
+        "geom_xpos" 3 GEOMS, data => data.geom_xpos().as_flattened();
+        "geom_xmat" 9 GEOMS, data => data.geom_xmat().as_flattened();
+        "site_xpos" 3 SITES, data => data.site_xpos().as_flattened();
+        "site_xmat" 9 SITES, data => data.site_xmat().as_flattened();
     }
     com_pos {
-        "subtree_com" 3 BODIES, data => data.subtree_com();
-        "cinert" 10 BODIES, data => data.cinert();
-        "cdof" 6 Rows::Dofs, data => data.cdof();
+        "subtree_com" 3 BODIES, data => data.subtree_com().as_flattened();
+        "cinert" 10 BODIES, data => data.cinert().as_flattened();
+        "cdof" 6 Rows::Dofs, data => data.cdof().as_flattened();
     }
     camlight {
-        "cam_xpos" 3 CAMERAS, data => data.cam_xpos();
-        "cam_xmat" 9 CAMERAS, data => data.cam_xmat();
+        "cam_xpos" 3 CAMERAS, data => data.cam_xpos().as_flattened();
+        "cam_xmat" 9 CAMERAS, data => data.cam_xmat().as_flattened();
     }
     compute_tendon {
         "ten_length" 1 TENDONS, data => data.ten_length();
         "ten_J·u" 1 TENDONS, data => products(data, data.model().ntendon(), Data::tendon_row);
     }
     compute_crb {
-        "crb" 10 BODIES, data => data.crb();
+        "crb" 10 BODIES, data => data.crb().as_flattened();
         "M·u" 1 Rows::Dofs, data => product(data, data.model().nv(), |data, u, to| data.mul_m_into(u, to));
     }
     collision {
@@ -97,14 +99,14 @@ pub(super) static QUANTITIES: &[Quantity] = quantities! {
         "contact.friction" 5 Rows::Contacts, data => contacts(data, |contact| *contact.friction());
     }
     make_constraint {
-        "efc_type" 1 Rows::Constraints, data => data.efc_type();
-        "efc_id" 1 Rows::Constraints, data => data.efc_id();
+        "efc_type" 1 Rows::Constraints, data => data.efc_type().iter().map(|&code| f64::from(code));
+        "efc_id" 1 Rows::Constraints, data => data.efc_id().iter().map(|&id| f64::from(id));
         "efc_J·u" 1 Rows::Constraints, data =>
             product(data, data.nefc(), |data, u, to| data.mul_jac_vec_into(u, to));
         "efc_pos" 1 Rows::Constraints, data => data.efc_pos();
         "efc_margin" 1 Rows::Constraints, data => data.efc_margin();
         "efc_frictionloss" 1 Rows::Constraints, data => data.efc_frictionloss();
-        "efc_KBIP" 4 Rows::Constraints, data => data.efc_KBIP();
+        "efc_KBIP" 4 Rows::Constraints, data => data.efc_KBIP().as_flattened();
         "efc_R" 1 Rows::Constraints, data => data.efc_R();
     }
     transmission {
@@ -115,8 +117,8 @@ pub(super) static QUANTITIES: &[Quantity] = quantities! {
     compute_ten_velocity { "ten_velocity" 1 TENDONS, data => data.ten_velocity(); }
     compute_actuator_velocity { "actuator_velocity" 1 Rows::Outputs, data => data.actuator_velocity(); }
     com_vel {
-        "cvel" 6 BODIES, data => data.cvel();
-        "cdof_dot" 6 Rows::Dofs, data => data.cdof_dot();
+        "cvel" 6 BODIES, data => data.cvel().as_flattened();
+        "cdof_dot" 6 Rows::Dofs, data => data.cdof_dot().as_flattened();
     }
     passive { "qfrc_passive" 1 Rows::Dofs, data => data.qfrc_passive(); }
     reference_constraint {
@@ -145,7 +147,7 @@ pub(super) static QUANTITIES: &[Quantity] = quantities! {
 #[rustfmt::skip]
 pub(super) static NEXT_STATE: &[Quantity] = quantities! {
     integration {
-        "next time" 1 Rows::One, data => &[data.time()][..];
+        "next time" 1 Rows::One, data => [data.time()];
         "next qpos" 1 Rows::Positions, data => data.qpos();
         "next qvel" 1 Rows::Dofs, data => data.qvel();
         "next act" 1 Rows::Activations, data => data.act();
@@ -153,7 +155,7 @@ pub(super) static NEXT_STATE: &[Quantity] = quantities! {
 };
 
 /// Values of one quantity.
-#[derive(Clone, Default)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) columns: usize,
@@ -192,35 +194,6 @@ pub(super) fn inputs(model: &Model) -> Vec<(String, usize)> {
         inputs.push(("eq_active".to_owned(), model.neq()));
     }
     inputs
-}
-
-/// Numbers of one quantity.
-trait Numbers {
-    fn put(self, out: &mut Vec<f64>);
-}
-
-impl Numbers for &[f64] {
-    fn put(self, out: &mut Vec<f64>) {
-        out.extend_from_slice(self);
-    }
-}
-
-impl<const N: usize> Numbers for &[[f64; N]] {
-    fn put(self, out: &mut Vec<f64>) {
-        out.extend_from_slice(self.as_flattened());
-    }
-}
-
-impl Numbers for &[i32] {
-    fn put(self, out: &mut Vec<f64>) {
-        out.extend(self.iter().map(|&value| f64::from(value)));
-    }
-}
-
-impl Numbers for Vec<f64> {
-    fn put(self, out: &mut Vec<f64>) {
-        out.extend(self);
-    }
 }
 
 fn contacts<const N: usize>(data: &Data, numbers: impl Fn(&crate::data::Contact<'_>) -> [f64; N]) -> Vec<f64> {

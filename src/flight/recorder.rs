@@ -1,18 +1,15 @@
 //! The recorder, which makes the calls and keeps the last ones.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::fmt;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::change::{self, Checksum};
-use super::format::Block;
 use super::inputs::{self, Call};
 use super::model_image::ModelImage;
 use super::origin::Origin;
-use super::recording::{CLOSURES, FAILED, MAGIC, Recording, VERSION};
-use super::ring::Ring;
+use super::recording::{Contents, Entry, MAGIC, Recording};
+use super::{change, parts, recording};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::file;
@@ -20,12 +17,10 @@ use crate::model::Model;
 
 /// Default of [`FlightRecorder::with_memory`].
 const MEMORY: usize = 16 << 20;
-/// Number of segments that the ring has at least.
-const SEGMENTS: u64 = 8;
-/// Bound of the size of an error's text in bytes.
-const MOST_TEXT: usize = 1000;
+/// Number of segments that the memory has at least.
+const SEGMENTS: usize = 8;
 
-/// Recorder of everything that enters a simulation, in a ring of bounded memory: call its
+/// Recorder of everything that enters a simulation, in bounded memory: call its
 /// [`step`](Self::step) instead of [`Data::step`]. See the [module](crate::flight).
 ///
 /// It holds no simulation: the program changes the simulation freely between the calls. A recorder
@@ -34,10 +29,9 @@ const MOST_TEXT: usize = 1000;
 /// If the thread panics while the recorder exists, its destructor writes the
 /// [file](Self::with_file). A program with `panic = "abort"` gets no file.
 pub struct FlightRecorder {
-    ring: Ring,
     segments: VecDeque<Segment>,
-    /// End of the last complete call in the ring.
-    complete: u64,
+    /// Number of words that the segments may have together.
+    capacity: usize,
     /// Values before the present call of a simulation with closures.
     before: Vec<f64>,
     /// Values after the previous call. During a call without closures, those before it.
@@ -60,15 +54,17 @@ pub struct FlightRecorder {
 
 /// Calls that begin with all values.
 struct Segment {
-    /// Place in the ring.
-    start: u64,
-    /// End of its last complete call.
-    end: u64,
+    /// The calls, each an [`Entry`].
+    calls: Vec<f64>,
+    /// Number of words of the complete calls.
+    complete: usize,
     /// Number of the first call.
     first: u64,
     /// Number of values.
     values: usize,
     image: Arc<ModelImage>,
+    /// Text of the error of the last call.
+    error: Option<String>,
 }
 
 /// # Creation
@@ -83,16 +79,14 @@ impl FlightRecorder {
     /// [`Model::to_binary`].
     pub fn new(data: &Data) -> Result<Self> {
         let image = Arc::new(Self::image_of(data.model(), None)?);
-        let values = inputs::count(data.model());
-        Ok(Self {
-            ring: Ring::new(Self::capacity(MEMORY, values)),
+        let mut recorder = Self {
             segments: VecDeque::new(),
-            complete: 0,
+            capacity: 0,
             before: Vec::new(),
             after: Vec::new(),
             image,
             revision: data.model().revision(),
-            values,
+            values: inputs::count(data.model()),
             is_interrupted: true,
             previous: None,
             next: 0,
@@ -100,12 +94,14 @@ impl FlightRecorder {
             file: None,
             xml: String::new(),
             note: String::new(),
-        })
+        };
+        recorder.clear();
+        Ok(recorder)
     }
 
-    /// Sets the size of the ring in bytes, and forgets the calls so far. The ring has at least the
-    /// size of 32 states. Beside it, the recorder holds binary models: that of the present
-    /// simulation, and earlier ones up to this size.
+    /// Sets the memory for calls in bytes, and forgets the calls so far. It is at least that of 128
+    /// states. Beside it, the recorder holds binary models: that of the present simulation, and
+    /// earlier ones up to this size.
     #[must_use]
     pub fn with_memory(mut self, bytes: usize) -> Self {
         self.memory = bytes;
@@ -136,25 +132,33 @@ impl FlightRecorder {
         self
     }
 
-    fn capacity(memory: usize, values: usize) -> usize {
-        memory.max(4 * SEGMENTS as usize * Self::bound(values))
+    /// Returns the number of words of the segments.
+    fn needed_capacity(&self) -> usize {
+        (self.memory / size_of::<f64>()).max(4 * SEGMENTS * self.bound())
     }
 
-    /// Returns a bound of the size of a call in bytes.
-    fn bound(values: usize) -> usize {
-        2 * change::bound(values, inputs::SHORT_PARTS) + MOST_TEXT + 64
+    /// Returns a bound of the number of words of a call.
+    #[inline]
+    fn bound(&self) -> usize {
+        2 * change::bound(self.values) + 2
     }
 
-    fn image_of(model: &Model, base: Option<&Arc<[u8]>>) -> Result<ModelImage> {
+    fn image_of(model: &Model, base: Option<&Arc<[f64]>>) -> Result<ModelImage> {
         model.check_without_sleep("a flight recorder")?;
-        Ok(ModelImage::new(model.to_binary()?, base))
+        Ok(ModelImage::new(&model.to_binary()?, base))
     }
 
-    /// Forgets all calls.
+    /// Forgets all calls. The memory belongs to empty segments until calls need it.
     fn clear(&mut self) {
-        self.ring = Ring::new(Self::capacity(self.memory, self.values));
-        self.segments.clear();
-        self.complete = 0;
+        self.capacity = self.needed_capacity();
+        // Memory of zeros would be mapped in the steps that write to it first.
+        let memory = vec![1.0; self.capacity / SEGMENTS];
+        let empty = || {
+            let mut calls = memory.clone();
+            calls.clear();
+            Segment { calls, complete: 0, first: 0, values: 0, image: self.image.clone(), error: None }
+        };
+        self.segments = (0..SEGMENTS).map(|_| empty()).collect();
         self.is_interrupted = true;
     }
 }
@@ -218,10 +222,11 @@ impl FlightRecorder {
         if data.model().revision() != self.revision {
             self.change_model(data.model())?;
         }
-        if self.ring.end() != self.complete {
+        if let Some(present) = self.segments.back_mut()
+            && present.calls.len() > present.complete
+        {
             // The previous call has panicked.
-            self.ring.rewind(self.complete);
-            self.segments.retain(|segment| segment.start < self.complete);
+            present.calls.truncate(present.complete);
             self.is_interrupted = true;
         }
         // Both halves of a step are in one segment.
@@ -230,19 +235,20 @@ impl FlightRecorder {
         if begins {
             self.begin_segment();
         }
-        let (ring, after) = (&mut self.ring, &mut self.after);
-        ring.put(&[call.code()]);
+        let Segment { calls, .. } = present(&mut self.segments);
+        calls.push(Entry::kind(call, data.has_callbacks()));
+        let after = &mut self.after;
         if begins {
             inputs::read(data, after);
-            put_run(ring, 0, after);
+            change::put_run(calls, 0, after);
         } else {
             inputs::parts(data, |place, values| {
                 if !values.is_empty() {
-                    put_changes(ring, place, values, &mut after[place..][..values.len()]);
+                    put_changes(calls, place, values, &mut after[place..][..values.len()]);
                 }
             });
         }
-        ring.put(&change::END.to_le_bytes());
+        change::put_end(calls);
         self.before.clear();
         if data.has_callbacks() {
             self.before.extend_from_slice(after);
@@ -253,22 +259,28 @@ impl FlightRecorder {
     /// Returns `true` if two further calls fit into the present segment.
     #[inline]
     fn has_room(&self) -> bool {
-        let length = |segment: &Segment| self.ring.end() - segment.start + 2 * Self::bound(self.values) as u64;
-        self.segments.back().is_some_and(|present| length(present) <= self.ring.capacity() / SEGMENTS)
+        let length = |segment: &Segment| segment.calls.len() + 2 * self.bound();
+        self.segments.back().is_some_and(|present| length(present) <= self.capacity / SEGMENTS)
     }
 
-    /// Begins a segment, for which it makes room.
+    /// Begins a segment in the memory of the oldest ones.
     #[cold]
     fn begin_segment(&mut self) {
-        let room = self.ring.capacity() / SEGMENTS;
-        if !self.ring.has_room(room as usize) {
-            self.ring.wrap();
+        if let Some(present) = self.segments.back_mut().filter(|_| self.is_interrupted) {
+            present.calls.shrink_to_fit();
         }
-        let (start, image) = (self.ring.end(), self.image.clone());
-        while self.segments.front().is_some_and(|oldest| start + room - oldest.start > self.ring.capacity()) {
-            self.segments.pop_front();
+        let (room, mut calls) = (self.capacity / SEGMENTS, Vec::new());
+        let mut used: usize = self.segments.iter().map(|segment| segment.calls.capacity()).sum();
+        while used + room > self.capacity
+            && let Some(oldest) = self.segments.pop_front()
+        {
+            used -= oldest.calls.capacity();
+            calls = oldest.calls;
         }
-        self.segments.push_back(Segment { start, end: start, first: self.next, values: self.values, image });
+        calls.clear();
+        calls.reserve_exact(room);
+        let (first, values, image) = (self.next, self.values, self.image.clone());
+        self.segments.push_back(Segment { calls, complete: 0, first, values, image, error: None });
         self.is_interrupted = false;
     }
 
@@ -276,24 +288,21 @@ impl FlightRecorder {
     fn end(&mut self, call: Call, data: &Data, error: Option<&Error>) {
         let has_closures = !self.before.is_empty();
         let checksum = inputs::read_results(data, has_closures, &mut self.after);
-        let flags = if error.is_some() { FAILED } else { 0 } | if has_closures { CLOSURES } else { 0 };
-        let ring = &mut self.ring;
-        ring.put(&[flags]);
-        // A closure may have exchanged the simulation for another one.
-        if self.after.len() == self.before.len() {
-            let user = data.model().state_range(StateSpec::INTEGRATION, StateSpec::USER);
-            let (after, before) = (&self.after[user.clone()], &self.before[user.clone()]);
-            change::runs(after, before, |start, values| put_run(ring, user.start + start, values));
+        let segment = present(&mut self.segments);
+        if has_closures {
+            // A closure may have exchanged the simulation for another one.
+            if self.after.len() == self.before.len() {
+                let user = data.model().state_range(StateSpec::INTEGRATION, StateSpec::USER);
+                let (after, before) = (&self.after[user.clone()], &self.before[user.clone()]);
+                change::runs(after, before, |start, values| {
+                    change::put_run(&mut segment.calls, user.start + start, values);
+                });
+            }
+            change::put_end(&mut segment.calls);
         }
-        ring.put(&change::END.to_le_bytes());
-        ring.put(&checksum.to_le_bytes());
-        if let Some(error) = error {
-            let text = shortened(error.to_string());
-            ring.put(&(text.len() as u64).to_le_bytes());
-            ring.put(text.as_bytes());
-        }
-        self.complete = ring.end();
-        self.segments.back_mut().expect("Bug: the call has a segment").end = self.complete;
+        segment.calls.push(f64::from_bits(checksum));
+        segment.complete = segment.calls.len();
+        segment.error = error.map(ToString::to_string);
         self.next += 1;
         self.previous = Some(call);
         self.is_interrupted |= error.is_some() || self.after.len() != self.values;
@@ -309,7 +318,7 @@ impl FlightRecorder {
         self.revision = model.revision();
         self.is_interrupted = true;
         self.values = inputs::count(model);
-        if Self::capacity(self.memory, self.values) as u64 > self.ring.capacity() {
+        if self.needed_capacity() > self.capacity {
             self.clear();
         }
         while self.held_models() > self.memory && self.segments.pop_front().is_some() {}
@@ -318,20 +327,16 @@ impl FlightRecorder {
 
     /// Returns the size of the models of the segments in bytes.
     fn held_models(&self) -> usize {
-        let images = self.segments.iter().map(|segment| &segment.image);
-        let mut previous: Option<&Arc<ModelImage>> = None;
-        images.fold(0, |size, image| {
-            let before = previous.replace(image);
-            let is_new = !before.is_some_and(|before| Arc::ptr_eq(before, image));
-            let has_base = before.is_some_and(|before| Arc::ptr_eq(&before.base, &image.base));
-            size + if is_new { image.edit.len() } else { 0 } + if has_base { 0 } else { image.base.len() }
-        })
+        let images = self.segments.iter().map(|segment| &*segment.image);
+        let parts = images.flat_map(|image| [&image.base[..], &image.edit]);
+        let different: HashMap<_, _> = parts.map(|words| (words.as_ptr(), size_of_val(words))).collect();
+        different.values().sum()
     }
 }
 
 /// # Files
 impl FlightRecorder {
-    /// Writes the calls that the ring contains to a file.
+    /// Writes the calls that the recorder has to a file.
     ///
     /// # Errors
     ///
@@ -340,19 +345,23 @@ impl FlightRecorder {
         self.write_with(path.as_ref(), "on request")
     }
 
-    /// Returns the calls that the ring contains.
+    /// Returns the calls that the recorder has.
     pub fn recording(&self) -> Recording {
-        Recording::from_bytes(&self.to_bytes("on request")).expect("Bug: a recorder writes an invalid recording")
+        Recording::new(self.contents("on request"), "the recorder".to_owned())
+            .expect("Bug: a recorder has an invalid recording")
     }
 
-    /// Returns the number of calls so far, also of those that are no longer in the ring.
+    /// Returns the number of calls so far, also of those that it no longer has.
     pub fn calls(&self) -> u64 {
         self.next
     }
 
     fn write_with(&self, path: &Path, reason: &str) -> Result<()> {
-        let bytes = self.to_bytes(reason);
-        file::replace(path, |out| out.write_all(&bytes))
+        let contents = self.contents(reason);
+        file::replace(path, |out| {
+            parts::put_begin(out, MAGIC)?;
+            parts::put(out, &contents)
+        })
     }
 
     /// Writes the file after an error or a panic.
@@ -365,35 +374,34 @@ impl FlightRecorder {
         }
     }
 
-    fn to_bytes(&self, reason: &str) -> Vec<u8> {
-        let segments: Vec<&Segment> = self.segments.iter().filter(|segment| segment.start < self.complete).collect();
-        let mut bases: Vec<&Arc<[u8]>> = Vec::new();
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
-        Origin::here().put(&mut bytes);
-        for text in [reason, &self.note, &self.xml] {
-            bytes.put_block(text.as_bytes());
-        }
-        for segment in &segments {
-            if !bases.iter().any(|base| Arc::ptr_eq(base, &segment.image.base)) {
-                bases.push(&segment.image.base);
+    fn contents(&self, reason: &str) -> Contents {
+        let mut bases: Vec<&Arc<[f64]>> = Vec::new();
+        let mut segments = Vec::new();
+        for segment in self.segments.iter().filter(|segment| segment.complete > 0) {
+            let ModelImage { base, edit, length } = &*segment.image;
+            let known = bases.iter().position(|known| Arc::ptr_eq(known, base));
+            let model = known.unwrap_or(bases.len());
+            if known.is_none() {
+                bases.push(base);
             }
+            segments.push(recording::Segment {
+                model,
+                edit: edit.clone(),
+                length: *length,
+                first: segment.first,
+                values: segment.values,
+                calls: segment.calls[..segment.complete].to_vec(),
+                error: segment.error.clone(),
+            });
         }
-        bytes.extend((bases.len() as u32).to_le_bytes());
-        for base in &bases {
-            bytes.put_block(base);
+        Contents {
+            origin: Origin::here().parts(),
+            reason: reason.to_owned(),
+            note: self.note.clone(),
+            xml: self.xml.clone(),
+            models: bases.into_iter().map(|base| base.to_vec()).collect(),
+            segments,
         }
-        bytes.extend((segments.len() as u32).to_le_bytes());
-        for segment in &segments {
-            let base = bases.iter().position(|base| Arc::ptr_eq(base, &segment.image.base));
-            bytes.extend((base.expect("Bug: all bases are collected") as u32).to_le_bytes());
-            bytes.put_block(&segment.image.edit);
-            bytes.extend(segment.first.to_le_bytes());
-            bytes.extend((segment.values as u32).to_le_bytes());
-            bytes.put_block(self.ring.part(segment.start..segment.end));
-        }
-        bytes.extend(Checksum::of_bytes(&bytes).to_le_bytes());
-        bytes
     }
 }
 
@@ -407,30 +415,22 @@ impl Drop for FlightRecorder {
 
 impl fmt::Debug for FlightRecorder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let first = self.segments.front().map_or(self.next, |oldest| oldest.first);
-        write!(f, "FlightRecorder: calls {first} to {} in {} bytes", self.next, self.ring.capacity())
+        let first = self.segments.iter().find(|segment| segment.complete > 0).map_or(self.next, |oldest| oldest.first);
+        write!(f, "FlightRecorder: calls {first} to {}", self.next)
     }
 }
 
 /// Stores the runs of values that differ from those after the previous call, which it replaces.
 #[inline(never)]
-fn put_changes(ring: &mut Ring, place: usize, values: &[f64], after: &mut [f64]) {
+fn put_changes(calls: &mut Vec<f64>, place: usize, values: &[f64], after: &mut [f64]) {
     if !change::is_same(values, after) {
-        change::runs(values, after, |start, values| put_run(ring, place + start, values));
+        change::runs(values, after, |start, values| change::put_run(calls, place + start, values));
         after.copy_from_slice(values);
     }
 }
 
+/// Returns the segment of the present call.
 #[inline]
-fn put_run(ring: &mut Ring, start: usize, values: &[f64]) {
-    ring.put(&(start as u32).to_le_bytes());
-    ring.put(&(values.len() as u32).to_le_bytes());
-    ring.put_numbers(values);
-}
-
-/// Shortens the text of an error to the bytes for which there is room.
-pub(super) fn shortened(mut text: String) -> String {
-    let end = (0..=MOST_TEXT.min(text.len())).rev().find(|&end| text.is_char_boundary(end));
-    text.truncate(end.unwrap_or(0));
-    text
+fn present(segments: &mut VecDeque<Segment>) -> &mut Segment {
+    segments.back_mut().expect("Bug: the call has a segment")
 }

@@ -3,24 +3,18 @@
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
 
-use super::change::{self, Checksum};
-use super::format::{Invalid, Reader};
+use serde::{Deserialize, Serialize};
+
+use super::change::{self, Run};
 use super::inputs::Call;
-use super::model_image::ModelImage;
 use super::origin::Origin;
+use super::{model_image, parts};
 use crate::error::{Error, Result};
 use crate::file;
 
 /// Begin of a file.
-pub(super) const MAGIC: &[u8; 8] = b"MJFLIGHT";
-/// Version of the format.
-pub(super) const VERSION: u32 = 2;
-/// Flag of a call: it returned an error, whose text follows.
-pub(super) const FAILED: u8 = 1;
-/// Flag of a call: the simulation had callbacks.
-pub(super) const CLOSURES: u8 = 2;
+pub(super) const MAGIC: [u8; 8] = *b"MJFLIGHT";
 
 /// Calls of a simulation with everything that entered them, from a
 /// [`FlightRecorder`](super::FlightRecorder). See the [module](crate::flight).
@@ -29,22 +23,46 @@ pub(super) const CLOSURES: u8 = 2;
 /// call that was still in the ring.
 pub struct Recording {
     pub(super) origin: Origin,
-    reason: String,
-    note: String,
-    pub(super) xml: String,
-    pub(super) segments: Vec<Segment>,
+    contents: Contents,
     calls: Range<u64>,
     pub(super) source_name: String,
 }
 
+/// Contents of a file.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Contents {
+    /// Parts of the origin.
+    pub(super) origin: [String; 4],
+    pub(super) reason: String,
+    pub(super) note: String,
+    pub(super) xml: String,
+    /// Binary models as words.
+    pub(super) models: Vec<Vec<f64>>,
+    pub(super) segments: Vec<Segment>,
+}
+
 /// Calls that begin with all values.
+#[derive(Serialize, Deserialize)]
 pub(super) struct Segment {
-    pub(super) image: ModelImage,
+    /// Index of the model, the words that an edit has changed, and the number of its bytes.
+    pub(super) model: usize,
+    pub(super) edit: Vec<f64>,
+    pub(super) length: usize,
     /// Number of the first call.
     pub(super) first: u64,
     /// Number of values.
     pub(super) values: usize,
-    pub(super) calls: Vec<u8>,
+    /// The calls, each an [`Entry`].
+    pub(super) calls: Vec<f64>,
+    /// Text of the error of the last call.
+    pub(super) error: Option<String>,
+}
+
+impl Segment {
+    pub(super) fn has_same_model(&self, other: &Self) -> bool {
+        let has_same_length = self.length == other.length && self.edit.len() == other.edit.len();
+        self.model == other.model && has_same_length && change::is_same(&self.edit, &other.edit)
+    }
 }
 
 /// # Files and contents
@@ -58,7 +76,7 @@ impl Recording {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = file::read_regular(path).map_err(Error::file(path))?;
-        Self::parse(&bytes, &path.display().to_string())
+        Self::parse(&bytes, path.display().to_string())
     }
 
     /// Reads the contents of a file.
@@ -67,7 +85,7 @@ impl Recording {
     ///
     /// [`Error::InvalidRecording`] as for [`read`](Self::read).
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        Self::parse(bytes, "the given buffer")
+        Self::parse(bytes, "the given buffer".to_owned())
     }
 
     /// Returns the program and the machine that made the recording.
@@ -77,17 +95,17 @@ impl Recording {
 
     /// Returns the reason why the file was written: the error, a panic, or a request.
     pub fn reason(&self) -> &str {
-        &self.reason
+        &self.contents.reason
     }
 
     /// Returns the [note](super::FlightRecorder::with_note) of the program.
     pub fn note(&self) -> &str {
-        &self.note
+        &self.contents.note
     }
 
     /// Returns the model as [MJCF](super::FlightRecorder::with_xml), if the program has set it.
     pub fn xml(&self) -> Option<&str> {
-        (!self.xml.is_empty()).then_some(&self.xml)
+        Some(&*self.contents.xml).filter(|xml| !xml.is_empty())
     }
 
     /// Returns the numbers of the recorded calls.
@@ -95,127 +113,81 @@ impl Recording {
         self.calls.clone()
     }
 
-    fn parse(bytes: &[u8], source_name: &str) -> Result<Self> {
-        let parsed = Self::try_parse(bytes).map_err(|invalid| invalid.of(source_name))?;
-        Ok(Self { source_name: source_name.to_owned(), ..parsed })
+    pub(super) fn segments(&self) -> &[Segment] {
+        &self.contents.segments
     }
 
-    fn try_parse(bytes: &[u8]) -> Result<Self, Invalid> {
-        let mut reader = Reader::new(bytes);
-        if reader.take(MAGIC.len(), "the header")? != MAGIC {
-            return Err(reader.invalid("it does not begin with MJFLIGHT"));
-        }
-        let version = reader.u32()?;
-        if version != VERSION {
-            return Err(reader.invalid(format!("format {version}, but this version of the crate reads {VERSION}")));
-        }
-        // The checksum finds accidental damage. Every value is checked besides.
-        let Some((content, checksum)) = bytes.split_last_chunk::<8>() else {
-            return Err(reader.invalid("the checksum is missing"));
-        };
-        if u64::from_le_bytes(*checksum) != Checksum::of_bytes(content) {
-            return Err(Invalid { reason: "the checksum at its end is wrong: it is incomplete or damaged".to_owned() });
-        }
-        Self::parse_content(&mut Reader::new(content))
+    /// Returns the binary model of a segment. `None` if the recording contradicts itself.
+    pub(super) fn model(&self, segment: &Segment) -> Option<Vec<u8>> {
+        model_image::bytes(self.contents.models.get(segment.model)?, &segment.edit, segment.length)
     }
 
-    fn parse_content(reader: &mut Reader<'_>) -> Result<Self, Invalid> {
-        reader.take(MAGIC.len() + size_of_val(&VERSION), "the header")?;
-        let origin = Origin::read(reader)?;
-        let mut text = |what| reader.text(what).map(str::to_owned);
-        let (reason, note, xml) = (text("the reason")?, text("the note")?, text("the MJCF")?);
-        let mut bases: Vec<Arc<[u8]>> = Vec::new();
-        for _ in 0..reader.u32()? {
-            bases.push(reader.block("a model")?.into());
+    fn parse(mut bytes: &[u8], source_name: String) -> Result<Self> {
+        parts::read_begin(&mut bytes, MAGIC, &source_name)?;
+        let contents = parts::read(&mut bytes, &source_name)?;
+        if !bytes.is_empty() {
+            return Err(parts::invalid(&source_name, format!("{} bytes follow its end", bytes.len())));
         }
-        let (mut segments, mut calls) = (Vec::new(), None::<Range<u64>>);
-        for _ in 0..reader.u32()? {
-            let base = reader.u32()?;
-            let Some(base) = bases.get(base as usize) else {
-                return Err(reader.invalid(format!("model {base} of {}", bases.len())));
-            };
-            let image = ModelImage { base: base.clone(), edit: reader.block("an edit of a model")?.to_vec() };
-            let (first, values) = (reader.u64()?, reader.u32()? as usize);
-            let mut end = calls.as_ref().map_or(first, |calls| calls.end);
-            if first != end {
-                return Err(reader.invalid(format!("a segment begins with call {first} instead of {end}")));
+        Self::new(contents, source_name)
+    }
+
+    /// Checks the contents.
+    pub(super) fn new(contents: Contents, source_name: String) -> Result<Self> {
+        let mut calls = contents.segments.first().map_or(0..0, |segment| segment.first..segment.first);
+        for segment in &contents.segments {
+            if segment.first != calls.end {
+                let reason = format!("a segment begins with call {} instead of {}", segment.first, calls.end);
+                return Err(parts::invalid(&source_name, reason));
             }
-            let content = reader.block("the calls of a segment")?;
-            let mut entries = Reader::new(content);
-            while !entries.is_at_end() {
-                let entry = Entry::read(&mut entries, values);
-                let entry = entry.map_err(|invalid| Invalid { reason: format!("call {end}: {}", invalid.reason) })?;
-                if end == first && !entry.sets_all(values) {
-                    return Err(Invalid { reason: format!("call {end} begins a segment without all values") });
-                }
-                end = end.checked_add(1).ok_or_else(|| reader.invalid("too many calls"))?;
+            let mut words = &segment.calls[..];
+            while !words.is_empty() {
+                let entry = Entry::read(&mut words, segment.values);
+                let is_first = calls.end == segment.first;
+                let entry = entry.filter(|entry| !is_first || entry.sets_all(segment.values));
+                let next = entry.and_then(|_| calls.end.checked_add(1));
+                calls.end =
+                    next.ok_or_else(|| parts::invalid(&source_name, format!("call {} is damaged", calls.end)))?;
             }
-            calls = Some(calls.map_or(first, |calls| calls.start)..end);
-            segments.push(Segment { image, first, values, calls: content.to_vec() });
         }
-        if !reader.is_at_end() {
-            return Err(reader.invalid("more bytes than its parts have"));
-        }
-        let source_name = String::new();
-        Ok(Self { origin, reason, note, xml, segments, calls: calls.unwrap_or(0..0), source_name })
+        Ok(Self { origin: Origin::of(contents.origin.clone()), contents, calls, source_name })
     }
 }
 
 impl fmt::Debug for Recording {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { calls, reason, .. } = self;
-        write!(f, "Recording: calls {} to {}, written: {reason}", calls.start, calls.end)
+        let Range { start, end } = self.calls;
+        write!(f, "Recording: calls {start} to {end}, written: {}", self.reason())
     }
 }
 
-/// Run of values: its start, and its words.
-pub(super) type Run<'b> = (usize, &'b [[u8; 8]]);
-
-/// Recorded call.
-pub(super) struct Entry<'b> {
+/// Recorded call: its kind, the changes before it, the changes that closures made, and the checksum
+/// of its results.
+pub(super) struct Entry<'w> {
     pub(super) call: Call,
     /// Values that differ from those after the previous call.
-    pub(super) before: Vec<Run<'b>>,
-    /// Values that closures have changed during the call.
-    pub(super) by_closures: Vec<Run<'b>>,
-    pub(super) has_closures: bool,
+    pub(super) before: Vec<Run<'w>>,
+    /// Values that closures have changed during the call. `None` if the simulation had none.
+    pub(super) by_closures: Option<Vec<Run<'w>>>,
     pub(super) checksum: u64,
-    pub(super) error: Option<&'b str>,
 }
 
-impl<'b> Entry<'b> {
-    pub(super) fn read(reader: &mut Reader<'b>, values: usize) -> Result<Self, Invalid> {
-        let code = reader.u8()?;
-        let call = Call::of_code(code).ok_or_else(|| reader.invalid(format!("there is no kind of call {code}")))?;
-        let before = Self::read_runs(reader, values)?;
-        let flags = reader.u8()?;
-        if flags & !(FAILED | CLOSURES) != 0 {
-            return Err(reader.invalid(format!("unknown flags {flags}")));
-        }
-        let by_closures = Self::read_runs(reader, values)?;
-        let checksum = reader.u64()?;
-        let error = if flags & FAILED != 0 { Some(reader.text("the text of an error")?) } else { None };
-        Ok(Self { call, before, by_closures, has_closures: flags & CLOSURES != 0, checksum, error })
+impl<'w> Entry<'w> {
+    /// Returns the first word of a call, its kind.
+    pub(super) fn kind(call: Call, has_closures: bool) -> f64 {
+        f64::from_bits(2 * call as u64 + u64::from(has_closures))
     }
 
-    fn read_runs(reader: &mut Reader<'b>, values: usize) -> Result<Vec<Run<'b>>, Invalid> {
-        let mut runs = Vec::new();
-        loop {
-            let start = reader.u32()?;
-            if start == change::END {
-                return Ok(runs);
-            }
-            let (start, count) = (start as usize, reader.u32()? as usize);
-            if start.checked_add(count).is_none_or(|end| end > values) {
-                return Err(reader.invalid(format!("{count} values from {start} of {values}")));
-            }
-            let (words, _) = reader.take(8 * count, "a run of values")?.as_chunks();
-            runs.push((start, words));
-        }
+    /// Reads words of unknown origin. Returns `None` if they are no call.
+    pub(super) fn read(words: &mut &'w [f64], values: usize) -> Option<Self> {
+        let kind = words.split_off_first()?.to_bits();
+        let call = *Call::ALL.get(usize::try_from(kind / 2).ok()?)?;
+        let before = change::take_runs(words, values)?;
+        let by_closures = if kind % 2 == 1 { Some(change::take_runs(words, values)?) } else { None };
+        Some(Self { call, before, by_closures, checksum: words.split_off_first()?.to_bits() })
     }
 
     /// Returns `true` if the call sets all values.
     fn sets_all(&self, values: usize) -> bool {
-        matches!(self.before[..], [(0, words)] if words.len() == values)
+        matches!(&self.before[..], [run] if run.is_whole(values))
     }
 }

@@ -1,12 +1,10 @@
 //! Repetition of recordings.
 
 use std::fmt;
-use std::sync::Arc;
 
-use super::format::Reader;
 use super::inputs::{self, Call};
-use super::recorder::shortened;
-use super::recording::{Entry, Recording, Run, Segment};
+use super::parts::invalid;
+use super::recording::{Entry, Recording, Segment};
 use crate::data::Data;
 use crate::error::{Error, Outcome, Result};
 use crate::model::Model;
@@ -90,18 +88,11 @@ impl Recording {
     /// As for [`repeat`](Self::repeat), and the error of `prepare`.
     pub fn repeat_with<O: Outcome<Value = ()>>(&self, prepare: impl FnMut(&mut Data) -> O) -> Result<Repeat> {
         let mut player = Player::new(self, 0, prepare);
-        let mut repeat = Repeat { calls: 0, difference: None };
-        loop {
-            match player.play(|_, _| ())? {
-                Played::AsRecorded => repeat.calls += 1,
-                Played::Differs(difference) => {
-                    repeat.difference = Some(difference);
-                    break;
-                }
-                Played::End => break,
-            }
+        let mut calls = 0;
+        while player.play(|_, _| ())? {
+            calls += 1;
         }
-        Ok(repeat)
+        Ok(Repeat { calls, difference: player.difference })
     }
 
     /// Returns the number of the first call after which a condition holds. Repeats the calls from
@@ -159,7 +150,7 @@ impl Recording {
     fn player_before(&self, call: u64) -> Result<Player<'_, impl FnMut(&mut Data)>> {
         let calls = self.calls();
         assert!(calls.contains(&call), "index out of range: call {call} of a recording of {calls:?}");
-        let segment = self.segments.partition_point(|segment| segment.first <= call) - 1;
+        let segment = self.segments().partition_point(|segment| segment.first <= call) - 1;
         let mut player = Player::new(self, segment, |_: &mut Data| ());
         while player.next < call {
             player.play_as_recorded(|_, _| ())?;
@@ -169,7 +160,8 @@ impl Recording {
 
     /// Loads the model of a segment.
     fn load(&self, segment: &Segment) -> Result<Model> {
-        let bytes = segment.image.bytes().map_err(|invalid| invalid.of(&self.source_name))?;
+        let model = self.model(segment);
+        let bytes = model.ok_or_else(|| invalid(&self.source_name, format!("model {} is damaged", segment.model)))?;
         let from_xml = |error| match self.xml() {
             None => Err(error),
             Some(xml) => {
@@ -186,42 +178,36 @@ impl Recording {
     }
 }
 
-/// Result of a repeated call.
-enum Played {
-    AsRecorded,
-    Differs(Difference),
-    /// The recording has no more calls.
-    End,
-}
-
 /// Repetition in progress.
 pub(super) struct Player<'r, P> {
     recording: &'r Recording,
     prepare: P,
     /// The segment after the present one.
     next_segment: usize,
-    /// The rest of the present segment.
-    calls: Reader<'r>,
+    /// The rest of the calls of the present segment.
+    calls: &'r [f64],
     /// The simulation, and the segment from which its model was loaded.
     simulation: Option<(Data, &'r Segment)>,
     /// Values of the simulation.
     values: Vec<f64>,
     /// Number of the next call.
     next: u64,
+    /// The call that ended the repetition.
+    difference: Option<Difference>,
 }
 
 impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     /// Starts before a segment.
     pub(super) fn new(recording: &'r Recording, segment: usize, prepare: P) -> Self {
-        let next = recording.segments.get(segment).map_or(0, |segment| segment.first);
         Self {
             recording,
             prepare,
             next_segment: segment,
-            calls: Reader::new(&[]),
+            calls: &[],
             simulation: None,
             values: Vec::new(),
-            next,
+            next: recording.segments().get(segment).map_or(0, |segment| segment.first),
+            difference: None,
         }
     }
 
@@ -236,38 +222,38 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     /// Makes the next call, whose results must be the recorded ones. Returns `false` at the end.
     /// `before` receives the call and the simulation before it.
     pub(super) fn play_as_recorded(&mut self, before: impl FnOnce(Call, &Data)) -> Result<bool> {
-        match self.play(before)? {
-            Played::AsRecorded => Ok(true),
-            Played::Differs(Difference { call, reason, .. }) => Err(Error::NotRepeated { call, reason }),
-            Played::End => Ok(false),
+        let is_repeated = self.play(before)?;
+        match self.difference.take() {
+            Some(Difference { call, reason, .. }) => Err(Error::NotRepeated { call, reason }),
+            None => Ok(is_repeated),
         }
     }
 
-    /// Makes the next call, and compares its results.
-    fn play(&mut self, before: impl FnOnce(Call, &Data)) -> Result<Played> {
-        let Some(entry) = self.prepare_call()? else { return Ok(Played::End) };
+    /// Makes the next call. Returns `false` at the end, and after a call with other results.
+    fn play(&mut self, before: impl FnOnce(Call, &Data)) -> Result<bool> {
+        let Some(entry) = self.prepare_call()? else { return Ok(false) };
         let (data, _) = self.simulation.as_mut().expect("Bug: the call was prepared");
         before(entry.call, data);
         let time = data.time();
-        let result = entry.call.make(data);
-        let is_open = entry.has_closures && !data.has_callbacks();
+        let error = entry.call.make(data).err().map(|error| error.to_string());
+        let had_closures = entry.by_closures.is_some();
+        let is_open = had_closures && !data.has_callbacks();
         let is_exchanged = inputs::count(data.model()) != self.values.len();
-        let checksum = inputs::read_results(data, entry.has_closures || is_exchanged, &mut self.values);
+        let checksum = inputs::read_results(data, had_closures || is_exchanged, &mut self.values);
         let call = self.next;
         self.next += 1;
-        let error = result.err().map(|error| shortened(error.to_string()));
-        let differs = if error.as_deref() != entry.error {
+        let is_last = self.calls.is_empty();
+        let recorded = self.recording.segments()[self.next_segment - 1].error.as_deref().filter(|_| is_last);
+        let differs = if error.as_deref() != recorded {
             let text = |error: Option<&str>| error.map_or("succeeded".to_owned(), |error| format!("failed ({error})"));
-            Some(format!("it {} when recorded, but {} now", text(entry.error), text(error.as_deref())))
+            format!("it {} when recorded, but {} now", text(recorded), text(error.as_deref()))
         } else if checksum != entry.checksum {
-            Some("the state after it has other bits".to_owned())
+            "the state after it has other bits".to_owned()
         } else {
-            None
+            return Ok(true);
         };
-        Ok(differs.map_or(Played::AsRecorded, |differs| {
-            let reason = format!("{differs}; {}", self.causes(is_open));
-            Played::Differs(Difference { call, time, reason })
-        }))
+        self.difference = Some(Difference { call, time, reason: format!("{differs}; {}", self.causes(is_open)) });
+        Ok(false)
     }
 
     /// Returns possible causes of a difference.
@@ -287,24 +273,21 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
 
     /// Sets the inputs of the next call. Returns `None` at the end.
     fn prepare_call(&mut self) -> Result<Option<Entry<'r>>> {
-        while self.calls.is_at_end() {
-            let Some(segment) = self.recording.segments.get(self.next_segment) else { return Ok(None) };
+        while self.calls.is_empty() {
+            let Some(segment) = self.recording.segments().get(self.next_segment) else { return Ok(None) };
             self.next_segment += 1;
             self.start(segment)?;
         }
-        let invalid = |reason: String| Error::InvalidRecording {
-            source_name: self.recording.source_name.clone(),
-            reason: format!("call {}: {reason}", self.next),
-        };
-        let entry = Entry::read(&mut self.calls, self.values.len()).map_err(|error| invalid(error.reason))?;
+        let entry = Entry::read(&mut self.calls, self.values.len()).expect("Bug: the calls were checked");
         let (data, _) = self.simulation.as_mut().expect("Bug: the segment has a simulation");
         if inputs::count(data.model()) != self.values.len() {
-            return Err(invalid("a closure has exchanged the simulation for another one".to_owned()));
+            let reason = format!("call {}: a closure has exchanged the simulation for another one", self.next);
+            return Err(invalid(&self.recording.source_name, reason));
         }
-        set(&mut self.values, &entry.before);
+        entry.before.iter().for_each(|run| run.set(&mut self.values));
         // The closures set these values themselves if the simulation has them.
         if !data.has_callbacks() {
-            set(&mut self.values, &entry.by_closures);
+            entry.by_closures.iter().flatten().for_each(|run| run.set(&mut self.values));
         }
         inputs::write(data, &self.values)?;
         Ok(Some(entry))
@@ -312,11 +295,8 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
 
     /// Starts a segment: loads its model, or resets the simulation.
     fn start(&mut self, segment: &'r Segment) -> Result<()> {
-        let is_same = |other: &Segment| {
-            Arc::ptr_eq(&other.image.base, &segment.image.base) && other.image.edit == segment.image.edit
-        };
         match &mut self.simulation {
-            Some((data, loaded)) if is_same(loaded) => data.reset()?,
+            Some((data, loaded)) if loaded.has_same_model(segment) => data.reset()?,
             _ => {
                 let mut data = Data::new(self.recording.load(segment)?)?;
                 (self.prepare)(&mut data).into_result()?;
@@ -326,17 +306,11 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
         let needed = inputs::count(self.data().model());
         if needed != segment.values {
             let reason = format!("{} values of a model that has {needed}, from call {}", segment.values, segment.first);
-            return Err(Error::InvalidRecording { source_name: self.recording.source_name.clone(), reason });
+            return Err(invalid(&self.recording.source_name, reason));
         }
         self.values.clear();
         self.values.resize(needed, 0.0);
-        self.calls = Reader::new(&segment.calls);
+        self.calls = &segment.calls;
         Ok(())
-    }
-}
-
-fn set(values: &mut [f64], runs: &[Run<'_>]) {
-    for (start, words) in runs {
-        values[*start..].iter_mut().zip(*words).for_each(|(value, word)| *value = f64::from_le_bytes(*word));
     }
 }

@@ -4,7 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::change::Checksum;
-use super::recording::{MAGIC, VERSION};
+use super::origin::Origin;
+use super::parts::{self, VERSION};
+use super::recording::{Contents, MAGIC, Segment};
 use super::{FlightRecorder, Recording};
 use crate::{Data, Error, sample};
 
@@ -25,10 +27,14 @@ fn file() -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-/// Replaces the checksum by that of the bytes before it.
+/// Bytes before the contents: the begin and the length.
+const BEGIN: usize = 8 + 4 + 8;
+
+/// Corrects the length and the checksum of the contents.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let end = bytes.len() - 8;
-    let checksum = Checksum::of_bytes(&bytes[..end]);
+    bytes[BEGIN - 8..BEGIN].copy_from_slice(&((end - BEGIN) as u64).to_le_bytes());
+    let checksum = Checksum::of_bytes(&bytes[BEGIN..end]);
     bytes[end..].copy_from_slice(&checksum.to_le_bytes());
     bytes
 }
@@ -129,20 +135,35 @@ fn errors_name_the_place() {
     let mut newer = file();
     newer[8] = 99;
     assert!(reason(newer).contains("format 99"));
-    let header = [&MAGIC[..], &VERSION.to_le_bytes()].concat();
-    let huge = [&header[..], &u64::MAX.to_le_bytes(), &[0; 8]].concat();
-    let reason = reason(sealed(huge));
-    assert!(reason.contains("the version of the crate at byte 20 needs"), "{reason}");
+    let begin = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8]].concat();
+    let text = [&begin[..], &[0x7f, b'2', b'.'], &[0; 8]].concat();
+    let reason = reason(sealed(text));
+    assert!(reason.contains("at byte 1 of a part"), "{reason}");
 }
 
 #[test]
-fn a_large_number_of_values_allocates_nothing() {
-    let texts = [0_u8; 7 * 8];
-    let header = [&MAGIC[..], &VERSION.to_le_bytes(), &texts].concat();
-    // One model without bytes, and a segment with four billion values and no call.
-    let model = [&1_u32.to_le_bytes()[..], &0_u64.to_le_bytes()].concat();
-    let values = [&1_u32.to_le_bytes()[..], &[0; 4], &[0; 8], &[0; 8], &u32::MAX.to_le_bytes(), &[0; 8]].concat();
-    let recording = Recording::from_bytes(&sealed([header, model, values, vec![0; 8]].concat())).unwrap();
+fn large_numbers_allocate_nothing() {
+    // A segment with four billion values and no call.
+    let segment =
+        |edit| Segment { model: 0, edit, length: 0, first: 0, values: 1 << 32, calls: Vec::new(), error: None };
+    let contents = |edit: Vec<f64>| Contents {
+        origin: Origin::here().parts(),
+        reason: String::new(),
+        note: String::new(),
+        xml: String::new(),
+        models: vec![Vec::new()],
+        segments: vec![segment(edit)],
+    };
+    let mut bytes = Vec::new();
+    parts::put_begin(&mut bytes, MAGIC).unwrap();
+    parts::put(&mut bytes, &contents(Vec::new())).unwrap();
+    let recording = Recording::from_bytes(&bytes).unwrap();
     assert_eq!(recording.calls(), 0..0);
     recording.repeat().unwrap_err(); // there is no model
+    // Half of the bytes of a length.
+    let place = bytes.len() - 8 - 10;
+    for _ in 0..9 {
+        bytes.insert(place, 0xff);
+    }
+    Recording::from_bytes(&sealed(bytes)).unwrap_err();
 }

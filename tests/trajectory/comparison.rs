@@ -213,7 +213,7 @@ fn damaged_traces_are_errors() {
         let mut hostile = file.clone();
         let (start, end) = records[random.random_range(0..records.len())];
         for _ in 0..=case % 3 {
-            let place = random.random_range(start - 9..end);
+            let place = random.random_range(start - 8..end);
             match random.random_range(0..3) {
                 0 => hostile[place] = random.random(),
                 1 => hostile[place] = u8::MAX,
@@ -235,11 +235,11 @@ fn damaged_traces_are_errors() {
 
 /// Returns the places of the contents of the records.
 fn records(file: &[u8]) -> Vec<(usize, usize)> {
-    let (mut records, mut place) = (Vec::new(), 8);
+    let (mut records, mut place) = (Vec::new(), 8 + 4);
     while place < file.len() {
-        let length = u64::from_le_bytes(file[place + 1..place + 9].try_into().unwrap()) as usize;
-        records.push((place + 9, place + 9 + length));
-        place += 9 + length + 8;
+        let length = u64::from_le_bytes(file[place..place + 8].try_into().unwrap()) as usize;
+        records.push((place + 8, place + 8 + length));
+        place += 8 + length + 8;
     }
     records
 }

@@ -70,24 +70,30 @@ pub(super) fn recorded_calls(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
     Verdict::Worked
 }
 
-/// Changes some bytes, and corrects the checksum, which would reject the file otherwise.
+/// Bytes before the contents: the begin of the file and the length of the contents.
+const BEGIN: usize = 8 + 4 + 8;
+
+/// Changes some bytes of the contents, and corrects their length and checksum, which would reject
+/// the file otherwise.
 fn damage(file: &mut Vec<u8>, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
-    file.truncate(file.len() - size_of::<u64>());
+    let mut contents = file.split_off(BEGIN);
+    contents.truncate(contents.len() - size_of::<u64>());
     for _ in 0..=bytes.below(3) {
         // Most of the file is the model. The calls are at its end.
-        let places = bytes.either(file.len(), file.len().min(2000));
-        let place = file.len() - 1 - bytes.below(places);
+        let places = bytes.either(contents.len(), contents.len().min(2000));
+        let place = contents.len() - 1 - bytes.below(places);
         let kind = bytes.below(4);
         log(&format!("damage {kind} of byte {place}"));
         match kind {
-            0 => file[place] = bytes.word() as u8,
-            1 => file[place] = u8::MAX,
-            2 => file[place..].iter_mut().take(8).for_each(|byte| *byte = 0),
-            _ => drop(file.drain(place..(place + 1 + bytes.below(40)).min(file.len()))),
+            0 => contents[place] = bytes.word() as u8,
+            1 => contents[place] = u8::MAX,
+            2 => contents[place..].iter_mut().take(8).for_each(|byte| *byte = 0),
+            _ => drop(contents.drain(place..(place + 1 + bytes.below(40)).min(contents.len()))),
         }
     }
-    let checksum = checksum(file);
-    file.extend(checksum.to_le_bytes());
+    file[BEGIN - 8..].copy_from_slice(&(contents.len() as u64).to_le_bytes());
+    file.extend(&contents);
+    file.extend(checksum(&contents).to_le_bytes());
 }
 
 /// The checksum of the format.
