@@ -260,6 +260,7 @@ impl Lineariser {
         let weights = if wants_sensors { &sensors[..] } else { &[] };
         others.clear();
         if is_closed {
+            report.kinks |= analytic.kinks;
             analytic.weigh(data, present, weights);
             for (index, resolved) in resolved.iter().enumerate() {
                 if resolved.is_differenced || !analytic.has_readings(data.model(), &resolved.effect, weights) {

@@ -254,8 +254,10 @@ bitflags! {
         /// distance equals the margin, or the force is zero. Or the friction loss of a joint or a
         /// tendon is exactly at its limit. Or the violation of a constraint whose `solimp` has the
         /// power 1 is zero or equals the width. The method `Analytic` gives the derivative for the
-        /// constraints that act at present. The others report [`DIFFERENCES`](Self::DIFFERENCES),
-        /// except for inverse dynamics.
+        /// constraints that act at present. Or two geoms in contact have equal friction (or equal
+        /// numbers in a `solref` of direct format), of which the contact has the larger (the
+        /// smaller), and the derivative is by that number: it is the mean of both sides. The others
+        /// report [`DIFFERENCES`](Self::DIFFERENCES), except for inverse dynamics.
         const CONSTRAINTS = 1 << 4;
         /// Differences to the right and to the left disagree by more than 2 %, with each step that
         /// was tried, so that some entries are not derivatives. Either there is a kink, of which

@@ -19,6 +19,7 @@ use super::residual::Residual;
 use crate::data::{ConeHessian, Data, SensorUpdate, Stage};
 use crate::error::Result;
 use crate::ffi;
+use crate::layout::Row;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
@@ -215,19 +216,21 @@ pub(super) fn contacts(data: &Data) -> &[mjContact] {
     unsafe { ffi::array(data.raw().contact, data.ncon()) }
 }
 
-/// Adds a multiple of a row of J, dense or sparse.
-pub(crate) fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
-    let nv = to.len();
+/// Returns a row of J, dense or sparse.
+pub(super) fn constraint_row(data: &Data, row: usize) -> Row<'_> {
     if data.model().is_sparse() {
         let start = data.efc_J_rowadr()[row] as usize;
         let range = start..start + data.efc_J_rownnz()[row] as usize;
-        for (value, &dof) in data.efc_J()[range.clone()].iter().zip(&data.efc_J_colind()[range]) {
-            to[dof as usize] += factor * value;
-        }
+        Row { values: &data.efc_J()[range.clone()], columns: Some(&data.efc_J_colind()[range]) }
     } else {
-        let values = &data.efc_J()[row * nv..(row + 1) * nv];
-        to.iter_mut().zip(values).for_each(|(to, value)| *to += factor * value);
+        let nv = data.model().nv();
+        Row { values: &data.efc_J()[row * nv..(row + 1) * nv], columns: None }
     }
+}
+
+/// Adds a multiple of a row of J.
+pub(crate) fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
+    constraint_row(data, row).add_to(to, factor);
 }
 
 /// Adds the lower triangle of `left · rightᵀ`.

@@ -20,11 +20,20 @@ impl Lineariser {
     /// `∂a/∂θ = −(∂g/∂a)⁻¹ ∂g/∂θ`, with the matrix of the linearisation. Formulas give ∂g/∂θ for
     /// the inertia of bodies, for which it is the [regressor](Data::joint_regressor), and for
     /// gravity, armature, damping, dry friction, stiffness and rest positions of joints and
-    /// tendons, affine gains and biases, gears of joints and tendons, and time constants of
-    /// filters. All other parameters, such as those of contacts and poses of bodies, are
+    /// tendons, affine gains and biases, gears of joints and tendons, time constants of filters,
+    /// and the solver parameters of constraints: `geom_friction`, `pair_friction`, and `solref` and
+    /// `solimp` of geoms (with `geom_solmix`), pairs, limits, dry friction and equality
+    /// constraints. All other parameters, such as margins, sizes and poses, are
     /// [differenced](Self::differenced_parameters), and so are readings whose dependence on a
     /// parameter has no formula. The report names these
     /// [`PARAMETERS`](DifferencedTerms::PARAMETERS) and [`SENSORS`](DifferencedTerms::SENSORS).
+    ///
+    /// A contact mixes the parameters of its geoms as the engine documents it ("Computation",
+    /// section "Collision detection"): by priority, the larger friction, the weighted mean of
+    /// `solref` and `solimp`. Numbers that the engine replaces, such as a time constant below two
+    /// time steps, have no effect. The formulas apply to states where they reproduce the stiffness,
+    /// damping and impedance of all constraints and the parameters of all contacts; otherwise
+    /// complete steps are differenced.
     ///
     /// Complete steps are differenced, and the method is [`Columns`](TransitionMethod::Columns), if
     /// the model or the state has no [closed form](TransitionMethod::Analytic), and if the options
@@ -64,7 +73,8 @@ impl Lineariser {
     ///
     /// Sources: S. Le Lidec et al., "Differentiable simulation for physical system identification",
     /// RA-L 2021; C. Atkeson, C. An and J. Hollerbach, "Estimation of inertial parameters of
-    /// manipulator loads and links", IJRR 1986.
+    /// manipulator loads and links", IJRR 1986; for constraints E. Todorov, "Convex and
+    /// analytically-invertible dynamics with contacts and constraints", ICRA 2014.
     #[doc(alias = "sensitivity")]
     #[doc(alias = "differentiable simulation")]
     #[doc(alias = "gradient")]
@@ -137,10 +147,11 @@ impl Lineariser {
     }
 
     /// Returns the parameters of a list for which there is no formula, so that they are
-    /// differenced: where the [analytic](TransitionMethod::Analytic) method applies, those of
-    /// contacts, limits and equality constraints, poses and joint axes, muscles, gears of
-    /// transmissions other than hinges, slides and tendons, dry friction that is zero, parameters
-    /// of inertia in a medium; where it does not apply, all of them.
+    /// differenced: where the [analytic](TransitionMethod::Analytic) method applies, margins, gaps
+    /// and ranges, sizes, poses and joint axes, `eq_data`, `pair_solreffriction`, muscles, gears of
+    /// transmissions other than hinges, slides and tendons, dry friction that is zero,
+    /// `geom_solmix` that is zero, parameters of inertia in a medium; where it does not apply, all
+    /// of them.
     ///
     /// # Errors
     ///
@@ -232,15 +243,18 @@ impl Lineariser {
         point.move_to(base)?;
         let copy = &mut point.data;
         copy.qacc_mut().copy_from_slice(data.qacc());
-        let is_closed = requested == TransitionMethod::Analytic && obstacle.is_none();
-        let mut report = if is_closed {
-            let columns = analytic.differentiate_inverse_terms(copy, &buffers.resolved, force)?;
-            forces.as_mut_slice().copy_from_slice(columns.residual.as_slice());
-            LinearisationReport { kinks: analytic.kinks, ..LinearisationReport::new(requested, None) }
-        } else {
-            let reason = if requested == TransitionMethod::Analytic { obstacle } else { None };
-            LinearisationReport::new(TransitionMethod::Columns, reason)
-        };
+        let is_requested = requested == TransitionMethod::Analytic;
+        let mut report = LinearisationReport::new(TransitionMethod::Columns, obstacle.filter(|_| is_requested));
+        let mut is_closed = false;
+        if is_requested && obstacle.is_none() {
+            if let Some(columns) = analytic.differentiate_inverse_terms(copy, &buffers.resolved, force)? {
+                forces.as_mut_slice().copy_from_slice(columns.residual.as_slice());
+                is_closed = true;
+                report = LinearisationReport { kinks: analytic.kinks, ..LinearisationReport::new(requested, None) };
+            } else {
+                report.fallback = Some(Fallback::Constraint);
+            }
+        }
         if is_closed && !buffers.resolved.iter().any(|resolved| resolved.is_differenced) {
             return Ok(report);
         }

@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use super::inertial::{self, InertialParameters};
+use super::solver::SolverNumber;
 use super::{ModelParameter, coordinates};
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, TransmissionType};
 use crate::error::Result;
@@ -62,6 +63,8 @@ pub(in crate::derivative) enum Effect {
     },
     /// Gear of an actuator of a scalar joint or a tendon, which is not zero.
     Gear(usize),
+    /// Solver parameter of constraints.
+    Solver(SolverNumber),
     /// No formula.
     Other,
 }
@@ -249,7 +252,7 @@ fn number(model: &Model, parameter: Parameter) -> Effect {
         "actuator_biasprm" => bias(model, row, column),
         "actuator_dynprm" if column == 0 => time_constant(model, row),
         "actuator_gear" if column == 0 => gear(model, row),
-        _ => Effect::Other,
+        _ => SolverNumber::of(model, array, row, column).map_or(Effect::Other, Effect::Solver),
     }
 }
 

@@ -1,8 +1,12 @@
 //! Derivatives by parameters of a model, and gradients of costs along trajectories.
 //!
 //! [`Lineariser::parameter_jacobian`](crate::Lineariser::parameter_jacobian) differentiates a step
-//! by masses, inertia, damping and most other numbers of a model, in closed form where there is
-//! one. [`sensitivities`](crate::Lineariser::sensitivities) are the derivatives of a whole
+//! by any numbers of a model. Closed forms give the derivatives by the inertia of bodies, gravity,
+//! armature, damping, dry friction, springs, affine actuators, gears, time constants, and the
+//! friction, `solref` and `solimp` of contacts, limits and equality constraints; margins, sizes,
+//! poses and others are differenced, and
+//! [`differenced_parameters`](crate::Lineariser::differenced_parameters) names them.
+//! [`sensitivities`](crate::Lineariser::sensitivities) are the derivatives of a whole
 //! trajectory. For a single number, such as a cost,
 //! [`cost_gradient`](crate::Lineariser::cost_gradient) computes the derivatives by all controls and
 //! any number of parameters at once, backwards in time.

@@ -2,6 +2,7 @@
 //! `mj_step` with edited models, and against identities.
 
 mod adjoint;
+mod constraints;
 mod contract;
 mod identities;
 mod oracle;
@@ -124,20 +125,42 @@ fn with_formulas(model: &Model) -> Vec<ModelParameter> {
     }
     list.extend(field(model, "actuator_dynprm", 1));
     list.extend(field(model, "actuator_gear", 1));
+    list.extend(of_constraints(model));
     list
+}
+
+/// Returns all solver parameters of constraints.
+fn of_constraints(model: &Model) -> Vec<ModelParameter> {
+    const ARRAYS: [(&str, usize); 17] = [
+        ("geom_friction", 3),
+        ("geom_solref", 2),
+        ("geom_solimp", 5),
+        ("geom_solmix", 1),
+        ("pair_friction", 5),
+        ("pair_solref", 2),
+        ("pair_solimp", 5),
+        ("jnt_solref", 2),
+        ("jnt_solimp", 5),
+        ("dof_solref", 2),
+        ("dof_solimp", 5),
+        ("tendon_solref_lim", 2),
+        ("tendon_solimp_lim", 5),
+        ("tendon_solref_fri", 2),
+        ("tendon_solimp_fri", 5),
+        ("eq_solref", 2),
+        ("eq_solimp", 5),
+    ];
+    ARRAYS.into_iter().flat_map(|(array, columns)| field(model, array, columns)).collect()
 }
 
 /// Returns parameters without a formula.
 fn without_formulas(model: &Model) -> Vec<ModelParameter> {
     let mut list = Vec::new();
     for (array, columns) in [
-        ("geom_friction", 3),
-        ("geom_solref", 2),
-        ("geom_solimp", 3),
+        ("geom_margin", 1),
+        ("jnt_range", 2),
         ("jnt_pos", 3),
         ("jnt_axis", 3),
-        ("jnt_solref", 2),
-        ("dof_solref", 2),
         ("body_pos", 3),
         ("geom_pos", 3),
         ("geom_size", 1),

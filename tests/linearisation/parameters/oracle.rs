@@ -12,8 +12,8 @@ const LEAST: f64 = 0.05;
 const ROUNDING: f64 = 2e-15;
 
 /// Parameters whose derivative at zero is the one to the right.
-const NOT_NEGATIVE: [&str; 7] =
-    ["damping", "frictionloss", "armature", "stiffness", "geom_friction", "mass of", "geom_size"];
+const NOT_NEGATIVE: [&str; 8] =
+    ["damping", "frictionloss", "armature", "stiffness", "geom_friction", "geom_margin", "mass of", "geom_size"];
 
 pub(super) struct Oracle {
     data: Data,

@@ -103,13 +103,27 @@ fn differentiate_polynomial(
     }
 }
 
+/// Returns the norm of the positions of a connect or weld constraint.
+pub(super) fn violation(data: &Data, row: usize, count: usize) -> f64 {
+    let torque_scale = if count > 3 { position_torque_scale(data, ffi::size(data.efc_id()[row])) } else { 1.0 };
+    let scale = |at: usize| if at < 3 { 1.0 } else { torque_scale };
+    let positions = data.efc_pos()[row..row + count].iter().enumerate();
+    positions.map(|(at, pos)| (scale(at) * pos).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Returns the scale of the Jacobian of the rotation of a weld relative to its positions. Since 3.0
+/// the engine scales the positions, too.
+fn position_torque_scale(data: &Data, equality: usize) -> f64 {
+    if cfg!(engine_since = "3.0.0") { 1.0 } else { data.model().eq_data()[equality][10] }
+}
+
 /// Adds the derivatives of the reference and of the impedance, given the derivatives of the
 /// positions. `torque_scale` is the scale of the Jacobian of rotations relative to their positions.
 fn finish(rows: &mut Rows, data: &Data, torque_scale: f64) {
     let [stiffness, _, impedance, slope] = data.efc_KBIP()[rows.first];
     let positions = &data.efc_pos()[rows.first..rows.first + rows.count];
     let position_scale = |row: usize| if row < 3 { 1.0 } else { torque_scale };
-    let norm = positions.iter().enumerate().map(|(row, pos)| (position_scale(row) * pos).powi(2)).sum::<f64>().sqrt();
+    let norm = violation(data, rows.first, rows.count);
     let span = rows.span.clone();
     // The derivative of the norm. The engine's P of a single position has the sign of the position
     // already.
@@ -155,8 +169,7 @@ fn differentiate_bodies(
     let damping = data.efc_KBIP()[row][1];
     chains.set(tree, data.cdof(), bodies, |dof| data.qacc()[dof] + damping * data.qvel()[dof]);
     rows.load(data, row, if is_weld { 6 } else { 3 }, Some(chains.span()));
-    // Since 3.0 the engine scales the positions, too.
-    finish(rows, data, if cfg!(engine_since = "3.0.0") { 1.0 } else { torque_scale });
+    finish(rows, data, if is_weld { position_torque_scale(data, equality) } else { 1.0 });
 
     let efc_force = |first: usize| array::from_fn(|i| data.efc_force()[first + i]);
     let force: Vec3 = efc_force(row);

@@ -5,7 +5,7 @@ use mujoco_sys::{
     mjMINVAL,
 };
 
-use super::{is_active, row_count};
+use super::{is_active, row_count, violation};
 use crate::data::Data;
 use crate::derivative::kinks::is_at;
 use crate::derivative::method::Kinks;
@@ -78,11 +78,7 @@ fn is_at_impedance_kink(data: &Data, row: usize, count: usize) -> bool {
     if power > 1.0 || start == end || width <= mjMINVAL {
         return false;
     }
-    // The rows of an equality constraint share the impedance of the norm. The rows of a contact
-    // have the violation of the first row.
-    let rows = row..row + if kind == mjCNSTR_EQUALITY { count } else { 1 };
-    let squares = rows.map(|row| (data.efc_pos()[row] - data.efc_margin()[row]).powi(2));
-    let violation = squares.sum::<f64>().sqrt();
+    let violation = violation(data, row, count);
     is_at(violation, 0.0) || is_at(violation, width)
 }
 

@@ -27,6 +27,7 @@ pub(super) use self::chains::Chains;
 pub(super) use self::force_sensors::ForceSensors;
 pub(super) use self::interactions::Interactions;
 pub(super) use self::kinks::of_state as kinks_of_state;
+pub(super) use self::rows::MAX_ROWS;
 use self::rows::Rows;
 use super::tendon::Tendons;
 use super::tree::Tree;
@@ -121,7 +122,7 @@ impl Constraints {
 }
 
 /// Returns the number of rows of the constraint that starts at a row.
-fn row_count(data: &Data, row: usize) -> usize {
+pub(super) fn row_count(data: &Data, row: usize) -> usize {
     let id = ffi::size(data.efc_id()[row]);
     #[expect(non_upper_case_globals, reason = "the engine's constants")]
     match data.efc_type()[row] as u32 {
@@ -132,12 +133,22 @@ fn row_count(data: &Data, row: usize) -> usize {
     }
 }
 
+/// Returns the violation of a constraint, of which its impedance is a function. The rows of an
+/// equality constraint share the norm of their positions; those of a contact have the violation of
+/// the first row.
+pub(super) fn violation(data: &Data, row: usize, count: usize) -> f64 {
+    if data.efc_type()[row] as u32 == mjCNSTR_EQUALITY && count > 1 {
+        return equality::violation(data, row, count);
+    }
+    (data.efc_pos()[row] - data.efc_margin()[row]).abs()
+}
+
 /// Returns `true` for a type of rows of contacts.
 fn is_contact(kind: u32) -> bool {
     [mjCNSTR_CONTACT_FRICTIONLESS, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_CONTACT_ELLIPTIC].contains(&kind)
 }
 
 /// Returns `true` if a constraint has a force, or can have one after a small change of the state.
-fn is_active(data: &Data, row: usize, count: usize) -> bool {
+pub(super) fn is_active(data: &Data, row: usize, count: usize) -> bool {
     data.efc_state()[row..row + count].iter().any(|&state| state as u32 != mjCNSTRSTATE_SATISFIED)
 }

@@ -27,7 +27,7 @@ use crate::numerics::linear_algebra::add;
 
 /// Maximum number of rows of a constraint: a contact with a pyramidal cone and five friction
 /// components.
-pub(super) const MAX_ROWS: usize = 10;
+pub(in crate::derivative::analytic) const MAX_ROWS: usize = 10;
 
 /// Rows of a constraint, with columns for all degrees of freedom.
 #[derive(Debug)]

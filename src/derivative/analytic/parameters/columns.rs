@@ -1,6 +1,6 @@
 //! Columns of derivatives, one for each parameter, and gradients, one number for each.
 
-use super::effects::Sink;
+use super::sink::Sink;
 use crate::matrix::Matrix;
 use crate::model::Model;
 

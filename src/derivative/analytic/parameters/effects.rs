@@ -9,6 +9,7 @@
 //! | friction loss, if its constraint slips | minus the force at the limit, for a loss of one | – |
 //! | stiffness, rest position | displacement, `−k` | – |
 //! | gain, bias | minus the moment arms times the factor of the parameter | `h m mᵀ s` for factors of the velocity |
+//! | solver parameters of constraints | `solver/` | – |
 //! | gear | moment arms, lengths and velocities are proportional to it | twice the velocity gain |
 //!
 //! Q and s belong to the integrators with implicit damping: see `euler.rs` and `implicit_step.rs`.
@@ -18,6 +19,8 @@ use mujoco_sys::{mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON, mjCNSTRSTATE_LIN
 use super::super::actuators::{self, ForceSlopes};
 use super::super::sensors::explicit;
 use super::super::tree::Tree;
+use super::sink::Sink;
+use super::solver;
 use crate::data::Data;
 use crate::derivative::parameter::{BodyFrame, BodyMotion, Effect, Factor, in_engine_order};
 use crate::enums::JointType;
@@ -26,18 +29,6 @@ use crate::layout::Row;
 use crate::math;
 use crate::model::{DisableFlags, Model};
 use crate::numerics::spatial::{Spatial, add_scaled, cross, dot, momentum, spatial};
-
-/// Receiver of the derivatives by one parameter.
-pub(super) trait Sink {
-    /// Adds to ∂g.
-    fn residual(&mut self, dof: usize, value: f64);
-    /// Adds to `∂M w + h ∂Q s`.
-    fn spread(&mut self, dof: usize, value: f64);
-    /// Adds to the derivative of a next activation.
-    fn activation(&mut self, activation: usize, value: f64);
-    /// Adds to the derivative of a reading at constant accelerations.
-    fn sensor(&mut self, address: usize, value: f64);
-}
 
 /// State at which the terms are differentiated.
 #[derive(Clone, Copy)]
@@ -189,6 +180,7 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
             sink.activation(activation, by_time_constant(data, actuator, activation));
         }
         Effect::Gear(actuator) => add_gear(point, actuator, sink),
+        Effect::Solver(number) => solver::differentiate(data, number, sink),
         _ => {}
     }
 }

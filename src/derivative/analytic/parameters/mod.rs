@@ -17,6 +17,8 @@
 mod columns;
 mod effects;
 mod integrator;
+mod sink;
+mod solver;
 
 use self::columns::{Column, Columns, Product};
 use self::effects::{Damping, Point};
@@ -69,7 +71,9 @@ impl Analytic {
         if !is_linearised && let Err(reason) = self.prepare_point(data, wants_sensors)? {
             return Ok(Err(reason));
         }
+        let Some(kinks) = solver::examine(data, resolved) else { return Ok(Err(Fallback::Constraint)) };
         let Self { tree, bodies, parameters, .. } = self;
+        self.kinks |= kinks;
         let parameters = parameters.get_or_insert_with(|| Parameters::new(data.model()));
         let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
         parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
@@ -230,13 +234,14 @@ impl Analytic {
     }
 
     /// Computes the derivatives of the forces of inverse dynamics at the present positions,
-    /// velocities and accelerations, as far as they have formulas.
+    /// velocities and accelerations, as far as they have formulas. Returns `None` if a constraint
+    /// has none.
     pub(in crate::derivative) fn differentiate_inverse_terms(
         &mut self,
         data: &mut Data,
         resolved: &[Resolved],
         force: InverseForce,
-    ) -> Result<&mut Columns> {
+    ) -> Result<Option<&mut Columns>> {
         let has_actuators = force == InverseForce::WithoutActuators;
         data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
         data.fwd_actuation()?;
@@ -244,13 +249,15 @@ impl Analytic {
         if has_actuators {
             self.kinks |= actuators::kinks_of_forces(data);
         }
+        let Some(kinks) = solver::examine(data, resolved) else { return Ok(None) };
+        self.kinks |= kinks;
         let Self { tree, parameters, .. } = self;
         let Parameters { columns, .. } = parameters.get_or_insert_with(|| Parameters::new(data.model()));
         columns.clear(data.model(), resolved.len(), false);
         let point =
             Point { data, tree, damping: Damping::None, wants_sensors: false, has_actuators, has_applied: false };
         add_all(point, resolved, columns);
-        Ok(columns)
+        Ok(Some(columns))
     }
 }
 

@@ -31,6 +31,17 @@ pub(in crate::derivative::analytic) fn is_covered(model: &Model, effect: &Effect
                 && !is_inertial(model.sensor_objtype()[sensor])
                 && !is_inertial(model.sensor_reftype()[sensor])
         }
+        // The forces of constraints change.
+        Effect::Solver(_) => !matches!(
+            kind(model, sensor),
+            Some(
+                SensorType::Touch
+                    | SensorType::JointLimitForce
+                    | SensorType::TendonLimitForce
+                    | SensorType::Force
+                    | SensorType::Torque
+            )
+        ),
         _ => true,
     }
 }
