@@ -189,7 +189,7 @@ impl Newton {
     }
 
     /// Updates the constraint forces for the present `qacc`.
-    fn update_constraints(&mut self, data: &mut Data) -> Result<()> {
+    pub(super) fn update_constraints(&mut self, data: &mut Data) -> Result<()> {
         let jar = &mut self.jar;
         jar.clear();
         jar.resize(data.nefc(), 0.0);

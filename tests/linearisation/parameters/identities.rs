@@ -185,6 +185,20 @@ fn inverse_dynamics_agrees_with_its_differences() {
 }
 
 #[test]
+fn inverse_dynamics_opposes_dry_friction() {
+    let text = r#"<mujoco><worldbody><body><joint name="j" axis="0 0 1" frictionloss=".3"/><geom size=".1" pos=".2 0 0"/></body></worldbody></mujoco>"#;
+    let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
+    data.qvel_mut()[0] = 2.0;
+    let model = data.model().clone();
+    let parameters = [mujoco_safe::rollout::Parameter::JointFrictionLoss(model.joint("j").unwrap().id()).into()];
+    let mut lineariser = Lineariser::new(model, TransitionOptions::default()).unwrap();
+    for force in [InverseForce::Total, InverseForce::WithoutActuators] {
+        let (forces, report) = lineariser.inverse_parameter_jacobian(&mut data, &parameters, force).unwrap();
+        assert_eq!((report.method, forces[(0, 0)]), (TransitionMethod::Analytic, 1.0));
+    }
+}
+
+#[test]
 fn differences_of_steps_are_the_fallback() {
     // Contacts of the humanoid, with Runge–Kutta steps and with another method.
     let mut data = Data::new(sample::humanoid()).unwrap();

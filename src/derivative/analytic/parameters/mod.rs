@@ -245,6 +245,8 @@ impl Analytic {
         let has_actuators = force == InverseForce::WithoutActuators;
         data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
         data.fwd_actuation()?;
+        // The forces are not valid after other actuation.
+        self.newton.update_constraints(data)?;
         self.kinks = passive::kinks(data) | constraint::kinks_of_state(data, &[]);
         if has_actuators {
             self.kinks |= actuators::kinks_of_forces(data);
