@@ -7,18 +7,18 @@ export class Cameras {
   constructor(canvas, look, frames, redraw) {
     this.frames = frames;
     this.list = [
-      { name: 'Free camera', frustum: look.free.frustum },
+      { name: 'Free camera', view: look.free.view },
       ...look.cameras.map((camera, index) => ({ ...camera, name: camera.name ?? `camera ${index}` })),
     ];
     for (const entry of this.list) {
-      entry.camera = entry.frustum.orthographic ? new OrthographicCamera() : new PerspectiveCamera();
+      entry.camera = entry.view.orthographic ? new OrthographicCamera() : new PerspectiveCamera();
       entry.camera.up.set(0, 0, 1);
     }
-    const { camera, frustum } = this.list[0];
-    camera.fov = (2 * Math.atan2(frustum.top, frustum.near) * 180) / Math.PI;
+    const { camera, view } = this.list[0];
+    camera.fov = (2 * Math.atan2(view.frustum_top, view.frustum_near) * 180) / Math.PI;
     camera.position.fromArray(look.free.pos);
     this.controls = new OrbitControls(camera, canvas);
-    this.controls.target.fromArray(look.free.lookat);
+    this.controls.target.fromArray(look.lookat);
     this.controls.addEventListener('change', redraw);
     this.distance = this.controls.getDistance();
     this.middle = new Vector3();
@@ -56,16 +56,16 @@ export class Cameras {
 
   /** Returns the selected camera, placed for an image of this ratio of width to height. */
   get(aspect) {
-    const { camera, frustum, frame, pos, quat } = this.list[this.selected];
+    const { camera, view, frame, pos, quat } = this.list[this.selected];
     if (frame !== undefined) {
       const object = this.frames[frame];
       camera.quaternion.set(quat[1], quat[2], quat[3], quat[0]).premultiply(object.quaternion);
       camera.position.fromArray(pos).applyQuaternion(object.quaternion).add(object.position);
     }
-    const { center, width, near, far } = frustum;
+    const { frustum_center: center, frustum_width: width, frustum_near: near, frustum_far: far } = view;
     // An image that is higher than wide shows at least what a square would.
     const zoom = width > 0 || aspect >= 1 ? 1 : 1 / aspect;
-    const [bottom, top] = [zoom * frustum.bottom, zoom * frustum.top];
+    const [bottom, top] = [zoom * view.frustum_bottom, zoom * view.frustum_top];
     const half = width > 0 ? width : (aspect * (top - bottom)) / 2;
     const edges = { left: center - half, right: center + half, top, bottom, near, far };
     Object.assign(camera, { near, far });

@@ -26,7 +26,7 @@ export class Shapes {
     const steps = (number) => Math.round(number * detail);
     switch (shape) {
       case 'plane': {
-        const far = this.look.free.frustum.far;
+        const far = this.look.free.view.frustum_far;
         return new PlaneGeometry(2 * (x > 0 ? x : far), 2 * (y > 0 ? y : far));
       }
       case 'ellipsoid':
@@ -47,9 +47,10 @@ export class Shapes {
   }
 
   /** Triangles with a normal for each corner: of the vertex where it is smooth, else of the face. */
-  mesh({ intervals, vertices, count, faces, texcoords }) {
-    const axes = channels(this.binary, vertices, 3, count, PREVIOUS).map((n, axis) => scaled(n, intervals[axis]));
-    const corners = this.indices(faces);
+  mesh({ positions, texcoords }) {
+    const { count } = positions;
+    const axes = this.vectors(positions);
+    const corners = this.indices(positions.faces);
     const position = new Float32Array(3 * corners.length);
     corners.forEach((vertex, corner) => {
       for (let axis = 0; axis < 3; axis++) position[3 * corner + axis] = axes[axis][vertex];
@@ -68,14 +69,18 @@ export class Shapes {
     const geometry = geometryOf(position);
     geometry.setAttribute('normal', new BufferAttribute(normal, 3));
     if (texcoords) {
-      const values = channels(this.binary, texcoords.values, 2, texcoords.count, PREVIOUS);
-      const [u, v] = values.map((n, axis) => scaled(n, texcoords.intervals[axis]));
+      const [u, v] = this.vectors(texcoords);
       const indices = this.indices(texcoords.faces);
       const uv = new Float32Array(2 * corners.length);
       for (let i = 0; i < Math.min(indices.length, corners.length); i++) uv.set([u[indices[i]], v[indices[i]]], 2 * i);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
     }
     return geometry;
+  }
+
+  vectors({ intervals, vectors, count }) {
+    const components = channels(this.binary, vectors, intervals.length, count, PREVIOUS);
+    return components.map((integers, axis) => scaled(integers, intervals[axis]));
   }
 
   indices(part) {

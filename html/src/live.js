@@ -107,7 +107,7 @@ export class LivePlayer extends Player {
   }
 
   createSliders() {
-    this.sliders = this.data.live.sliders.map(({ name, range: [low, high] }, index) => {
+    this.sliders = this.data.live.sliders.map(([name, [low, high]], index) => {
       const row = document.createElement('label');
       const input = document.createElement('input');
       const release = tag('button', '×');

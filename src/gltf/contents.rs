@@ -1,27 +1,55 @@
 //! Contents of a file: the tree of nodes, with what they show.
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
 use gltf_json::{Extras, Index, Node, Scene};
 
 use super::document::Document;
-use super::geometry::Geometry;
-use super::material::Materials;
 use super::motion::Clip;
-use super::options::GltfOptions;
-use super::{light, node};
+use super::{GltfOptions, node};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::file;
-use crate::math::rot_vec_quat;
+use crate::kind::Kind;
+use crate::math::{norm, rot_vec_quat};
 use crate::model::Model;
-use crate::replay::{self, Frame, Groups, Look, Pose};
+use crate::replay::{self, CameraLook, Frame, Look, Pose, label};
+use crate::scene::SceneOptions;
+
+/// Writes a file, and returns what is left out. `data` has the positions of the first record.
+pub(super) fn write(
+    path: &Path,
+    data: &mut Data,
+    frames: &[Frame],
+    options: &GltfOptions,
+    clips: &[Clip<'_>],
+) -> Result<Vec<String>> {
+    let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
+    let (mut look, _) = Look::new(data, frames, &groups)?;
+    let model = data.model();
+    let parents = parents(model, frames);
+    let poses: Vec<Vec<Vec<Pose>>> = clips.iter().map(|clip| clip.in_parents(&parents)).collect();
+    let rest: Vec<Pose> = poses[0].iter().map(|poses| poses[0]).collect();
+    let world: Vec<Pose> = clips[0].poses.iter().map(|poses| poses[0]).collect();
+
+    let mut document = Document::new(model, std::mem::take(&mut look.left_out));
+    document.add_frames(frames, &rest, &parents)?;
+    document.add_geoms(&look, farthest(model.nbody(), clips))?;
+    let free = document.add_cameras(&look)?;
+    document.add_lights(&look, free, &world)?;
+    for (clip, poses) in clips.iter().zip(&poses) {
+        document.animate(clip, poses, &rest)?;
+    }
+    let left_out = replay::report(std::mem::take(&mut document.left_out), "a glTF file does not contain");
+    let bytes = document.file().map_err(Error::file(path))?;
+    file::replace(path, |out| out.write_all(&bytes))?;
+    Ok(left_out)
+}
 
 /// Returns the frame that contains each frame: the parent of a body, and the world for cameras and
 /// lights that move by themselves.
-pub(super) fn parents(model: &Model, frames: &[Frame]) -> Vec<Option<usize>> {
+fn parents(model: &Model, frames: &[Frame]) -> Vec<Option<usize>> {
     let parent = |frame: &Frame| match *frame {
         Frame::Body(0) => None,
         Frame::Body(index) => Some(model.body_parentid()[index] as usize),
@@ -30,153 +58,94 @@ pub(super) fn parents(model: &Model, frames: &[Frame]) -> Vec<Option<usize>> {
     frames.iter().map(parent).collect()
 }
 
-/// Returns the largest distance of a body from the origin, m.
-pub(super) fn distance(data: &Data) -> f64 {
-    data.xpos().iter().map(|pos| pos.iter().map(|part| part * part).sum::<f64>().sqrt()).fold(0.0, f64::max)
+/// Returns the largest distance of the first frames, which are the bodies, from the origin, m.
+fn farthest(bodies: usize, clips: &[Clip<'_>]) -> f64 {
+    let poses = clips.iter().flat_map(|clip| &clip.poses[..bodies]).flatten();
+    poses.map(|pose| norm(&pose.pos)).fold(0.0, f64::max)
 }
 
-/// Contents of a file.
-pub(super) struct Contents {
-    frames: Vec<Frame>,
-    look: Look,
-    left_out: BTreeSet<String>,
-    /// Distances of the lights from the centre of the model, m.
-    distances: Vec<f64>,
-}
-
-impl Contents {
-    /// Collects the looks. `data` has the positions of the first record.
-    pub(super) fn new(data: &mut Data, frames: Vec<Frame>, options: &GltfOptions) -> Result<Self> {
-        if options.rotation_error.is_nan() || options.rotation_error < 1e-6 {
-            let value = options.rotation_error;
-            return Err(Error::out_of_range("GltfOptions::rotation_error", value, "at least 1e-6"));
-        }
-        let mut look = Look::new(data, &frames, Groups { geom: options.geomgroup, site: options.sitegroup })?;
-        let mut left_out = std::mem::take(&mut look.left_out);
-        if look.sky.is_some() {
-            left_out.insert("the sky".to_owned());
-        }
-        let center = data.model().statistics().center;
-        let distance = |light: &replay::Light| {
-            let Some(frame) = light.frame else { return 0.0 };
-            let Pose { pos, quat } = replay::pose(data, frames[frame]);
-            let place = rot_vec_quat(&light.pos, &quat);
-            (0..3).map(|axis| (pos[axis] + place[axis] - center[axis]).powi(2)).sum::<f64>().sqrt()
-        };
-        let distances = look.lights.iter().map(distance).collect();
-        Ok(Self { frames, look, left_out, distances })
-    }
-
-    /// Writes the file, and returns what is left out. `farthest` is the largest distance of a body
-    /// from the origin, m.
-    pub(super) fn write(
-        mut self,
-        path: &Path,
-        model: &Model,
-        clips: &[Clip],
-        farthest: f64,
-        options: &GltfOptions,
-    ) -> Result<Vec<String>> {
-        let mut document = Document::default();
-        document.root.asset.generator = Some(concat!("mujoco-safe ", env!("CARGO_PKG_VERSION")).to_owned());
-        let extent = model.statistics().extent;
-        let rest = clips[0].start();
-        let nodes = self.add_frames(&mut document, model, &rest)?;
-        self.add_geoms(&mut document, model, &nodes, (5.0 * extent + farthest) as f32)?;
-        self.add_cameras(&mut document, model, &nodes)?;
-        for clip in clips {
-            clip.animate(&mut document, &nodes, &rest, extent, options.rotation_error)?;
-        }
-        let left_out = replay::report(self.left_out, "a glTF file does not contain");
-        let bytes = document.file().map_err(Error::file(path))?;
-        file::replace(path, |out| out.write_all(&bytes))?;
-        Ok(left_out)
-    }
-
+impl Document<'_> {
     /// Adds the scene, its root and the nodes of the frames.
-    fn add_frames(&self, document: &mut Document, model: &Model, rest: &[Pose]) -> Result<Vec<Index<Node>>> {
-        let root = &mut document.root;
+    fn add_frames(&mut self, frames: &[Frame], rest: &[Pose], parents: &[Option<usize>]) -> Result<()> {
+        let root = &mut self.root;
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let upright = Pose { pos: [0.0; 3], quat: [half, -half, 0.0, 0.0] };
         let top = root.push(node::node("z-axis up".to_owned(), upright)?);
         let scene =
             Scene { nodes: vec![top], extensions: None, extras: Extras::default(), name: Some("scene".to_owned()) };
         root.scene = Some(root.push(scene));
-        let parents = parents(model, &self.frames);
-        let mut nodes: Vec<Index<Node>> = Vec::with_capacity(self.frames.len());
-        for ((frame, pose), parent) in self.frames.iter().zip(rest).zip(parents) {
+        for ((frame, pose), parent) in frames.iter().zip(rest).zip(parents) {
             let name = match *frame {
-                Frame::Body(index) => body_name(model, index),
-                Frame::Camera(index) => format!("frame of {}", camera_name(model, index)),
-                Frame::Light(index) => format!("frame of {}", light::name(model, index)),
+                Frame::Body(index) => label(self.model, Kind::Body, index),
+                Frame::Camera(index) => format!("frame of {}", label(self.model, Kind::Camera, index)),
+                Frame::Light(index) => format!("frame of {}", label(self.model, Kind::Light, index)),
             };
             // The engine orders parents before their children.
-            let parent = parent.map_or(top, |parent| nodes[parent]);
-            nodes.push(node::add_child(root, parent, node::node(name, *pose)?));
+            let parent = parent.map_or(top, |parent| self.nodes[parent]);
+            self.nodes.push(node::add_child(root, parent, node::node(name, *pose)?));
         }
-        Ok(nodes)
+        Ok(())
     }
 
-    fn add_geoms(&mut self, document: &mut Document, model: &Model, nodes: &[Index<Node>], far: f32) -> Result<()> {
-        let (mut geometry, mut materials) = (Geometry::new(far), Materials::default());
-        for geom in &self.look.geoms {
-            let texture = geom.texture.and_then(|index| self.look.textures[&index].as_ref());
+    /// Adds the geoms. `farthest` is the largest distance of a body from the origin, m.
+    fn add_geoms(&mut self, look: &Look, farthest: f64) -> Result<()> {
+        if look.sky.is_some() {
+            self.left_out.insert("the sky".to_owned());
+        }
+        let far = (5.0 * self.model.statistics().extent + farthest) as f32;
+        for geom in &look.geoms {
+            let texture = geom.texture.and_then(|index| look.textures[&index].as_ref());
             if let Some(index) = geom.texture.filter(|_| texture.is_some_and(|texture| texture.is_cube)) {
-                let name = model.textures().nth(index).and_then(|texture| texture.name());
-                self.left_out.insert(format!("the pattern of the cube texture {}", name.unwrap_or("without a name")));
+                let name = label(self.model, Kind::Texture, index);
+                self.left_out.insert(format!("the pattern of the cube texture {name}"));
             }
-            let name =
-                geom.name.clone().unwrap_or_else(|| format!("{} of {}", geom.element, body_name(model, geom.frame)));
-            let material = materials.add(document, model, geom, texture);
+            let of_body = || format!("{} of {}", geom.element, label(self.model, Kind::Body, geom.frame));
+            let name = geom.name.clone().unwrap_or_else(of_body);
+            let material = self.material(geom, texture);
             let map = texture.filter(|texture| !texture.is_cube).map(|_| geom.map);
-            match geometry.mesh(document, model, &self.look, geom, material, map) {
+            match self.mesh(geom, far, material, map) {
                 Ok(mesh) => {
                     let node = node::node(name, Pose { pos: geom.pos, quat: geom.quat })?;
-                    node::add_child(&mut document.root, nodes[geom.frame], Node { mesh, ..node });
+                    node::add_child(&mut self.root, self.nodes[geom.frame], Node { mesh, ..node });
                 }
-                Err(error) => {
-                    self.left_out.insert(format!("{} {name}: {error}", geom.element));
-                }
+                Err(error) => _ = self.left_out.insert(format!("{} {name}: {error}", geom.element)),
             }
         }
         Ok(())
     }
 
-    /// Adds the cameras, and the lights, of which the headlight is at the free camera.
-    fn add_cameras(&mut self, document: &mut Document, model: &Model, nodes: &[Index<Node>]) -> Result<()> {
-        let root = &mut document.root;
-        let free = node::node("free camera".to_owned(), node::free_pose(&self.look.free))?;
-        let free = node::add_child(root, nodes[0], free);
-        if let Some((camera, _)) = node::camera(Some("free camera".to_owned()), &self.look.free.frustum) {
-            root.nodes[free.value()].camera = Some(root.push(camera));
+    /// Adds the cameras, and returns the node of the free one.
+    fn add_cameras(&mut self, look: &Look) -> Result<Index<Node>> {
+        for (index, camera) in look.cameras.iter().enumerate() {
+            self.add_camera(label(self.model, Kind::Camera, index), camera)?;
         }
-        for (index, camera) in self.look.cameras.iter().enumerate() {
-            let name = camera_name(model, index);
-            let Some((converted, is_symmetric)) = node::camera(Some(name.clone()), &camera.frustum) else {
-                self.left_out.insert(format!("camera {name}"));
-                continue;
-            };
-            if !is_symmetric {
-                self.left_out.insert(format!("camera {name}: the shift of its frustum"));
-            }
-            let node = node::node(name, Pose { pos: camera.pos, quat: camera.quat })?;
-            let camera = Some(root.push(converted));
-            node::add_child(root, nodes[self.look.cameras[index].frame], Node { camera, ..node });
+        self.add_camera("free camera".to_owned(), &look.free)
+    }
+
+    fn add_camera(&mut self, name: String, look: &CameraLook) -> Result<Index<Node>> {
+        let camera = node::camera(name.clone(), &look.view).map(|camera| self.root.push(camera));
+        if camera.is_none() {
+            self.left_out.insert(format!("camera {name}"));
+        } else if !node::is_symmetric(&look.view) {
+            self.left_out.insert(format!("camera {name}: the shift of its frustum"));
         }
-        for (light, distance) in self.look.lights.iter().zip(&self.distances) {
-            let node = light::light(root, model, light, *distance)?;
-            node::add_child(root, light.frame.map_or(free, |frame| nodes[frame]), node);
+        let node = node::node(name, Pose { pos: look.pos, quat: look.quat })?;
+        Ok(node::add_child(&mut self.root, self.nodes[look.frame], Node { camera, ..node }))
+    }
+
+    /// Adds the lights, of which the headlight is at the node of the free camera. `world` are the
+    /// poses of the frames at rest.
+    fn add_lights(&mut self, look: &Look, free: Index<Node>, world: &[Pose]) -> Result<()> {
+        let center = self.model.statistics().center;
+        for light in &look.lights {
+            let (parent, pose) = light.frame.map_or((free, None), |frame| (self.nodes[frame], Some(world[frame])));
+            let distance = pose.map_or(0.0, |Pose { pos, quat }| {
+                let place = rot_vec_quat(&light.pos, &quat);
+                (0..3).map(|axis| (pos[axis] + place[axis] - center[axis]).powi(2)).sum::<f64>().sqrt()
+            });
+            let node = node::light(&mut self.root, self.model, light, distance)?;
+            node::add_child(&mut self.root, parent, node);
         }
         Ok(())
     }
-}
-
-fn body_name(model: &Model, index: usize) -> String {
-    let name = model.bodies().nth(index).and_then(|body| body.name());
-    name.map_or_else(|| format!("body {index}"), str::to_owned)
-}
-
-fn camera_name(model: &Model, index: usize) -> String {
-    let name = model.cameras().nth(index).and_then(|camera| camera.name());
-    name.map_or_else(|| format!("camera {index}"), str::to_owned)
 }

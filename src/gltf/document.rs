@@ -1,16 +1,29 @@
 //! A glTF document and its binary buffer, in which equal data are stored once.
 
-use std::collections::HashMap;
-use std::io::{self, Write};
+use std::collections::{BTreeSet, HashMap};
+use std::io;
 
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Buffer, Target, View};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Accessor, Extras, Index, Root, Value};
+use gltf_json::{Accessor, Extras, Index, Material, Mesh, Node, Root, Texture, Value};
 
-#[derive(Debug, Default)]
-pub(super) struct Document {
+use crate::model::Model;
+
+/// Document under construction.
+pub(super) struct Document<'m> {
+    pub(super) model: &'m Model,
     pub(super) root: Root,
+    /// Nodes of the frames.
+    pub(super) nodes: Vec<Index<Node>>,
+    /// Descriptions of what the file does not contain.
+    pub(super) left_out: BTreeSet<String>,
+    /// Meshes by the text of their shape, material and mapping.
+    pub(super) meshes: HashMap<String, Index<Mesh>>,
+    /// Materials by their text.
+    pub(super) materials: HashMap<String, Index<Material>>,
+    /// Textures by their index in the model.
+    pub(super) textures: HashMap<usize, Index<Texture>>,
     bytes: Vec<u8>,
     /// Accessors by their contents.
     known: HashMap<(Kind, Vec<u8>), Index<Accessor>>,
@@ -24,12 +37,11 @@ pub(super) enum Kind {
     Texcoord,
     /// Times of an animation, s.
     Times,
-    /// Output of an animation.
-    Motion,
+    Translations,
+    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
+    Rotations,
     ShortIndices,
     LongIndices,
-    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
-    ShortRotations,
 }
 
 impl Kind {
@@ -37,7 +49,7 @@ impl Kind {
         match self {
             Self::Position | Self::Normal | Self::Texcoord => Some(Target::ArrayBuffer),
             Self::ShortIndices | Self::LongIndices => Some(Target::ElementArrayBuffer),
-            Self::Times | Self::Motion | Self::ShortRotations => None,
+            Self::Times | Self::Translations | Self::Rotations => None,
         }
     }
 
@@ -45,13 +57,29 @@ impl Kind {
         match self {
             Self::ShortIndices => ComponentType::U16,
             Self::LongIndices => ComponentType::U32,
-            Self::ShortRotations => ComponentType::I16,
+            Self::Rotations => ComponentType::I16,
             _ => ComponentType::F32,
         }
     }
 }
 
-impl Document {
+impl<'m> Document<'m> {
+    pub(super) fn new(model: &'m Model, left_out: BTreeSet<String>) -> Self {
+        let mut root = Root::default();
+        root.asset.generator = Some(concat!("mujoco-safe ", env!("CARGO_PKG_VERSION")).to_owned());
+        Self {
+            model,
+            root,
+            nodes: Vec::new(),
+            left_out,
+            meshes: HashMap::new(),
+            materials: HashMap::new(),
+            textures: HashMap::new(),
+            bytes: Vec::new(),
+            known: HashMap::new(),
+        }
+    }
+
     /// Stores vectors of `N` numbers.
     pub(super) fn floats<const N: usize>(&mut self, kind: Kind, values: &[[f32; N]]) -> Index<Accessor> {
         let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -78,10 +106,10 @@ impl Document {
     }
 
     /// Stores unit quaternions with an error of half a 32,767th of each component.
-    pub(super) fn short_rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
+    pub(super) fn rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
         let short = |part: &f32| ((part * 32767.0).round() as i16).to_le_bytes();
         let bytes = values.as_flattened().iter().flat_map(short).collect();
-        self.accessor(Kind::ShortRotations, Type::Vec4, values.len(), bytes, None)
+        self.accessor(Kind::Rotations, Type::Vec4, values.len(), bytes, None)
     }
 
     fn accessor(
@@ -109,7 +137,7 @@ impl Document {
             min,
             max,
             name: None,
-            normalized: kind == Kind::ShortRotations,
+            normalized: kind == Kind::Rotations,
             sparse: None,
         });
         self.known.insert(key, index);
@@ -150,19 +178,16 @@ impl Document {
         }
         let mut json = self.root.to_vec()?;
         json.resize(json.len().next_multiple_of(4), b' ');
-        let chunks = [(b"JSON", &json), (b"BIN\0", &self.bytes)];
-        let chunks = chunks.iter().filter(|(_, bytes)| !bytes.is_empty());
-        let length = 12 + chunks.clone().map(|(_, bytes)| 8 + bytes.len()).sum::<usize>();
         let word = |length: usize| u32::try_from(length).map(u32::to_le_bytes).map_err(io::Error::other);
-        let mut file = Vec::with_capacity(length);
-        for part in [*b"glTF", 2_u32.to_le_bytes(), word(length)?] {
-            file.write_all(&part)?;
-        }
-        for (name, bytes) in chunks {
-            for part in [&word(bytes.len())?[..], &name[..], bytes] {
-                file.write_all(part)?;
+        let mut chunks = Vec::with_capacity(16 + json.len() + self.bytes.len());
+        for (name, bytes) in [(b"JSON", &json), (b"BIN\0", &self.bytes)] {
+            if !bytes.is_empty() {
+                chunks.extend(word(bytes.len())?);
+                chunks.extend(name);
+                chunks.extend(bytes);
             }
         }
-        Ok(file)
+        let header = [*b"glTF", 2_u32.to_le_bytes(), word(12 + chunks.len())?];
+        Ok([header.as_flattened(), &chunks].concat())
     }
 }

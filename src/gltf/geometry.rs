@@ -1,46 +1,29 @@
 //! Triangles of geoms in their local frames.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use gltf_json::mesh::{Mesh, Mode, Primitive, Semantic};
-use gltf_json::validation::Checked::Valid;
+use gltf_json::validation::Checked::{self, Valid};
 use gltf_json::{Accessor, Extras, Index, Material};
 
 use super::document::{Document, Kind};
 use crate::error::Result;
+use crate::kind;
 use crate::math::cross;
 use crate::model::Model;
-use crate::replay::{Geom, Look, Shape, TextureMap};
+use crate::replay::{Geom, Shape, TextureMap};
 use crate::shape::{self, Tessellation, Triangles};
 
 /// Finest tessellation of round shapes: slices and stacks. A circle of 24 edges deviates by less
 /// than 1% of its radius.
 const FINEST: [u32; 2] = [24, 12];
 
-/// Shapes and meshes of a file. Geoms of the same shape share their vertices.
-#[derive(Debug)]
-pub(super) struct Geometry {
-    /// Half the length of infinite planes, m.
-    pub(super) far: f32,
-    shapes: HashMap<ShapeKey, Stored>,
-    meshes: HashMap<MeshKey, Index<Mesh>>,
-}
+/// Accessors of the attributes of vertices.
+type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
-/// Shape, bits of the size, index of the asset.
-type ShapeKey = (Shape, [u32; 3], Option<usize>);
-
-/// Accessors of positions, normals and indices.
-type Stored = [Index<Accessor>; 3];
-
-/// Vertices, texture coordinates and material.
-type MeshKey = (Stored, Option<Index<Accessor>>, Index<Material>);
-
-impl Geometry {
-    pub(super) fn new(far: f32) -> Self {
-        Self { far, shapes: HashMap::new(), meshes: HashMap::new() }
-    }
-
-    /// Adds the mesh of a geom. `None` for a shape without triangles.
+impl Document<'_> {
+    /// Adds the mesh of a geom. `None` for a shape without triangles. `far` is half the length of
+    /// infinite planes, m.
     ///
     /// # Errors
     ///
@@ -48,122 +31,108 @@ impl Geometry {
     /// for shapes of more than 2³² - 1 vertices.
     pub(super) fn mesh(
         &mut self,
-        document: &mut Document,
-        model: &Model,
-        look: &Look,
         geom: &Geom,
+        far: f32,
         material: Index<Material>,
         map: Option<TextureMap>,
     ) -> Result<Option<Index<Mesh>>> {
-        let size = if geom.asset.is_some() { [0; 3] } else { geom.size.map(f32::to_bits) };
-        let key = (geom.shape, size, geom.asset);
-        let known = self.shapes.get(&key).copied();
-        if known.is_none() || map.is_some() {
-            let triangles = self.triangles(model, look, geom)?;
-            if triangles.indices.is_empty() {
-                return Ok(None);
-            }
-            let stored = known.unwrap_or_else(|| stored(document, &triangles));
-            self.shapes.insert(key, stored);
-            let texcoords = map.map(|map| document.floats(Kind::Texcoord, &texcoords(&triangles, map)));
-            return Ok(Some(self.with_material(document, model, geom, stored, texcoords, material)));
+        let size = if geom.asset.is_some() { [0.0; 3] } else { geom.size };
+        let key = format!("{:?}", (geom.shape, size, geom.asset, material, map));
+        if let Some(&known) = self.meshes.get(&key) {
+            return Ok(Some(known));
         }
-        Ok(known.map(|stored| self.with_material(document, model, geom, stored, None, material)))
+        let triangles = triangles(self.model, geom, far)?;
+        if triangles.indices.is_empty() {
+            return Ok(None);
+        }
+        let primitive = Primitive {
+            attributes: self.attributes(&triangles, map),
+            extensions: None,
+            extras: Extras::default(),
+            indices: Some(self.indices(&triangles.indices, triangles.vertices.len())),
+            material: Some(material),
+            mode: Valid(Mode::Triangles),
+            targets: None,
+        };
+        let asset = geom.asset.and_then(|index| match geom.shape {
+            Shape::HeightField => self.model.name_at(kind::Kind::HeightField, index),
+            _ => self.model.name_at(kind::Kind::Mesh, index),
+        });
+        let name = asset.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
+        let mesh = self.root.push(Mesh {
+            extensions: None,
+            extras: Extras::default(),
+            name: Some(name),
+            primitives: vec![primitive],
+            weights: None,
+        });
+        self.meshes.insert(key, mesh);
+        Ok(Some(mesh))
     }
 
-    fn with_material(
-        &mut self,
-        document: &mut Document,
-        model: &Model,
-        geom: &Geom,
-        stored: Stored,
-        texcoords: Option<Index<Accessor>>,
-        material: Index<Material>,
-    ) -> Index<Mesh> {
-        *self.meshes.entry((stored, texcoords, material)).or_insert_with(|| {
-            let [positions, normals, indices] = stored;
-            let attributes = [
-                Some((Valid(Semantic::Positions), positions)),
-                Some((Valid(Semantic::Normals), normals)),
-                texcoords.map(|texcoords| (Valid(Semantic::TexCoords(0)), texcoords)),
-            ];
-            let primitive = Primitive {
-                attributes: attributes.into_iter().flatten().collect(),
-                extensions: None,
-                extras: Extras::default(),
-                indices: Some(indices),
-                material: Some(material),
-                mode: Valid(Mode::Triangles),
-                targets: None,
-            };
-            let name = match (geom.shape, geom.asset) {
-                (Shape::Mesh, Some(index)) => model.meshes().nth(index).and_then(|mesh| mesh.name()),
-                (Shape::HeightField, Some(index)) => model.height_fields().nth(index).and_then(|field| field.name()),
-                _ => None,
-            };
-            let name = name.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
-            let primitives = vec![primitive];
-            document.root.push(Mesh {
-                extensions: None,
-                extras: Extras::default(),
-                name: Some(name),
-                primitives,
-                weights: None,
-            })
-        })
+    /// Stores positions, normals and texture coordinates.
+    fn attributes(&mut self, triangles: &Triangles, map: Option<TextureMap>) -> Attributes {
+        let positions: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.position).collect();
+        let normals: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.normal).collect();
+        let mut attributes = Attributes::from([
+            (Valid(Semantic::Positions), self.floats(Kind::Position, &positions)),
+            (Valid(Semantic::Normals), self.floats(Kind::Normal, &normals)),
+        ]);
+        if let Some(map) = map {
+            let texcoords = self.floats(Kind::Texcoord, &texcoords(triangles, map));
+            attributes.insert(Valid(Semantic::TexCoords(0)), texcoords);
+        }
+        attributes
     }
+}
 
-    fn triangles(&self, model: &Model, look: &Look, geom: &Geom) -> Result<Triangles> {
-        let [slices, stacks] = FINEST;
-        let round = Tessellation::of_model(model).limited(slices, stacks);
-        let [x, y, z] = geom.size;
-        let scaled = |shape: Triangles, [x, y, z]: [f32; 3]| {
-            let mut result = Triangles::default();
-            result.extend_by(&shape, |at| [x * at[0], y * at[1], z * at[2]], |n| [n[0] / x, n[1] / y, n[2] / z]);
-            result
-        };
-        let turned = |[x, y, z]: [f32; 3]| [x, -y, -z];
-        let mut triangles = match geom.shape {
-            Shape::Plane => {
-                let half = |length: f32| if length > 0.0 { length } else { self.far };
-                scaled(shape::plane(1), [half(x), half(y), 1.0])
-            }
-            Shape::Ellipsoid => scaled(shape::sphere(round), geom.size),
-            Shape::Box => scaled(shape::cuboid(1), geom.size),
-            Shape::Capsule => {
-                let mut capsule = scaled(shape::cylinder(round.slices, 1), [x, x, z]);
-                let cap = shape::hemisphere(round);
-                let raised = |at: [f32; 3]| [x * at[0], x * at[1], x * at[2] + z];
-                capsule.extend_by(&cap, raised, |normal| normal);
-                capsule.extend_by(&cap, |at| turned(raised(at)), turned);
-                capsule
-            }
-            Shape::Cylinder => {
-                let mut cylinder = scaled(shape::cylinder(round.slices, 1), [x, x, z]);
-                let end = shape::disk(round.slices, 1);
-                let raised = |at: [f32; 3]| [x * at[0], x * at[1], z];
-                cylinder.extend_by(&end, raised, |normal| normal);
-                cylinder.extend_by(&end, |at| turned(raised(at)), turned);
-                cylinder
-            }
-            Shape::Mesh => {
-                let id = look.meshes.keys().find(|id| Some(id.index()) == geom.asset);
-                id.map(|&id| shape::mesh(model, id, usize::MAX)).transpose()?.unwrap_or_default()
-            }
-            Shape::HeightField => {
-                let id = look.height_fields.iter().find(|id| Some(id.index()) == geom.asset);
-                id.map(|&id| shape::height_field(model, id, usize::MAX)).transpose()?.unwrap_or_default()
-            }
-        };
-        if !triangles.vertices.iter().all(|vertex| vertex.position.iter().all(|number| number.is_finite())) {
-            return Err(crate::Error::Unsupported("a size that is not finite".to_owned()));
+fn triangles(model: &Model, geom: &Geom, far: f32) -> Result<Triangles> {
+    let [slices, stacks] = FINEST;
+    let round = Tessellation::of_model(model).limited(slices, stacks);
+    let asset = geom.asset.unwrap_or_default();
+    let mut triangles = match geom.shape {
+        Shape::Plane => {
+            let half = |length: f32| if length > 0.0 { length } else { far };
+            scaled(&shape::plane(1), [half(geom.size[0]), half(geom.size[1]), 1.0])
         }
-        for vertex in &mut triangles.vertices {
-            vertex.normal = unit(vertex.normal);
+        Shape::Ellipsoid => scaled(&shape::sphere(round), geom.size),
+        Shape::Box => scaled(&shape::cuboid(1), geom.size),
+        Shape::Capsule => tube(round.slices, geom.size, &shape::hemisphere(round)),
+        Shape::Cylinder => tube(round.slices, geom.size, &shape::disk(round.slices, 1)),
+        Shape::Mesh => {
+            let mesh = model.meshes().nth(asset);
+            mesh.map(|mesh| shape::mesh(model, mesh.id(), usize::MAX)).transpose()?.unwrap_or_default()
         }
-        face_outwards(&mut triangles);
-        Ok(triangles)
+        Shape::HeightField => {
+            let field = model.height_fields().nth(asset);
+            field.map(|field| shape::height_field(model, field.id(), usize::MAX)).transpose()?.unwrap_or_default()
+        }
+    };
+    if !triangles.vertices.iter().all(|vertex| vertex.position.iter().all(|number| number.is_finite())) {
+        return Err(crate::Error::Unsupported("a size that is not finite".to_owned()));
     }
+    for vertex in &mut triangles.vertices {
+        vertex.normal = unit(vertex.normal);
+    }
+    face_outwards(&mut triangles);
+    Ok(triangles)
+}
+
+/// Scales a shape about its centre.
+fn scaled(shape: &Triangles, [x, y, z]: [f32; 3]) -> Triangles {
+    let mut result = Triangles::default();
+    result.extend_by(shape, |at| [x * at[0], y * at[1], z * at[2]], |n| [n[0] / x, n[1] / y, n[2] / z]);
+    result
+}
+
+/// Returns a cylinder with two ends, of which the upper one is given for a radius of 1.
+fn tube(slices: u32, [radius, _, half]: [f32; 3], end: &Triangles) -> Triangles {
+    let turned = |[x, y, z]: [f32; 3]| [x, -y, -z];
+    let raised = |[x, y, z]: [f32; 3]| [radius * x, radius * y, radius * z + half];
+    let mut tube = scaled(&shape::cylinder(slices, 1), [radius, radius, half]);
+    tube.extend_by(end, raised, |normal| normal);
+    tube.extend_by(end, |at| turned(raised(at)), turned);
+    tube
 }
 
 /// Replaces normals that point to the inside of a triangle, as the engine computes some at sharp
@@ -182,17 +151,6 @@ fn face_outwards(triangles: &mut Triangles) {
             }
         }
     }
-}
-
-/// Stores positions, normals and indices.
-fn stored(document: &mut Document, triangles: &Triangles) -> Stored {
-    let positions: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.position).collect();
-    let normals: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.normal).collect();
-    [
-        document.floats(Kind::Position, &positions),
-        document.floats(Kind::Normal, &normals),
-        document.indices(&triangles.indices, positions.len()),
-    ]
 }
 
 /// Returns a vector of length 1: the z-axis for a vector without a direction.

@@ -5,38 +5,21 @@
 //! `(2 / (n + 2))^(1/4)` (B. Walter et al., "Microfacet models for refraction through rough
 //! surfaces", 2007, with the square of the roughness as their width, as glTF defines it).
 
-use std::collections::HashMap;
-
 use gltf_json::image::{Image, MimeType};
 use gltf_json::material::{AlphaMode, EmissiveFactor, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
-use gltf_json::texture::{Info, MagFilter, MinFilter, Sampler, Texture};
+use gltf_json::texture::{Info, Texture};
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Extras, Index, Material};
 
 use super::document::Document;
+use crate::kind::Kind;
 use crate::model::Model;
 use crate::replay::{self, Geom};
 
-/// Materials and textures of a file.
-#[derive(Debug, Default)]
-pub(super) struct Materials {
-    /// Materials by their text.
-    known: HashMap<String, Index<Material>>,
-    /// Textures by their index in the model.
-    textures: HashMap<usize, Index<Texture>>,
-    sampler: Option<Index<Sampler>>,
-}
-
-impl Materials {
+impl Document<'_> {
     /// Adds the material of a geom.
-    pub(super) fn add(
-        &mut self,
-        document: &mut Document,
-        model: &Model,
-        geom: &Geom,
-        texture: Option<&replay::Texture>,
-    ) -> Index<Material> {
-        let mut color = geom.rgba.map(unit);
+    pub(super) fn material(&mut self, geom: &Geom, texture: Option<&replay::Texture>) -> Index<Material> {
+        let mut color = geom.surface.rgba.map(unit);
         let mut info = None;
         match (texture, geom.texture) {
             (Some(cube), _) if cube.is_cube => {
@@ -44,19 +27,15 @@ impl Materials {
                     *channel *= mean as f32;
                 }
             }
-            (Some(flat), Some(index)) => info = Some(self.texture(document, model, index, flat)),
+            (Some(flat), Some(index)) => info = Some(self.texture(index, flat)),
             _ => {}
         }
         let is_clear = color[3] < 1.0 || info.is_some() && texture.is_some_and(|texture| texture.has_alpha);
         let [r, g, b, alpha] = color;
-        let emission = geom.emission;
-        let [metallic, roughness] = surface(model, geom);
+        let emission = geom.surface.emission;
+        let [metallic, roughness] = surface(self.model, geom);
         let material = Material {
-            name: geom
-                .material
-                .and_then(|index| model.materials().nth(index))
-                .and_then(|material| material.name())
-                .map(str::to_owned),
+            name: geom.material.and_then(|index| self.model.name_at(Kind::Material, index)).map(str::to_owned),
             alpha_mode: Valid(if is_clear { AlphaMode::Blend } else { AlphaMode::Opaque }),
             pbr_metallic_roughness: PbrMetallicRoughness {
                 base_color_factor: PbrBaseColorFactor([linear(r), linear(g), linear(b), alpha]),
@@ -70,21 +49,15 @@ impl Materials {
             ..Material::default()
         };
         let text = gltf_json::serialize::to_string(&material).expect("Bug: materials have valid parts");
-        *self.known.entry(text).or_insert_with(|| document.root.push(material))
+        *self.materials.entry(text).or_insert_with(|| self.root.push(material))
     }
 
-    fn texture(&mut self, document: &mut Document, model: &Model, index: usize, texture: &replay::Texture) -> Info {
-        let sampler = *self.sampler.get_or_insert_with(|| {
-            document.root.push(Sampler {
-                mag_filter: Some(Valid(MagFilter::Linear)),
-                min_filter: Some(Valid(MinFilter::LinearMipmapLinear)),
-                ..Sampler::default()
-            })
-        });
-        let index = *self.textures.entry(index).or_insert_with(|| {
-            let name = model.textures().nth(index).and_then(|texture| texture.name()).map(str::to_owned);
-            let view = document.view(&texture.png, None);
-            let source = document.root.push(Image {
+    fn texture(&mut self, index: usize, texture: &replay::Texture) -> Info {
+        let known = self.textures.get(&index).copied();
+        let stored = known.unwrap_or_else(|| {
+            let name = self.model.name_at(Kind::Texture, index).map(str::to_owned);
+            let view = self.view(&texture.png, None);
+            let source = self.root.push(Image {
                 buffer_view: Some(view),
                 mime_type: Some(MimeType("image/png".to_owned())),
                 name: name.clone(),
@@ -92,22 +65,19 @@ impl Materials {
                 extensions: None,
                 extras: Extras::default(),
             });
-            document.root.push(Texture {
-                name,
-                sampler: Some(sampler),
-                source,
-                extensions: None,
-                extras: Extras::default(),
-            })
+            // Without a sampler, a texture repeats, and programs select the filters.
+            let texture = Texture { name, sampler: None, source, extensions: None, extras: Extras::default() };
+            self.root.push(texture)
         });
-        Info { index, tex_coord: 0, extensions: None, extras: Extras::default() }
+        self.textures.insert(index, stored);
+        Info { index: stored, tex_coord: 0, extensions: None, extras: Extras::default() }
     }
 }
 
 /// Returns the metallic and the roughness coefficient: those of the material where it has them.
 fn surface(model: &Model, geom: &Geom) -> [f32; 2] {
-    let exponent = 128.0 * unit(geom.shininess);
-    let rough = if geom.specular > 0.0 { (2.0 / (exponent + 2.0)).powf(0.25) } else { 1.0 };
+    let exponent = 128.0 * unit(geom.surface.shininess);
+    let rough = if geom.surface.specular > 0.0 { (2.0 / (exponent + 2.0)).powf(0.25) } else { 1.0 };
     #[cfg(engine_since = "3.2.0")]
     if let Some(index) = geom.material {
         let own = |value: f32, default: f32| if value >= 0.0 { unit(value) } else { default };

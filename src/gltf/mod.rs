@@ -30,9 +30,9 @@
 //!   is white in programs that take a surface of luminance 1 as white, such as three.js: select
 //!   `Unitless` as the lighting mode when importing into Blender.
 //! - An animation for each trajectory, with the name of its label. It starts at 0 s. Translations
-//!   are in single precision; [`GltfOptions::rotation_error`] is that of rotations. Coordinates
-//!   that change by less than 1 µm (or a millionth of the model's extent, if that is less) do not
-//!   move.
+//!   are in single precision. Rotations have 16 bits for each component of a quaternion: an
+//!   orientation of a body in its parent has an error of at most 6.2e-5 rad. Coordinates that
+//!   change by less than 1 µm (or a millionth of the model's extent, if that is less) do not move.
 //!
 //! Skins, flexes, tendons, the sky and the patterns of cube textures are left out; [`save`] returns
 //! their names. Reflection, fog, haze, shadows, ambient light and the attenuation of lights are
@@ -42,22 +42,52 @@
 mod contents;
 mod document;
 mod geometry;
-mod light;
 mod material;
 mod motion;
 mod node;
-mod options;
 
 use std::path::Path;
 
-use self::contents::{Contents, distance, parents};
 use self::motion::Clip;
-pub use self::options::GltfOptions;
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
+use crate::macros::with_methods;
 use crate::model::IntoModel;
-use crate::replay::{self, Pose};
+use crate::replay;
 use crate::trajectory::Trajectory;
+
+/// Contents of a glTF file.
+///
+/// ```
+/// use mujoco_safe::gltf::GltfOptions;
+///
+/// let options = GltfOptions::default().with_frames_per_second(30.0).with_sitegroup([false; 6]);
+/// assert_eq!(options.frames_per_second, 30.0);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct GltfOptions {
+    /// Number of recorded states per second of simulated time that the file contains, at most. By
+    /// default 60. Programs interpolate between them. `f64::INFINITY` takes every record.
+    pub frames_per_second: f64,
+    /// Contained groups of geoms: by default 0 to 2, those that the viewer shows.
+    pub geomgroup: [bool; 6],
+    /// Contained groups of sites: by default 0 to 2.
+    pub sitegroup: [bool; 6],
+}
+
+impl Default for GltfOptions {
+    fn default() -> Self {
+        let groups = [true, true, true, false, false, false];
+        Self { frames_per_second: 60.0, geomgroup: groups, sitegroup: groups }
+    }
+}
+
+with_methods!(GltfOptions {
+    with_frames_per_second(frames_per_second: f64),
+    with_geomgroup(geomgroup: [bool; 6]),
+    with_sitegroup(sitegroup: [bool; 6]),
+});
 
 /// Writes trajectories of a model as one glTF file (`.glb`), each as an animation with its label as
 /// the name. At rest, the nodes have the poses of the first record. Returns descriptions of what
@@ -67,9 +97,8 @@ use crate::trajectory::Trajectory;
 ///
 /// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
 /// [`Error::Shape`] or [`Error::Invalid`] for trajectories of another model, without records or
-/// with descending times. [`Error::Invalid`] for a rate that is not positive, a rotation error
-/// below 1e-6, and positions that are not finite in single precision. Errors of [`Data::forward`]
-/// in the recorded states.
+/// with descending times. [`Error::Invalid`] for a rate that is not positive, and positions that
+/// are not finite in single precision. Errors of [`Data::forward`] in the recorded states.
 ///
 /// ```
 /// use mujoco_safe::gltf::{self, GltfOptions};
@@ -98,29 +127,23 @@ pub fn save<'t>(
     trajectories: impl IntoIterator<Item = (&'t str, &'t Trajectory)>,
     options: &GltfOptions,
 ) -> Result<Vec<String>> {
-    let mut data = Data::new(model)?;
-    let frames = replay::all(data.model());
-    let parents = parents(data.model(), &frames);
-    let (mut clips, mut contents, mut farthest) = (Vec::new(), None, 0.0);
-    for (label, trajectory) in trajectories {
-        let records = replay::records(trajectory.times(), options.frames_per_second)?;
-        let poses = replay::poses(&mut data, &frames, trajectory, &records, |data, _| {
-            farthest = distance(data).max(farthest);
-            Ok(())
-        })?;
-        let times: Vec<f64> = records.iter().map(|&record| trajectory.times()[record]).collect();
-        clips.push(Clip::new(label, &times, &poses, &parents)?);
-        if contents.is_none() {
-            trajectory.apply(0, &mut data)?;
-            data.forward()?;
-            contents = Some(Contents::new(&mut data, frames.clone(), options)?);
-        }
-    }
-    let Some(contents) = contents else {
+    let trajectories: Vec<_> = trajectories.into_iter().collect();
+    let Some((_, first)) = trajectories.first() else {
         let what = "the trajectories of a glTF file";
         return Err(Error::invalid(InvalidKind::Unsuitable, what, "an empty list", "at least one"));
     };
-    contents.write(path.as_ref(), data.model(), &clips, farthest, options)
+    let mut data = Data::new(model)?;
+    let frames = replay::all(data.model());
+    let mut clips = Vec::with_capacity(trajectories.len());
+    for &(name, trajectory) in &trajectories {
+        let mut records = replay::records(trajectory.times(), options.frames_per_second)?;
+        let times = motion::ascending(trajectory.times(), &mut records)?;
+        let poses = replay::poses(&mut data, &frames, trajectory, &records, |_, _| Ok(()))?;
+        clips.push(Clip { name, times, poses });
+    }
+    first.apply(0, &mut data)?;
+    data.forward()?;
+    contents::write(path.as_ref(), &mut data, &frames, options, &clips)
 }
 
 impl Trajectory {
@@ -168,9 +191,8 @@ impl Data {
         let mut data = self.clone();
         data.forward()?;
         let frames = replay::all(data.model());
-        let poses: Vec<Vec<Pose>> = frames.iter().map(|&frame| vec![replay::pose(&data, frame)]).collect();
-        let clip = Clip::new("", &[0.0], &poses, &parents(data.model(), &frames))?;
-        let farthest = distance(&data);
-        Contents::new(&mut data, frames, options)?.write(path.as_ref(), data.model(), &[clip], farthest, options)
+        let poses = frames.iter().map(|&frame| vec![replay::pose(&data, frame)]).collect();
+        let clip = Clip { name: "", times: vec![[0.0]], poses };
+        contents::write(path.as_ref(), &mut data, &frames, options, &[clip])
     }
 }

@@ -1,13 +1,22 @@
-//! Nodes: frames, geoms, cameras and lights.
+//! Nodes, cameras, and lights by the extension `KHR_lights_punctual`.
+
+use std::f32::consts::{FRAC_PI_2, PI};
 
 use gltf_json::camera::{Camera, Orthographic, Perspective, Type};
+use gltf_json::extensions::root;
+use gltf_json::extensions::scene::Node as Extensions;
+use gltf_json::extensions::scene::khr_lights_punctual::{self as light, KhrLightsPunctual};
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Extras, Index, Node, Root};
 
+use super::material::unit;
 use crate::error::{Error, Result};
-use crate::math::{mat2quat, normalize4};
-use crate::replay::{FreeCamera, Frustum, Pose};
+use crate::kind::Kind;
+use crate::math::{normalize4, quat_z2vec};
+use crate::model::Model;
+use crate::replay::{Light, Pose, label};
+use crate::scene::Viewpoint;
 
 /// Returns a node in a pose.
 ///
@@ -45,58 +54,108 @@ pub(super) fn rotation(mut quat: [f64; 4]) -> Result<[f32; 4]> {
     Err(Error::out_of_range("an orientation to save as glTF", format!("{quat:?}"), "finite"))
 }
 
-/// Converts a frustum. `None` for one that glTF does not have. The second result is `false` if the
-/// frustum is not symmetric, which the camera then is.
-pub(super) fn camera(name: Option<String>, frustum: &Frustum) -> Option<(Camera, bool)> {
-    let &Frustum { center, width, bottom, top, near, far, orthographic } = frustum;
-    let half = 0.5 * (top - bottom);
-    let all = [center, width, half, near, far];
+/// Converts a frustum. `None` for one that glTF does not have.
+pub(super) fn camera(name: String, view: &Viewpoint) -> Option<Camera> {
+    let &Viewpoint { frustum_width: width, frustum_near: near, frustum_far: far, orthographic, .. } = view;
+    let half = 0.5 * (view.frustum_top - view.frustum_bottom);
+    let all = [view.frustum_center, width, half, near, far];
     if !(all.iter().all(|number| number.is_finite()) && half > 0.0 && near > 0.0 && far > near) {
         return None;
     }
-    let aspect = (width > 0.0).then_some(width / half);
-    let mut camera = Camera {
-        name,
-        orthographic: None,
-        perspective: None,
-        type_: Valid(Type::Perspective),
+    let aspect_ratio = (width > 0.0).then_some(width / half);
+    let perspective = Perspective {
+        aspect_ratio,
+        yfov: 2.0 * (half / near).atan(),
+        zfar: Some(far),
+        znear: near,
         extensions: None,
         extras: Extras::default(),
     };
-    if orthographic {
-        camera.type_ = Valid(Type::Orthographic);
-        let xmag = half * aspect.unwrap_or(1.0);
-        camera.orthographic = Some(Orthographic {
-            xmag,
-            ymag: half,
-            zfar: far,
-            znear: near,
-            extensions: None,
-            extras: Extras::default(),
-        });
-    } else {
-        camera.perspective = Some(Perspective {
-            aspect_ratio: aspect,
-            yfov: 2.0 * (half / near).atan(),
-            zfar: Some(far),
-            znear: near,
-            extensions: None,
-            extras: Extras::default(),
-        });
-    }
-    let is_symmetric = center.abs() <= 1e-3 * half && (top + bottom).abs() <= 1e-3 * half;
-    Some((camera, is_symmetric))
+    let parallel = Orthographic {
+        xmag: half * aspect_ratio.unwrap_or(1.0),
+        ymag: half,
+        zfar: far,
+        znear: near,
+        extensions: None,
+        extras: Extras::default(),
+    };
+    Some(Camera {
+        name: Some(name),
+        orthographic: orthographic.then_some(parallel),
+        perspective: (!orthographic).then_some(perspective),
+        type_: Valid(if orthographic { Type::Orthographic } else { Type::Perspective }),
+        extensions: None,
+        extras: Extras::default(),
+    })
 }
 
-/// Returns the pose of the free camera, which looks along its negative z-axis.
-pub(super) fn free_pose(free: &FreeCamera) -> Pose {
-    let pos = free.pos.map(f64::from);
-    let unit = |vector: [f64; 3]| {
-        let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if length > 0.0 { vector.map(|part| part / length) } else { [1.0, 0.0, 0.0] }
+/// Returns `false` for a frustum that a camera of glTF, which is symmetric, does not have.
+pub(super) fn is_symmetric(view: &Viewpoint) -> bool {
+    let (bottom, top) = (view.frustum_bottom, view.frustum_top);
+    let least = 0.5e-3 * (top - bottom);
+    view.frustum_center.abs() <= least && (top + bottom).abs() <= least
+}
+
+const EXTENSION: &str = "KHR_lights_punctual";
+
+/// Adds a light, and returns its node in its frame. `distance` is that of the centre of the model,
+/// m.
+///
+/// A light of the engine with the colour 1 draws a white surface that faces it white. In glTF such
+/// a surface reflects the fraction 1/π of its illuminance, so a light has the intensity π. The
+/// colours of lights are taken as linear: a surface on which lights add up to 1 has its own colour
+/// then, as in the engine. The engine's spot lights have no decay with the distance by default,
+/// those of glTF decay with its square: they have the engine's brightness at the centre of the
+/// model.
+pub(super) fn light(root: &mut Root, model: &Model, look: &Light, distance: f64) -> Result<Node> {
+    let name = look.index.map_or_else(|| "headlight".to_owned(), |index| label(model, Kind::Light, index));
+    let distance = if distance > 0.0 && distance.is_finite() { distance as f32 } else { 1.0 };
+    let cone = look.cutoff.to_radians();
+    let (type_, spot, intensity) = if look.directional {
+        (light::Type::Directional, None, PI)
+    } else {
+        let is_spot = cone > 0.0 && cone <= FRAC_PI_2;
+        // In single precision, a right angle is above π/2.
+        let cone = cone.min(FRAC_PI_2.next_down());
+        // An exponent of the engine concentrates the light about the axis.
+        let inner_cone_angle = if look.exponent > 0.0 { 0.0 } else { 0.99 * cone };
+        let spot = is_spot.then_some(light::Spot { inner_cone_angle, outer_cone_angle: cone });
+        (
+            if is_spot { light::Type::Spot } else { light::Type::Point },
+            spot,
+            candela(model, look, PI * distance.powi(2)),
+        )
     };
-    let z = unit(std::array::from_fn(|axis| pos[axis] - free.lookat[axis]));
-    let x = unit([-z[1], z[0], 0.0]);
-    let y = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]];
-    Pose { pos, quat: mat2quat(&[x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]]) }
+    let stored = light::Light {
+        color: look.diffuse.map(unit),
+        extensions: None,
+        extras: Extras::default(),
+        intensity,
+        name: Some(name.clone()),
+        range: None,
+        spot,
+        type_: Valid(type_),
+    };
+    let lights = &mut root.extensions.get_or_insert_with(root::Root::default).khr_lights_punctual;
+    let index = Index::push(&mut lights.get_or_insert_default().lights, stored);
+    if root.extensions_used.is_empty() {
+        root.extensions_used.push(EXTENSION.to_owned());
+    }
+    // A light of glTF shines along the negative z-axis of its node.
+    let pose = Pose { pos: look.pos, quat: quat_z2vec(&look.dir.map(|part| -part)) };
+    let mut node = node(name, pose)?;
+    node.extensions.get_or_insert_with(Extensions::default).khr_lights_punctual =
+        Some(KhrLightsPunctual { light: index });
+    Ok(node)
+}
+
+/// Returns the intensity of a spot light: that of the model, if it has one.
+fn candela(model: &Model, light: &Light, default: f32) -> f32 {
+    #[cfg(engine_since = "3.5.0")]
+    if let Some(own) = light.index.map(|index| model.light_intensity()[index]).filter(|own| *own > 0.0) {
+        return own.min(f32::MAX);
+    }
+    #[cfg(not(engine_since = "3.5.0"))]
+    let _ = (model, light);
+    default
 }

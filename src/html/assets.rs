@@ -11,27 +11,21 @@ use crate::replay;
 /// Triangle mesh. The page computes its normals.
 #[derive(Debug, Serialize)]
 pub(super) struct Mesh {
-    /// Intervals of the coordinates x, y and z.
-    intervals: [Interval; 3],
-    /// Coordinates, three channels.
-    vertices: Part,
-    /// Number of vertices.
-    count: usize,
-    /// Indices of the vertices of each triangle, one channel.
-    faces: Part,
+    positions: Corners,
     /// Texture coordinates.
-    texcoords: Option<Texcoords>,
+    texcoords: Option<Corners>,
 }
 
-/// Texture coordinates of a mesh.
+/// Vectors, and which of them each corner of each triangle has.
 #[derive(Debug, Serialize)]
-struct Texcoords {
-    intervals: [Interval; 2],
-    /// Coordinates, two channels.
-    values: Part,
-    /// Number of pairs of coordinates.
+struct Corners {
+    /// Intervals of the components.
+    intervals: Vec<Interval>,
+    /// The vectors, a channel for each component.
+    vectors: Part,
+    /// Number of vectors.
     count: usize,
-    /// Index of the coordinates of each corner, one channel.
+    /// Indices of the vectors of each triangle, one channel.
     faces: Part,
 }
 
@@ -39,40 +33,38 @@ impl Mesh {
     /// A mesh with a texture keeps its triangles.
     pub(super) fn new(binary: &mut Binary, model: &Model, id: MeshId, is_textured: bool, error: f64) -> Self {
         let mesh = model.mesh(id);
-        let texcoord = mesh.texcoord();
-        let texcoords = (is_textured && !texcoord.is_empty()).then(|| {
-            let (intervals, values) = points(binary, texcoord);
-            let faces = indices(binary, mesh.facetexcoord(), texcoord.len());
-            Texcoords { intervals, values, count: texcoord.len(), faces }
-        });
-        let simple = if texcoords.is_none() { simplified(mesh.vert(), mesh.face(), error) } else { None };
-        let (vert, face) = match &simple {
-            Some((vert, face)) => (&vert[..], &face[..]),
-            None => (mesh.vert(), mesh.face()),
+        if is_textured && !mesh.texcoord().is_empty() {
+            let texcoords = Some(Corners::new(binary, mesh.texcoord(), mesh.facetexcoord()));
+            return Self { positions: Corners::new(binary, mesh.vert(), mesh.face()), texcoords };
+        }
+        let positions = match simplified(mesh.vert(), mesh.face(), error) {
+            Some((vertices, faces)) => Corners::new(binary, &vertices, &faces),
+            None => Corners::new(binary, mesh.vert(), mesh.face()),
         };
-        let (intervals, vertices) = points(binary, vert);
-        let faces = indices(binary, face, vert.len());
-        Self { intervals, vertices, count: vert.len(), faces, texcoords }
+        Self { positions, texcoords: None }
     }
 }
 
-/// Appends the coordinates of points, a channel for each axis.
-fn points<const N: usize>(binary: &mut Binary, points: &[[f32; N]]) -> ([Interval; N], Part) {
-    let axis = |axis: usize| points.iter().map(move |point| f64::from(point[axis]));
-    let intervals = std::array::from_fn(|index| Interval::of(axis(index)));
-    let part = binary.part(|binary| {
-        for (index, interval) in intervals.iter().enumerate() {
-            binary.channel(Prediction::Previous, axis(index).map(|value| Interval::number(*interval, value)));
+impl Corners {
+    fn new<const N: usize>(binary: &mut Binary, vectors: &[[f32; N]], faces: &[[i32; 3]]) -> Self {
+        let start = binary.bytes().len();
+        let mut intervals = Vec::with_capacity(N);
+        for axis in 0..N {
+            let values = || vectors.iter().map(|vector| f64::from(vector[axis]));
+            let interval = Interval::of(values());
+            binary.channel(Prediction::Previous, values().map(|value| interval.number(value)));
+            intervals.push(interval);
         }
-    });
-    (intervals, part)
+        let (part, count) = (binary.since(start), vectors.len());
+        Self { intervals, vectors: part, count, faces: indices(binary, faces, count) }
+    }
 }
 
 /// Appends the indices of the corners of triangles. An index that is out of range, which only an
 /// edited model can have, becomes 0.
 pub(super) fn indices(binary: &mut Binary, faces: &[[i32; 3]], count: usize) -> Part {
     let valid = |&index: &i32| if usize::try_from(index).is_ok_and(|index| index < count) { index.into() } else { 0 };
-    binary.part(|binary| binary.channel(Prediction::Previous, faces.as_flattened().iter().map(valid)))
+    binary.stream(Prediction::Previous, faces.as_flattened().iter().map(valid))
 }
 
 /// Height field.
@@ -92,8 +84,7 @@ impl HeightField {
         let field = model.height_field(id);
         let values = || field.data().iter().map(|&value| f64::from(value));
         let interval = Interval::of(values());
-        let numbers = values().map(|value| interval.number(value));
-        let elevations = binary.part(|binary| binary.channel(Prediction::Previous, numbers));
+        let elevations = binary.stream(Prediction::Previous, values().map(|value| interval.number(value)));
         Self { rows: field.nrow(), columns: field.ncol(), size: *field.size(), interval, elevations }
     }
 }

@@ -1,47 +1,42 @@
 //! Tendons, skins and flexes: shapes whose vertices differ in every record.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
 use super::assets::indices;
-use super::options::HtmlOptions;
 use super::stream::{Binary, Part};
 use crate::data::Data;
 use crate::element::Object;
 use crate::error::Result;
 use crate::id::{SkinId, TendonId};
 use crate::model::Model;
-use crate::replay;
-use crate::scene::{Camera, Scene, SceneGeomType, SceneOptions};
+use crate::replay::{self, Surface};
+use crate::scene::{Camera, Scene, SceneGeom, SceneGeomType, SceneOptions};
 
 /// Vertices of a shape in a record, m, in the world frame: of triangles, or pairs of the ends of
 /// segments.
 pub(crate) type Vertices = Vec<[f32; 3]>;
 
 /// Look of a deformable shape.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Debug, Serialize)]
 pub(super) struct Deformable {
-    #[serde(skip)]
-    element: Element,
-    /// Description of the shape among those that are not drawn.
-    #[serde(skip)]
-    pub(super) description: String,
-    rgba: [f32; 4],
-    emission: f32,
-    specular: f32,
-    shininess: f32,
+    #[serde(flatten)]
+    surface: Surface,
     /// Radius of segments, m.
     radius: f32,
     /// Indices of the vertices of each triangle, one channel. `None` for segments.
     faces: Option<Part>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Element {
     Tendon(TendonId),
     Skin(SkinId),
+    /// Triangles of a flex.
     Flex(usize),
+    /// Edges of a flex of one dimension.
+    Rope(usize),
 }
 
 /// Reads the vertices of the deformable shapes that the first state shows.
@@ -49,29 +44,49 @@ enum Element {
 pub(crate) struct Sampler {
     scene: Scene,
     options: SceneOptions,
-    shapes: Option<Vec<Deformable>>,
+    elements: Vec<Element>,
 }
 
 impl Sampler {
-    /// Returns `None` for a model without deformable shapes.
-    pub(super) fn new(model: &Model, options: &HtmlOptions) -> Result<Option<Self>> {
-        let scene = Scene::new(model, model.ngeom() + model.nsite() + 100)?;
-        let has_shapes = model.ntendon() + model.nskin() + scene.flexes().len() > 0;
-        let options = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
-        Ok(has_shapes.then_some(Self { scene, options, shapes: None }))
-    }
-
-    /// Returns the shapes that were found.
-    pub(super) fn shapes(&self) -> &[Deformable] {
-        self.shapes.as_deref().unwrap_or_default()
-    }
-
-    /// Updates the scene to the present state, and finds the shapes the first time.
-    pub(super) fn find(&mut self, binary: &mut Binary, data: &mut Data) -> Result<()> {
-        self.update(data)?;
-        let scene = &self.scene;
-        self.shapes.get_or_insert_with(|| shapes(binary, data.model(), scene));
-        Ok(())
+    /// Takes a scene that has been updated with the options to the first state. Returns `None`
+    /// without deformable shapes, and their looks, and removes them from those that are left out.
+    pub(super) fn new(
+        binary: &mut Binary,
+        model: &Model,
+        scene: Scene,
+        options: SceneOptions,
+        left_out: &mut BTreeSet<String>,
+    ) -> (Option<Self>, Vec<Deformable>) {
+        let (mut elements, mut looks) = (Vec::new(), Vec::new());
+        for geom in scene.geoms() {
+            let (element, faces, count) = match (geom.object(), geom.flex()) {
+                (_, Some(index)) => match flex_faces(model, index) {
+                    Some(faces) => {
+                        let count = scene.flexes().nth(index).map_or(0, |flex| flex.vertices.len());
+                        (Element::Flex(index), Some(faces), count)
+                    }
+                    None => (Element::Rope(index), None, 0),
+                },
+                (Some(Object::Skin(id)), _) => {
+                    let skin = model.skin(id);
+                    (Element::Skin(id), Some(skin.face().to_vec()), skin.vert().len())
+                }
+                (Some(Object::Tendon(id)), _) if is_segment(geom.geom_type()) => (Element::Tendon(id), None, 0),
+                _ => continue,
+            };
+            if elements.contains(&element) {
+                continue;
+            }
+            left_out.remove(&replay::decoration(model, geom, geom.object()));
+            elements.push(element);
+            looks.push(Deformable {
+                surface: Surface::new(geom),
+                radius: geom.size()[0],
+                faces: faces.map(|faces| indices(binary, &faces, count)),
+            });
+        }
+        let sampler = (!elements.is_empty()).then_some(Self { scene, options, elements });
+        (sampler, looks)
     }
 
     /// Computes the results that an update reads.
@@ -89,29 +104,16 @@ impl Sampler {
     /// Returns the vertices of each shape in the state of the last update.
     pub(crate) fn vertices(&self) -> Vec<Vertices> {
         let scene = &self.scene;
-        let mut segments: BTreeMap<TendonId, Vertices> = BTreeMap::new();
-        for geom in scene.geoms().filter(|geom| is_segment(geom.geom_type())) {
-            if let Some(Object::Tendon(id)) = geom.object() {
-                let (pos, mat, half) = (geom.pos(), geom.mat(), geom.size()[2]);
-                let end = |sign: f32| [0, 1, 2].map(|axis| pos[axis] + sign * half * mat[3 * axis + 2]);
-                segments.entry(id).or_default().extend([end(-1.0), end(1.0)]);
-            }
-        }
-        let vertices =
-            |shape: &Deformable| match shape.element {
-                Element::Tendon(id) => segments.remove(&id).unwrap_or_default(),
-                Element::Skin(id) => {
-                    scene.skins().find(|skin| skin.skin == id).map(|skin| skin.vertices.to_vec()).unwrap_or_default()
-                }
-                Element::Flex(index) => {
-                    let flex = scene.flexes().nth(index);
-                    flex.map(|flex| {
-                        if shape.faces.is_some() { flex.vertices.to_vec() } else { edges(flex.vertices, flex.edges) }
-                    })
-                    .unwrap_or_default()
-                }
+        let vertices = |element: &Element| {
+            let vertices = match *element {
+                Element::Tendon(id) => Some(segments(scene, id)),
+                Element::Skin(id) => scene.skins().find(|skin| skin.skin == id).map(|skin| skin.vertices.to_vec()),
+                Element::Flex(index) => scene.flexes().nth(index).map(|flex| flex.vertices.to_vec()),
+                Element::Rope(index) => scene.flexes().nth(index).map(|flex| edges(flex.vertices, flex.edges)),
             };
-        self.shapes().iter().map(vertices).collect()
+            vertices.unwrap_or_default()
+        };
+        self.elements.iter().map(vertices).collect()
     }
 }
 
@@ -119,36 +121,14 @@ fn is_segment(shape: SceneGeomType) -> bool {
     matches!(shape, SceneGeomType::Capsule | SceneGeomType::Cylinder)
 }
 
-/// Returns the shapes of a scene.
-fn shapes(binary: &mut Binary, model: &Model, scene: &Scene) -> Vec<Deformable> {
-    let mut shapes: Vec<Deformable> = Vec::new();
-    for geom in scene.geoms() {
-        let (element, faces) = match (geom.object(), geom.flex()) {
-            (_, Some(index)) => (Element::Flex(index), flex_faces(model, index)),
-            (Some(Object::Skin(id)), _) => (Element::Skin(id), Some(model.skin(id).face().to_vec())),
-            (Some(Object::Tendon(id)), _) if is_segment(geom.geom_type()) => (Element::Tendon(id), None),
-            _ => continue,
-        };
-        if shapes.iter().any(|shape| shape.element == element) {
-            continue;
-        }
-        let count = match element {
-            Element::Skin(id) => model.skin(id).vert().len(),
-            Element::Flex(index) => scene.flexes().nth(index).map_or(0, |flex| flex.vertices.len()),
-            Element::Tendon(_) => 0,
-        };
-        shapes.push(Deformable {
-            element,
-            description: replay::description(model, geom, geom.object()),
-            rgba: geom.rgba(),
-            emission: geom.emission(),
-            specular: geom.specular(),
-            shininess: geom.shininess(),
-            radius: geom.size()[0],
-            faces: faces.map(|faces| indices(binary, &faces, count)),
-        });
-    }
-    shapes
+/// Returns the ends of the segments of a tendon.
+fn segments(scene: &Scene, id: TendonId) -> Vertices {
+    let is_part = |geom: &SceneGeom<'_>| geom.object() == Some(Object::Tendon(id)) && is_segment(geom.geom_type());
+    let ends = |geom: SceneGeom<'_>| {
+        let (pos, mat, half) = (geom.pos(), geom.mat(), geom.size()[2]);
+        [-half, half].map(|along| [0, 1, 2].map(|axis| pos[axis] + along * mat[3 * axis + 2]))
+    };
+    scene.geoms().filter(is_part).flat_map(ends).collect()
 }
 
 /// Returns the ends of each edge.

@@ -57,7 +57,6 @@
 
 mod assets;
 mod deformable;
-mod look;
 mod motion;
 mod options;
 mod page;
@@ -71,57 +70,23 @@ use std::path::Path;
 use serde::Serialize;
 
 pub(crate) use self::deformable::Sampler;
-use self::look::Look;
-use self::motion::{Motion, Steps, Track};
 pub use self::options::{HtmlOptions, Signal};
-use self::stream::Binary;
+use self::page::Page;
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::file;
-use crate::model::{IntoModel, Model};
+use crate::model::IntoModel;
 use crate::replay;
 use crate::trajectory::Trajectory;
-
-/// Description of the data of a page. The binary data follows.
-#[derive(Serialize)]
-struct Description<'d> {
-    title: &'d str,
-    /// Names of the bodies.
-    bodies: Vec<Option<&'d str>>,
-    look: Look,
-    steps: Steps,
-    /// Number of moving frames, of which the bodies are the first.
-    frames: usize,
-    /// Extent of the model, m.
-    extent: f64,
-    tracks: Vec<Track>,
-    notes: &'d [(f64, String)],
-    /// Index of the camera at the start; `None` for the free camera.
-    camera: Option<usize>,
-    /// Distance between tracks side by side, m; `None` if they are in one place at the start.
-    spacing: Option<f64>,
-    #[cfg(feature = "live")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    live: Option<Live<'d>>,
-}
 
 /// Running simulation, which the page shows instead of tracks.
 #[cfg(feature = "live")]
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Live<'d> {
-    pub(crate) sliders: &'d [Slider<'d>],
+    /// Name of the actuator, and ends of the slider, of each control.
+    pub(crate) sliders: &'d [(Option<&'d str>, [f64; 2])],
     /// Largest number of ghosts.
     pub(crate) ghosts: usize,
-}
-
-/// Slider of a control.
-#[cfg(feature = "live")]
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Slider<'d> {
-    /// Name of the actuator.
-    pub(crate) name: Option<&'d str>,
-    /// Ends of the slider.
-    pub(crate) range: [f64; 2],
 }
 
 /// Writes trajectories of a model as one HTML page. Returns descriptions of what the page does not
@@ -191,67 +156,24 @@ pub fn save<'t>(
     trajectories: impl IntoIterator<Item = (&'t str, &'t Trajectory)>,
     options: &HtmlOptions,
 ) -> Result<Vec<String>> {
+    let trajectories: Vec<_> = trajectories.into_iter().collect();
+    let Some((_, first)) = trajectories.first() else {
+        let what = "the trajectories of a page";
+        return Err(Error::invalid(InvalidKind::Unsuitable, what, "an empty list", "at least one"));
+    };
+    let records = |(_, trajectory): &(_, &Trajectory)| replay::records(trajectory.times(), options.frames_per_second);
+    let records = trajectories.iter().map(records).collect::<Result<Vec<_>>>()?;
     let mut data = Data::new(model)?;
-    let model = data.model().clone();
-    let extent = model.statistics().extent;
-    let steps = Steps::new(options, extent)?;
-    check_spacing(options)?;
-    let frames = replay::all(&model);
-    let camera = camera(&model, options)?;
-    let mut binary = Binary::default();
-    let mut sampler = Sampler::new(&model, options)?;
-    let (mut tracks, mut look) = (Vec::new(), None);
-    for (label, trajectory) in trajectories {
-        let signals = if tracks.is_empty() { &options.signals[..] } else { &[] };
-        let mut motion = Motion { data: &mut data, frames: &frames, steps, options, sampler: sampler.as_mut() };
-        tracks.push(motion.track(&mut binary, label, trajectory, signals)?);
-        if look.is_none() {
-            trajectory.apply(0, &mut data)?;
-            data.forward()?;
-            look = Some(Look::new(&mut binary, &mut data, &frames, options)?);
-        }
+    let frames = replay::all(data.model());
+    first.apply(0, &mut data)?;
+    data.forward()?;
+    let mut page = Page::new(&mut data, &frames, options)?;
+    for ((label, trajectory), records) in trajectories.iter().zip(&records) {
+        page.add(&mut data, &frames, label, trajectory, records)?;
     }
-    let Some(mut look) = look else {
-        return Err(Error::invalid(
-            InvalidKind::Unsuitable,
-            "the trajectories of a page",
-            "an empty list",
-            "at least one",
-        ));
-    };
-    look.add_deformables(sampler.as_ref());
-    let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
-    let description = Description {
-        title: &options.title,
-        bodies: model.bodies().map(|body| body.name()).collect(),
-        look,
-        steps,
-        frames: frames.len(),
-        extent,
-        tracks,
-        notes: &options.notes,
-        camera,
-        spacing: options.spacing,
-        #[cfg(feature = "live")]
-        live: None,
-    };
-    let page = page::text(&description, binary.bytes()).map_err(Error::file(path.as_ref()))?;
-    file::replace(path.as_ref(), |out| out.write_all(page.as_bytes()))?;
-    Ok(left_out)
-}
-
-/// Returns the index of the camera at the start.
-fn camera(model: &Model, options: &HtmlOptions) -> Result<Option<usize>> {
-    options.camera.as_ref().map(|name| Ok(model.camera(name)?.id().index())).transpose()
-}
-
-fn check_spacing(options: &HtmlOptions) -> Result<()> {
-    match options.spacing {
-        Some(spacing) if !(spacing > 0.0 && spacing.is_finite()) => {
-            Err(Error::out_of_range("HtmlOptions::spacing", spacing, "above 0 and finite"))
-        }
-        _ => Ok(()),
-    }
+    let text = page.text().map_err(Error::file(path.as_ref()))?;
+    file::replace(path.as_ref(), |out| out.write_all(text.as_bytes()))?;
+    Ok(page.left_out())
 }
 
 /// Returns the text of a page for a running simulation, of which the positions have been computed,
@@ -263,33 +185,10 @@ pub(crate) fn live(
     live: Live<'_>,
     options: &HtmlOptions,
 ) -> Result<(String, Vec<String>, Option<Sampler>)> {
-    let model = data.model().clone();
-    let extent = model.statistics().extent;
-    check_spacing(options)?;
-    let mut binary = Binary::default();
-    let mut sampler = Sampler::new(&model, options)?;
-    if let Some(sampler) = &mut sampler {
-        sampler.find(&mut binary, data)?;
-    }
-    let mut look = Look::new(&mut binary, data, frames, options)?;
-    look.add_deformables(sampler.as_ref());
-    let left_out = replay::report(look.base.left_out.clone(), "an HTML page does not draw");
-    let description = Description {
-        title: &options.title,
-        bodies: model.bodies().map(|body| body.name()).collect(),
-        look,
-        steps: Steps::new(options, extent)?,
-        frames: frames.len(),
-        extent,
-        tracks: Vec::new(),
-        notes: &[],
-        camera: camera(&model, options)?,
-        spacing: options.spacing,
-        live: Some(live),
-    };
-    let text = page::text(&description, binary.bytes())
-        .map_err(|error| Error::Unsupported(format!("the description of the page: {error}")))?;
-    Ok((text, left_out, sampler))
+    let mut page = Page::new(data, frames, options)?;
+    page.live = Some(live);
+    let text = page.text().map_err(|error| Error::Unsupported(format!("the description of the page: {error}")))?;
+    Ok((text, page.left_out(), page.sampler))
 }
 
 impl Trajectory {

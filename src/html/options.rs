@@ -84,6 +84,13 @@ impl HtmlOptions {
     }
 }
 
+pub(super) fn check_positive(what: &str, value: f64, limit: f64) -> Result<f64> {
+    if value > 0.0 && value <= limit {
+        return Ok(value);
+    }
+    Err(Error::out_of_range(what, value, format!("above 0 and at most {limit:e}")))
+}
+
 with_methods!(HtmlOptions {
     with_title(title: impl Into<String>) = title.into(),
     with_frames_per_second(frames_per_second: f64),

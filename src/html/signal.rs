@@ -1,7 +1,5 @@
 //! Sources, names and units of the plotted values.
 
-use std::iter;
-
 use super::options::Signal;
 use crate::data::Data;
 use crate::element::quantity::Quantity;
@@ -18,73 +16,75 @@ pub(super) struct Source<'s> {
     pub(super) place: Place<'s>,
 }
 
+/// Reads the value of an index from a state, or from the recorded readings.
+type Reader = fn(&Data, &[f64], usize) -> f64;
+
 /// Place of a value in each record.
 #[derive(Debug)]
 pub(super) enum Place<'s> {
-    Qpos(usize),
-    Qvel(usize),
-    Ctrl(usize),
-    Reading(usize),
-    Value(&'s [f64]),
+    State(Reader, usize),
+    Values(&'s [f64]),
 }
 
 impl Place<'_> {
     pub(super) fn value(&self, data: &Data, trajectory: &Trajectory, record: usize) -> f64 {
         match *self {
-            Self::Qpos(index) => data.qpos()[index],
-            Self::Qvel(index) => data.qvel()[index],
-            Self::Ctrl(index) => data.ctrl()[index],
-            Self::Reading(index) => {
-                *trajectory.sensordata(record).get(index).unwrap_or_else(|| &data.sensordata()[index])
-            }
-            Self::Value(values) => values[record],
+            Self::State(read, index) => read(data, trajectory.sensordata(record), index),
+            Self::Values(values) => values[record],
         }
+    }
+}
+
+/// Returns the units of a joint: of a linear and of an angular coordinate, and of the coordinates
+/// of a rotation in space.
+fn units(
+    joint: JointType,
+    linear: &'static str,
+    angular: &'static str,
+    rotation: &[&'static str],
+) -> Vec<&'static str> {
+    match joint {
+        JointType::Free => [&[linear; 3], rotation].concat(),
+        JointType::Ball => rotation.to_vec(),
+        JointType::Slide => vec![linear],
+        JointType::Hinge => vec![angular],
     }
 }
 
 /// Returns the sources of the curves of a signal.
 pub(super) fn sources<'s>(data: &Data, trajectory: &Trajectory, signal: &'s Signal) -> Result<Vec<Source<'s>>> {
     let model = data.model();
-    let (name, range, units, place): (_, _, Vec<&'static str>, fn(usize) -> Place<'s>) = match signal {
+    let (name, range, units, read): (_, _, _, Reader) = match signal {
         Signal::Qpos(name) => {
             let joint = model.joint(name)?;
-            let units = match joint.joint_type() {
-                JointType::Free => [&["m"; 3][..], &[""; 4]].concat(),
-                JointType::Ball => vec![""; 4],
-                JointType::Slide => vec!["m"],
-                JointType::Hinge => vec!["rad"],
-            };
-            (format!("qpos of {name}"), joint.qpos_range(), units, Place::Qpos)
+            let units = units(joint.joint_type(), "m", "rad", &[""; 4]);
+            (format!("qpos of {name}"), joint.qpos_range(), units, |data, _, index| data.qpos()[index])
         }
         Signal::Qvel(name) => {
             let joint = model.joint(name)?;
-            let units = match joint.joint_type() {
-                JointType::Free => [["m/s"; 3], ["rad/s"; 3]].concat(),
-                JointType::Ball => vec!["rad/s"; 3],
-                JointType::Slide => vec!["m/s"],
-                JointType::Hinge => vec!["rad/s"],
-            };
-            (format!("qvel of {name}"), joint.dofs(), units, Place::Qvel)
+            let units = units(joint.joint_type(), "m/s", "rad/s", &["rad/s"; 3]);
+            (format!("qvel of {name}"), joint.dofs(), units, |data, _, index| data.qvel()[index])
         }
         Signal::Sensor(name) => {
             let sensor = model.sensor(name)?;
             let (range, unit) = (sensor.data_range(), Quantity::of_sensor(model, &sensor).unit);
-            (name.clone(), range.clone(), vec![unit; range.len()], Place::Reading)
+            (name.clone(), range.clone(), vec![unit; range.len()], |data, recorded, index| {
+                *recorded.get(index).unwrap_or_else(|| &data.sensordata()[index])
+            })
         }
         Signal::Ctrl(name) => {
             let index = model.actuator(name)?.id().index();
-            (format!("ctrl of {name}"), index..index + 1, vec![""], Place::Ctrl)
+            (format!("ctrl of {name}"), index..index + 1, vec![""], |data, _, index| data.ctrl()[index])
         }
         Signal::Values { name, values } => {
             Error::check_length("the values of a signal in a page", values.len(), trajectory.len())?;
-            return Ok(vec![Source { name: name.clone(), unit: "", place: Place::Value(values) }]);
+            return Ok(vec![Source { name: name.clone(), unit: "", place: Place::Values(values) }]);
         }
     };
     let count = range.len();
-    let units = units.into_iter().chain(iter::repeat(""));
     let source = |(number, (index, unit))| {
         let name = if count == 1 { name.clone() } else { format!("{name} [{number}]") };
-        Source { name, unit, place: place(index) }
+        Source { name, unit, place: Place::State(read, index) }
     };
     Ok(range.zip(units).enumerate().map(source).collect())
 }

@@ -34,15 +34,22 @@ impl Binary {
         &self.bytes
     }
 
-    /// Appends the bytes that `write` writes.
-    pub(super) fn part(&mut self, write: impl FnOnce(&mut Self)) -> Part {
-        let start = self.bytes.len();
-        write(self);
+    /// Returns the part from an earlier length of the bytes to their end.
+    pub(super) fn since(&self, start: usize) -> Part {
         Part(start, self.bytes.len() - start)
     }
 
     pub(super) fn raw(&mut self, bytes: &[u8]) -> Part {
-        self.part(|binary| binary.bytes.extend_from_slice(bytes))
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        self.since(start)
+    }
+
+    /// Appends a stream of one channel.
+    pub(super) fn stream(&mut self, prediction: Prediction, numbers: impl IntoIterator<Item = i64>) -> Part {
+        let start = self.bytes.len();
+        self.channel(prediction, numbers);
+        self.since(start)
     }
 
     /// Appends a channel to a stream.

@@ -1,6 +1,6 @@
 //! Several simulations: ghosts beside a simulation, and batches.
 
-use super::state::Status;
+use super::state::BATCH;
 use super::{LivePage, Tick};
 use crate::data::StateSpec;
 use crate::error::{Error, InvalidKind, Result};
@@ -92,12 +92,10 @@ impl LivePage {
         if self.start.nrows() != batch.len() {
             self.start = batch.states().to_matrix();
         }
-        let mut reset = false;
-        if self.site.slots.take(&mut self.requests) {
-            reset = self.requests.reset;
-            self.pause_and_step();
-            self.requests.clear();
-        }
+        self.site.slots.take(&mut self.requests);
+        self.requests.let_go();
+        self.pause_and_step();
+        let reset = self.requests.reset;
         if reset {
             let start = &self.start;
             batch.reset_where(|_| true, |index, _, data| data.set_state(StateSpec::INTEGRATION, start.row(index)))?;
@@ -107,9 +105,7 @@ impl LivePage {
             let shown = self.states.collect_batch(batch);
             let failure = batch.failures().next().map(|(index, error)| format!("simulation {index}: {error}"));
             let problem = failure.or(shown.err().map(|error| error.to_string()));
-            let status =
-                Status { is_paused: self.is_paused, is_batch: true, held: &self.held, problem: problem.as_deref() };
-            self.site.slots.publish(|bytes| self.states.write(status, bytes));
+            self.publish(BATCH, problem.as_deref());
         }
         Ok(Tick { advance, reset })
     }

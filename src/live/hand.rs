@@ -40,10 +40,14 @@ impl Hand {
 
     /// Moves the target, and grips the point first if it is another one. Needs velocities.
     pub(super) fn pull(&mut self, data: &mut Data, pull: Pull) -> Result<()> {
+        if self.held == Some(pull) {
+            return Ok(());
+        }
         let is_same = |held: Pull| (held.body, held.point) == (pull.body, pull.point);
         if !self.held.is_some_and(is_same) {
             self.grip(data, pull)?;
         }
+        self.held = Some(pull);
         let [start, from] = self.start;
         let way: [f64; 3] = std::array::from_fn(|axis| pull.target[axis] - from[axis]);
         let length = way.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -64,19 +68,15 @@ impl Hand {
         self.perturbation.start(data, &self.scene)?;
         self.perturbation.active = PerturbationFlags::TRANSLATE;
         self.start = [self.perturbation.refpos, point];
-        self.held = Some(pull);
         Ok(())
-    }
-
-    pub(super) fn is_pulling(&self) -> bool {
-        self.held.is_some()
     }
 
     /// Ends the pull and removes its force.
     pub(super) fn let_go(&mut self, data: &mut Data) {
-        self.perturbation.remove_force(data);
-        self.perturbation.unselect();
-        self.held = None;
+        if self.held.take().is_some() {
+            self.perturbation.remove_force(data);
+            self.perturbation.unselect();
+        }
     }
 
     /// Applies the force for the next step, or moves a mocap body.

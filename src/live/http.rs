@@ -1,14 +1,14 @@
 //! Requests of HTTP: the head, the checks of its names and its token, and the answers.
 
-use std::io::{ErrorKind, Read, Write};
-use std::net::{IpAddr, Ipv6Addr, Shutdown, TcpStream};
+use std::io::{self, Read, Write};
+use std::net::{Ipv4Addr, Ipv6Addr, Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
 use subtle::ConstantTimeEq;
-use tungstenite::http::{self, Method};
-
-/// Largest size of the head of a request, bytes.
-const LARGEST_HEAD: usize = 8192;
+use tungstenite::Error;
+use tungstenite::error::ProtocolError;
+use tungstenite::handshake::machine::{HandshakeMachine, RoundResult, StageResult};
+use tungstenite::handshake::server::{Request, Response, create_response};
 
 /// Time in which the head of a request must arrive.
 const HEAD_TIME: Duration = Duration::from_secs(5);
@@ -18,13 +18,14 @@ const HEAD_TIME: Duration = Duration::from_secs(5);
 pub(super) struct Refusal(pub(super) &'static str, pub(super) &'static str);
 
 const MALFORMED: Refusal = Refusal("400 Bad Request", "the request is malformed");
+const LATE: Refusal = Refusal("408 Request Timeout", "the request took too long");
 
 /// Allowed request.
 #[derive(Debug)]
 pub(super) enum Allowed {
     Page,
-    /// Handshake of a WebSocket, and the bytes after the head.
-    Socket(Box<http::Request<()>>, Vec<u8>),
+    /// Handshake of a WebSocket: the answer, and the bytes after the head of the request.
+    Socket(Box<Response>, Vec<u8>),
 }
 
 /// Names and token that a request needs.
@@ -36,12 +37,8 @@ pub(super) struct Gate {
 
 impl Gate {
     /// Reads the head of a request and checks it.
-    pub(super) fn read(&self, stream: &mut TcpStream) -> Result<Allowed, Refusal> {
-        let (head, rest) = read_head(stream)?;
-        let request = parse(&head)?;
-        if request.method() != Method::GET {
-            return Err(Refusal("405 Method Not Allowed", "the page accepts only GET"));
-        }
+    pub(super) fn read(&self, stream: &TcpStream) -> Result<Allowed, Refusal> {
+        let (request, rest) = read_head(stream)?;
         let host = single(&request, "host")?.ok_or(MALFORMED)?;
         if !self.is_name_of_server(host) {
             return Err(Refusal("403 Forbidden", "the page has another name: see LiveOptions::hosts"));
@@ -57,7 +54,7 @@ impl Gate {
             "live" if !is_origin(single(&request, "origin")?, host) => {
                 Err(Refusal("403 Forbidden", "only the page itself may connect"))
             }
-            "live" => Ok(Allowed::Socket(Box::new(request), rest)),
+            "live" => Ok(Allowed::Socket(Box::new(create_response(&request).map_err(|_| MALFORMED)?), rest)),
             _ => Err(Refusal("404 Not Found", "there is only the page")),
         }
     }
@@ -66,14 +63,13 @@ impl Gate {
     /// which leads to this machine, is none of them (DNS rebinding); an address in digits cannot
     /// lead elsewhere. The port may be that of a tunnel.
     fn is_name_of_server(&self, host: &str) -> bool {
-        let is_port = |text: &str| text.is_empty() || text.parse::<u16>().is_ok();
-        if let Some((address, port)) = host.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
-            return address.parse::<Ipv6Addr>().is_ok() && is_port(port.strip_prefix(':').unwrap_or(port));
-        }
-        let (name, port) = host.split_once(':').unwrap_or((host, ""));
+        let name = host.rsplit_once(':').filter(|(_, port)| port.parse::<u16>().is_ok()).map_or(host, |(name, _)| name);
+        let is_address = match name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
+            Some(address) => address.parse::<Ipv6Addr>().is_ok(),
+            None => name.parse::<Ipv4Addr>().is_ok(),
+        };
         let is_known = |known: &str| known.eq_ignore_ascii_case(name);
-        let is_name = is_known("localhost") || self.hosts.iter().any(|known| is_known(known));
-        is_port(port) && (is_name || name.parse::<IpAddr>().is_ok())
+        is_address || is_known("localhost") || self.hosts.iter().any(|known| is_known(known))
     }
 }
 
@@ -84,65 +80,37 @@ fn is_origin(origin: Option<&str>, host: &str) -> bool {
 }
 
 /// Returns the value of a header. More than one value is an error.
-fn single<'r>(request: &'r http::Request<()>, name: &str) -> Result<Option<&'r str>, Refusal> {
+fn single<'r>(request: &'r Request, name: &str) -> Result<Option<&'r str>, Refusal> {
     let mut values = request.headers().get_all(name).iter();
     let value = values.next().map(|value| value.to_str().map_err(|_| MALFORMED)).transpose()?;
     if values.next().is_some() { Err(MALFORMED) } else { Ok(value) }
 }
 
-/// Reads to the empty line. Returns the head and the bytes after it.
-fn read_head(stream: &mut TcpStream) -> Result<(Vec<u8>, Vec<u8>), Refusal> {
+/// Reads the head of a request. Returns it, and the bytes after it.
+fn read_head(stream: &TcpStream) -> Result<(Request, Vec<u8>), Refusal> {
     let end = Instant::now() + HEAD_TIME;
-    let mut head = Vec::new();
-    let mut block = [0; 1024];
+    let mut reading = HandshakeMachine::start_read(stream);
     loop {
-        let rest = end.saturating_duration_since(Instant::now());
         // A timeout of zero is an error.
-        let is_late = rest.is_zero() || stream.set_read_timeout(Some(rest)).is_err();
-        let read = if is_late { Err(ErrorKind::TimedOut.into()) } else { stream.read(&mut block) };
-        let number = match read {
-            Ok(0) => return Err(MALFORMED),
-            Ok(number) => number,
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            Err(_) => return Err(Refusal("408 Request Timeout", "the request took too long")),
+        let rest = end.saturating_duration_since(Instant::now());
+        stream.set_read_timeout(Some(rest)).map_err(|_| LATE)?;
+        reading = match reading.single_round::<Request>() {
+            Ok(RoundResult::StageFinished(StageResult::DoneReading { result, tail, .. })) => return Ok((result, tail)),
+            Ok(RoundResult::Incomplete(reading)) => reading,
+            Ok(_) | Err(Error::Io(_)) => return Err(LATE),
+            Err(Error::AttackAttempt) => {
+                return Err(Refusal("431 Request Header Fields Too Large", "the request is too long"));
+            }
+            Err(Error::Protocol(ProtocolError::WrongHttpMethod)) => {
+                return Err(Refusal("405 Method Not Allowed", "the page accepts only GET"));
+            }
+            Err(_) => return Err(MALFORMED),
         };
-        let before = head.len().saturating_sub(3);
-        head.extend_from_slice(&block[..number]);
-        if let Some(at) = head[before..].windows(4).position(|bytes| bytes == b"\r\n\r\n") {
-            let rest = head.split_off(before + at + 4);
-            return Ok((head, rest));
-        }
-        if head.len() > LARGEST_HEAD {
-            return Err(Refusal("431 Request Header Fields Too Large", "the request is too long"));
-        }
     }
 }
 
-fn parse(head: &[u8]) -> Result<http::Request<()>, Refusal> {
-    let mut headers = [httparse::EMPTY_HEADER; 64];
-    let mut parsed = httparse::Request::new(&mut headers);
-    if !parsed.parse(head).is_ok_and(|status| status.is_complete()) {
-        return Err(MALFORMED);
-    }
-    let (Some(method), Some(path), Some(1)) = (parsed.method, parsed.path, parsed.version) else {
-        return Err(MALFORMED);
-    };
-    let builder = http::Request::builder().method(method).uri(path).version(http::Version::HTTP_11);
-    let builder = parsed.headers.iter().fold(builder, |builder, header| builder.header(header.name, header.value));
-    builder.body(()).map_err(|_| MALFORMED)
-}
-
-/// Writes the page.
-pub(super) fn write_page(stream: &mut TcpStream, page: &[u8]) -> std::io::Result<()> {
-    write(stream, "200 OK", "text/html", page)
-}
-
-/// Writes a refusal.
-pub(super) fn write_refusal(stream: &mut TcpStream, Refusal(status, text): Refusal) -> std::io::Result<()> {
-    write(stream, status, "text/plain", format!("{text}\n").as_bytes())
-}
-
-fn write(stream: &mut TcpStream, status: &str, kind: &str, body: &[u8]) -> std::io::Result<()> {
+/// Writes an answer.
+pub(super) fn write(stream: &mut TcpStream, status: &str, kind: &str, body: &[u8]) -> io::Result<()> {
     let head = format!(
         "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nConnection: close\r\n\
          Cache-Control: no-store\r\nContent-Security-Policy: frame-ancestors 'none'\r\nX-Frame-Options: DENY\r\n\
@@ -155,7 +123,7 @@ fn write(stream: &mut TcpStream, status: &str, kind: &str, body: &[u8]) -> std::
     // The system discards what was written if the browser still sends.
     stream.shutdown(Shutdown::Write)?;
     stream.set_read_timeout(Some(Duration::from_secs(1)))?;
-    std::io::copy(&mut stream.take(1 << 16), &mut std::io::sink())?;
+    io::copy(&mut stream.take(1 << 16), &mut io::sink())?;
     Ok(())
 }
 

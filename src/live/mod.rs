@@ -84,6 +84,7 @@ use std::fmt;
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::JoinHandle;
 
 use rand::TryRng;
 use rand::rngs::SysRng;
@@ -92,12 +93,12 @@ use self::hand::Hand;
 use self::http::Gate;
 use self::message::Limits;
 pub use self::options::LiveOptions;
-use self::server::{Server, Site};
+use self::server::Site;
 use self::slots::{Requests, Slots};
-use self::state::{StateWriter, Status};
+use self::state::StateWriter;
 use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::html::{self, Live, Slider};
+use crate::html::{self, Live};
 use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
 use crate::replay;
@@ -111,13 +112,13 @@ const MOST_GHOSTS: usize = 1000;
 pub struct LivePage {
     model: Arc<Model>,
     site: Arc<Site>,
-    server: Server,
+    address: SocketAddr,
+    /// Ends when the page is dropped.
+    server: Option<JoinHandle<()>>,
     url: String,
     left_out: Vec<String>,
     states: StateWriter,
     hand: Hand,
-    /// Values of the controls that users hold.
-    held: Vec<Option<f64>>,
     requests: Requests,
     is_paused: bool,
     /// Steps to take while paused.
@@ -162,14 +163,13 @@ impl LivePage {
         let ranges: Vec<Option<[f64; 2]>> = (0..model.nu())
             .map(|index| (model.actuator_ctrllimited()[index] != 0).then(|| model.actuator_ctrlrange()[index]))
             .collect();
-        let sliders: Vec<Slider<'_>> = model
-            .actuators()
-            .zip(&ranges)
-            .map(|(actuator, range)| Slider { name: actuator.name(), range: range.unwrap_or([-1.0, 1.0]) })
-            .collect();
+        let names = model.actuators().map(|actuator| actuator.name());
+        let sliders: Vec<_> = names.zip(ranges.iter().map(|range| range.unwrap_or([-1.0, 1.0]))).collect();
         let frames = replay::all(&model);
         let live = Live { sliders: &sliders, ghosts: options.ghosts };
         let (text, left_out, sampler) = html::live(&mut data, &frames, live, &options.page)?;
+        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, options.ghosts);
+        states.collect(&mut data, true)?;
 
         let failed = |source| Error::Serve { address: options.address.clone(), source };
         let mut token = [0; 16];
@@ -183,18 +183,16 @@ impl LivePage {
                 bodies: model.nbody(),
                 controls: ranges.iter().map(|range| range.unwrap_or(Limits::UNLIMITED)).collect(),
             },
-            slots: Slots::new(model.nu()),
+            slots: Slots::new(model.nu(), states.smallest()),
             most: options.clients,
             browsers: AtomicUsize::new(0),
         });
-        let server = Server::start(listener, site.clone()).map_err(failed)?;
-        let url = format!("http://{}/{token}", server::reachable(server.address()));
-        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, options.ghosts);
-        states.collect(&mut data, true)?;
+        let hand = Hand::new(&data)?;
+        let address = listener.local_addr().map_err(failed)?;
+        let server = server::start(listener, site.clone()).map_err(failed)?;
         let page = Self {
             states,
-            hand: Hand::new(&data)?,
-            held: vec![None; model.nu()],
+            hand,
             requests: Requests::new(model.nu()),
             is_paused: false,
             steps: 0,
@@ -203,15 +201,12 @@ impl LivePage {
             buffer: Vec::new(),
             model,
             site,
-            server,
-            url,
+            address,
+            server: Some(server),
+            url: format!("http://{}/{token}", server::reachable(address)),
             left_out,
         };
-        page.site.slots.publish(|bytes| {
-            // So that no later state allocates.
-            bytes.reserve_exact(page.states.smallest());
-            page.states.write(Status { is_paused: false, is_batch: false, held: &page.held, problem: None }, bytes);
-        });
+        page.publish(0, None);
         Ok(page)
     }
 
@@ -223,7 +218,7 @@ impl LivePage {
 
     /// Returns the address of the server.
     pub fn address(&self) -> SocketAddr {
-        self.server.address()
+        self.address
     }
 
     /// Returns descriptions of what the page does not draw.
@@ -261,13 +256,7 @@ impl fmt::Debug for LivePage {
 /// Returns a page that may connect to its own server. Its empty icon keeps browsers from a request
 /// for one.
 fn connecting(page: &str) -> Vec<u8> {
-    let mut page = page.to_owned();
-    for (before, after) in [
-        ("default-src 'none';", "default-src 'none'; connect-src 'self'; img-src data:;"),
-        ("<title>", "<link rel=\"icon\" href=\"data:,\">\n<title>"),
-    ] {
-        assert!(page.contains(before), "Bug: page.html has no {before}");
-        page = page.replacen(before, after, 1);
-    }
-    page.into_bytes()
+    let policy = "default-src 'none'; connect-src 'self'; img-src data:;";
+    let page = page.replacen("default-src 'none';", policy, 1);
+    page.replacen("<title>", "<link rel=\"icon\" href=\"data:,\">\n<title>", 1).into_bytes()
 }

@@ -3,6 +3,7 @@
 //! Neither slot is a queue. The simulation only tries to lock: if a browser holds a slot, the
 //! simulation goes on, and tries again in its next tick.
 
+use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
@@ -10,79 +11,50 @@ use std::time::Duration;
 use super::message::{Message, Pull};
 
 /// State in the form in which browsers receive it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Snapshot {
     /// Number of states so far.
     number: u64,
     bytes: Vec<u8>,
 }
 
-/// Requests since the simulation has last taken them.
+/// Requests of the users.
 #[derive(Debug, Default)]
 pub(super) struct Requests {
-    /// Before all others. The requests before a reset have no effect.
+    /// Before all others. It ends the pull, and releases the controls.
     pub(super) reset: bool,
     pub(super) pause: Option<bool>,
     pub(super) steps: u32,
-    /// For each control its new setting.
-    pub(super) controls: Vec<Option<Setting>>,
-    pub(super) pull: Option<Grip>,
-}
-
-/// Setting of a control.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Setting {
-    Held(f64),
-    Released,
-}
-
-/// State of a pull.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Grip {
-    Held(Pull),
-    Released,
+    /// Values of the controls that users hold, until they release them.
+    pub(super) held: Vec<Option<f64>>,
+    /// Client that pulls and its pull, until it lets go.
+    pub(super) pull: Option<(u64, Pull)>,
 }
 
 impl Requests {
     pub(super) fn new(controls: usize) -> Self {
-        Self { controls: vec![None; controls], ..Self::default() }
+        Self { held: vec![None; controls], ..Self::default() }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.controls.fill(None);
-        (self.reset, self.pause, self.steps, self.pull) = (false, None, 0, None);
+    /// Ends the pull, and releases the controls.
+    pub(super) fn let_go(&mut self) {
+        self.held.fill(None);
+        self.pull = None;
     }
-}
 
-#[derive(Debug)]
-struct Inbox {
-    requests: Requests,
-    /// Client that pulls.
-    puller: Option<u64>,
-}
-
-impl Inbox {
     /// Merges a valid message of a client.
     fn add(&mut self, client: u64, message: Message) {
-        let requests = &mut self.requests;
         match message {
-            Message::Pause(pause) => requests.pause = Some(pause),
-            Message::Step(steps) => requests.steps = requests.steps.saturating_add(steps),
+            Message::Pause(pause) => self.pause = Some(pause),
+            Message::Step(steps) => self.steps = self.steps.saturating_add(steps),
             Message::Reset => {
-                let pause = requests.pause;
-                requests.clear();
-                (requests.reset, requests.pause) = (true, pause);
+                self.let_go();
+                (self.reset, self.steps) = (true, 0);
             }
-            Message::Hold(index, value) => requests.controls[index] = Some(Setting::Held(value)),
-            Message::Release(index) => requests.controls[index] = Some(Setting::Released),
-            Message::Pull(pull) => {
-                self.puller = Some(client);
-                requests.pull = Some(Grip::Held(pull));
-            }
-            Message::LetGo if self.puller == Some(client) => {
-                self.puller = None;
-                requests.pull = Some(Grip::Released);
-            }
+            Message::Hold(index, value) => self.held[index] = Some(value),
+            Message::Release(index) => self.held[index] = None,
+            Message::Pull(pull) => self.pull = Some((client, pull)),
+            Message::LetGo if self.pull.is_some_and(|(puller, _)| puller == client) => self.pull = None,
             Message::Next | Message::LetGo => {}
         }
     }
@@ -98,19 +70,20 @@ pub(super) struct Slots {
     new_snapshot: Condvar,
     /// Changes while the lock of the requests is held.
     has_requests: AtomicBool,
-    inbox: Mutex<Inbox>,
+    inbox: Mutex<Requests>,
     new_request: Condvar,
 }
 
 impl Slots {
-    pub(super) fn new(controls: usize) -> Self {
+    /// States of this size need no allocation.
+    pub(super) fn new(controls: usize, size: usize) -> Self {
         Self {
             is_closed: AtomicBool::new(false),
             is_wanted: AtomicBool::new(true),
-            snapshot: Mutex::default(),
+            snapshot: Mutex::new(Snapshot { number: 0, bytes: Vec::with_capacity(size) }),
             new_snapshot: Condvar::new(),
             has_requests: AtomicBool::new(false),
-            inbox: Mutex::new(Inbox { requests: Requests::new(controls), puller: None }),
+            inbox: Mutex::new(Requests::new(controls)),
             new_request: Condvar::new(),
         }
     }
@@ -167,21 +140,28 @@ impl Slots {
         self.new_request.notify_one();
     }
 
-    /// Exchanges the requests for empty ones, if there are any and no browser holds the lock.
-    /// Returns `true` if they were exchanged.
-    pub(super) fn take(&self, empty: &mut Requests) -> bool {
+    /// Takes the requests since the last call, unless there are none or a browser holds the lock.
+    pub(super) fn take(&self, requests: &mut Requests) {
+        (requests.reset, requests.pause, requests.steps) = (false, None, 0);
         if !self.has_requests.load(Ordering::Acquire) {
-            return false;
+            return;
         }
-        let Some(mut inbox) = try_lock(&self.inbox) else { return false };
-        std::mem::swap(&mut inbox.requests, empty);
+        let Some(mut inbox) = try_lock(&self.inbox) else { return };
+        let Requests { reset, pause, steps, held, pull } = &mut *inbox;
+        (requests.reset, requests.pause, requests.steps) = (mem::take(reset), mem::take(pause), mem::take(steps));
+        requests.held.copy_from_slice(held);
+        requests.pull = *pull;
         self.has_requests.store(false, Ordering::Release);
-        true
+    }
+
+    /// Ends the pull, and releases the controls.
+    pub(super) fn let_go(&self) {
+        lock(&self.inbox).let_go();
     }
 
     /// Waits for a request.
     pub(super) fn wait(&self, timeout: Duration) {
-        let is_empty = |_: &mut Inbox| !self.has_requests.load(Ordering::Acquire);
+        let is_empty = |_: &mut Requests| !self.has_requests.load(Ordering::Acquire);
         drop(self.new_request.wait_timeout_while(lock(&self.inbox), timeout, is_empty));
     }
 }
@@ -204,23 +184,25 @@ mod tests {
     use std::thread;
     use std::time::Duration;
 
-    use super::{Grip, Requests, Setting, Slots, lock};
+    use super::{Requests, Slots, lock};
     use crate::live::message::{Message, Pull};
 
     #[test]
     fn the_simulation_does_not_wait_for_a_browser_that_holds_the_slots() {
-        let slots = Slots::new(1);
+        let slots = Slots::new(1, 0);
         slots.request(0, Message::Reset);
         let mut requests = Requests::new(1);
         {
             let _held = (lock(&slots.snapshot), lock(&slots.inbox));
             slots.publish(|_| unreachable!("the snapshot is locked"));
-            assert!(!slots.take(&mut requests));
+            slots.take(&mut requests);
+            assert!(!requests.reset);
         }
         assert!(slots.is_wanted(), "the next tick tries again");
         slots.publish(|bytes| bytes.push(6));
         assert!(!slots.is_wanted());
-        assert!(slots.take(&mut requests) && requests.reset);
+        slots.take(&mut requests);
+        assert!(requests.reset);
         // A browser receives a state that is published after its request.
         let mut bytes = Vec::new();
         thread::scope(|scope| {
@@ -236,7 +218,7 @@ mod tests {
 
     #[test]
     fn without_a_new_state_a_browser_receives_the_latest_after_a_time() {
-        let slots = Slots::new(0);
+        let slots = Slots::new(0, 0);
         slots.publish(|bytes| bytes.push(7));
         let mut bytes = Vec::new();
         assert!(slots.next(Duration::from_millis(1), &mut bytes));
@@ -247,7 +229,7 @@ mod tests {
 
     #[test]
     fn requests_are_merged() {
-        let slots = Slots::new(2);
+        let slots = Slots::new(2, 0);
         let pull = Pull { body: 1, point: [0.0; 3], target: [1.0; 3] };
         for message in [Message::Hold(0, 1.0), Message::Step(1), Message::Pull(pull), Message::Pause(true)] {
             slots.request(1, message);
@@ -257,34 +239,41 @@ mod tests {
             slots.request(1, message);
         }
         let mut requests = Requests::new(2);
-        assert!(slots.take(&mut requests));
+        slots.take(&mut requests);
         assert_eq!((requests.reset, requests.pause, requests.steps), (true, Some(true), u32::MAX));
-        assert_eq!((&requests.controls[..], requests.pull), (&[None, Some(Setting::Held(2.0))][..], None));
-        assert!(!slots.take(&mut requests), "there are no more");
+        assert_eq!((&requests.held[..], requests.pull), (&[None, Some(2.0)][..], None));
+        slots.take(&mut requests);
+        assert_eq!((requests.reset, requests.pause, requests.steps), (false, None, 0), "each is taken once");
         slots.request(1, Message::Pull(pull));
         slots.request(1, Message::Pull(Pull { target: [2.0; 3], ..pull }));
-        let mut requests = Requests::new(2);
-        assert!(slots.take(&mut requests));
-        assert_eq!(requests.pull, Some(Grip::Held(Pull { target: [2.0; 3], ..pull })));
+        for _ in 0..2 {
+            slots.take(&mut requests);
+            let expected = (Some(2.0), Some((1, Pull { target: [2.0; 3], ..pull })));
+            assert_eq!((requests.held[1], requests.pull), expected, "a user holds until the end");
+        }
+        slots.request(2, Message::Release(1));
+        slots.take(&mut requests);
+        assert_eq!((requests.held[1], requests.pull.is_some()), (None, true));
+        slots.let_go();
+        slots.request(2, Message::Pause(false));
+        slots.take(&mut requests);
+        assert_eq!(requests.pull, None);
     }
 
     #[test]
     fn only_the_client_that_pulls_lets_go() {
-        let slots = Slots::new(0);
+        let slots = Slots::new(0, 0);
         let pull = Pull { body: 1, point: [0.0; 3], target: [1.0; 3] };
         let grip = |messages: &[(u64, Message)]| {
             for &(client, message) in messages {
                 slots.request(client, message);
             }
             let mut requests = Requests::new(0);
-            assert!(slots.take(&mut requests));
-            requests.pull
+            slots.take(&mut requests);
+            requests.pull.map(|(_, pull)| pull)
         };
-        assert_eq!(grip(&[(1, Message::Pull(pull)), (2, Message::LetGo)]), Some(Grip::Held(pull)));
-        assert_eq!(grip(&[(1, Message::LetGo), (2, Message::LetGo)]), Some(Grip::Released));
-        assert_eq!(
-            grip(&[(1, Message::Pull(pull)), (2, Message::Pull(pull)), (1, Message::LetGo)]),
-            Some(Grip::Held(pull))
-        );
+        assert_eq!(grip(&[(1, Message::Pull(pull)), (2, Message::LetGo)]), Some(pull));
+        assert_eq!(grip(&[(1, Message::LetGo), (2, Message::LetGo)]), None);
+        assert_eq!(grip(&[(1, Message::Pull(pull)), (2, Message::Pull(pull)), (1, Message::LetGo)]), Some(pull));
     }
 }

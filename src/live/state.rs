@@ -14,20 +14,11 @@ use crate::scene::compute_poses;
 /// Longest text of a problem in a state, bytes.
 const LONGEST_PROBLEM: usize = 500;
 
-/// Bits of the flags.
-const PAUSED: u32 = 1;
-const BATCH: u32 = 2;
+/// Flag of a paused simulation.
+pub(super) const PAUSED: u32 = 1;
 
-/// State of the page, besides the simulations.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Status<'s> {
-    pub(super) is_paused: bool,
-    /// Users can neither pull nor hold controls.
-    pub(super) is_batch: bool,
-    /// Values of the controls that users hold.
-    pub(super) held: &'s [Option<f64>],
-    pub(super) problem: Option<&'s str>,
-}
+/// Flag of a batch, of which users can neither pull the bodies nor hold the controls.
+pub(super) const BATCH: u32 = 2;
 
 /// Collects the parts of a state, which `html/src/live.js` reads.
 #[derive(Debug)]
@@ -38,8 +29,9 @@ pub(super) struct StateWriter {
     sampler: Option<Sampler>,
     /// Largest number of ghosts.
     most_ghosts: usize,
-    /// States of ghosts.
-    ghosts: Option<(StateSpec, Matrix)>,
+    /// States of ghosts, a row each.
+    ghosts: Matrix,
+    ghost_spec: StateSpec,
     /// Simulation in which the poses of ghosts are computed.
     memory: Data,
     shown: Shown,
@@ -56,22 +48,13 @@ struct Shown {
 }
 
 impl Shown {
-    fn add(&mut self, data: &Data, frames: &[Frame]) {
-        self.times.push(data.time());
-        for &frame in frames {
-            let pose = replay::pose(data, frame);
-            self.poses.extend(pose.pos.iter().chain(&pose.quat).map(|&number| number as f32));
-        }
-    }
-
     /// Adds a simulation. If it has no poses, for example because of NaN, they are NaN, and the
     /// page does not draw it.
-    fn add_computed(&mut self, is_computed: bool, data: &Data, frames: &[Frame]) {
-        if is_computed {
-            self.add(data, frames);
-        } else {
-            self.times.push(data.time());
-            self.poses.extend(std::iter::repeat_n(f32::NAN, 7 * frames.len()));
+    fn add(&mut self, has_poses: bool, data: &Data, frames: &[Frame]) {
+        self.times.push(data.time());
+        for &frame in frames {
+            let numbers = replay::pose(data, frame).numbers();
+            self.poses.extend(numbers.map(|number| if has_poses { number as f32 } else { f32::NAN }));
         }
     }
 
@@ -85,8 +68,9 @@ impl StateWriter {
     /// `memory` is a simulation of the model.
     pub(super) fn new(memory: Data, frames: Vec<Frame>, sampler: Option<Sampler>, most_ghosts: usize) -> Self {
         let model = memory.model().clone();
+        let (ghosts, ghost_spec) = (Matrix::default(), StateSpec::QPOS);
         let (shown, controls) = (Shown::default(), Vec::new());
-        Self { model, frames, sampler, most_ghosts, ghosts: None, memory, shown, controls }
+        Self { model, frames, sampler, most_ghosts, ghosts, ghost_spec, memory, shown, controls }
     }
 
     /// Returns the largest size of a state without ghosts and deformable shapes, bytes.
@@ -96,31 +80,26 @@ impl StateWriter {
 
     /// Copies the states of ghosts, whose poses are computed when a browser waits for them.
     pub(super) fn set_ghosts(&mut self, spec: StateSpec, states: MatrixView<'_>) {
-        let count = states.nrows().min(self.most_ghosts);
-        let ghosts = match &mut self.ghosts {
-            Some((before, ghosts)) if ghosts.shape() == (count, states.ncols()) => {
-                *before = spec;
-                ghosts
-            }
-            other => &mut other.insert((spec, Matrix::zeros(count, states.ncols()))).1,
-        };
-        ghosts.as_mut_slice().copy_from_slice(&states.as_slice()[..count * states.ncols()]);
+        let shape = (states.nrows().min(self.most_ghosts), states.ncols());
+        if self.ghosts.shape() != shape {
+            self.ghosts = Matrix::zeros(shape.0, shape.1);
+        }
+        self.ghosts.as_mut_slice().copy_from_slice(&states.as_slice()[..shape.0 * shape.1]);
+        self.ghost_spec = spec;
     }
 
     /// Collects a simulation, and the ghosts. `is_computed`: the simulation has positions.
     pub(super) fn collect(&mut self, data: &mut Data, is_computed: bool) -> Result<()> {
         let Self { frames, memory, shown, controls, .. } = self;
         shown.clear();
-        shown.add(data, frames);
+        shown.add(true, data, frames);
         controls.clear();
         controls.extend(data.ctrl().iter().map(|&ctrl| ctrl as f32));
-        if let Some((spec, ghosts)) = &self.ghosts {
-            // A batch may have left an edited model.
-            memory.swap_model(&mut self.model.clone());
-            for state in ghosts.rows() {
-                let computed = memory.set_state(*spec, state).and_then(|()| compute_poses(memory));
-                shown.add_computed(computed.is_ok(), memory, frames);
-            }
+        // A batch may have left an edited model.
+        memory.swap_model(&mut self.model.clone());
+        for state in self.ghosts.rows() {
+            let computed = memory.set_state(self.ghost_spec, state).and_then(|()| compute_poses(memory));
+            shown.add(computed.is_ok(), memory, frames);
         }
         match &mut self.sampler {
             Some(sampler) if is_computed => sampler.update(data),
@@ -140,7 +119,7 @@ impl StateWriter {
                 Some(sampler) if index == 0 => sampler.compute(memory),
                 _ => compute_poses(memory),
             });
-            shown.add_computed(computed.is_ok(), memory, frames);
+            shown.add(computed.is_ok(), memory, frames);
             if index == 0 {
                 for (shown, &ctrl) in controls.iter_mut().zip(batch.controls().row(0)) {
                     *shown = ctrl as f32;
@@ -156,10 +135,8 @@ impl StateWriter {
     /// Writes the flags, the number of simulations, their times and poses, the controls, the
     /// vertices of each deformable shape with their number, which controls are held, and the text
     /// of a problem.
-    pub(super) fn write(&self, status: Status<'_>, bytes: &mut Vec<u8>) {
+    pub(super) fn write(&self, flags: u32, held: &[Option<f64>], problem: &str, bytes: &mut Vec<u8>) {
         bytes.clear();
-        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let flags = flag(status.is_paused, PAUSED) | flag(status.is_batch, BATCH);
         bytes.extend_from_slice(&flags.to_le_bytes());
         bytes.extend_from_slice(&(self.shown.times.len() as u32).to_le_bytes());
         bytes.extend(self.shown.times.iter().flat_map(|time| time.to_le_bytes()));
@@ -168,8 +145,7 @@ impl StateWriter {
             bytes.extend_from_slice(&(vertices.len() as u32).to_le_bytes());
             bytes.extend(vertices.as_flattened().iter().flat_map(|number| number.to_le_bytes()));
         }
-        bytes.extend(status.held.iter().map(|held| u8::from(held.is_some())));
-        let problem = status.problem.unwrap_or_default();
+        bytes.extend(held.iter().map(|held| u8::from(held.is_some())));
         let end = (0..=LONGEST_PROBLEM).rev().find(|&at| problem.is_char_boundary(at)).unwrap_or(0);
         bytes.extend_from_slice(&problem.as_bytes()[..end]);
     }

@@ -4,8 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::hand;
-use super::slots::{Grip, Setting};
-use super::state::Status;
+use super::state::PAUSED;
 use super::{LivePage, Tick};
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
@@ -43,28 +42,24 @@ impl LivePage {
             let state = data.state(StateSpec::INTEGRATION);
             self.start = Matrix::from_row_major(1, state.len(), state);
         }
-        let mut reset = false;
-        let mut result = Ok(());
-        if self.site.slots.take(&mut self.requests) {
-            reset = self.requests.reset;
-            result = self.carry_out(data);
-            self.requests.clear();
-        }
-        let mut usable = result.and_then(|()| data.check_usable());
-        if usable.is_ok() && self.hand.is_pulling() {
-            usable = self.pull(data);
-        }
+        self.site.slots.take(&mut self.requests);
+        let usable = self.carry_out(data);
         self.hold(data);
         let advance = self.advances(usable.is_ok() && self.problem.is_none());
         if self.site.slots.is_wanted() {
             let refreshed = usable.and_then(|()| hand::refresh(data, &mut self.buffer));
             let shown = self.states.collect(data, refreshed.is_ok());
-            let text = refreshed.and(shown).err().map(|error| error.to_string());
-            let problem = text.as_deref().or(self.problem.as_deref());
-            let status = Status { is_paused: self.is_paused, is_batch: false, held: &self.held, problem };
-            self.site.slots.publish(|bytes| self.states.write(status, bytes));
+            let problem = refreshed.and(shown).err().map(|error| error.to_string());
+            self.publish(0, problem.as_deref().or(self.problem.as_deref()));
         }
-        Ok(Tick { advance, reset })
+        Ok(Tick { advance, reset: self.requests.reset })
+    }
+
+    /// Publishes the collected simulations.
+    pub(super) fn publish(&self, kind: u32, problem: Option<&str>) {
+        let flags = if self.is_paused { kind | PAUSED } else { kind };
+        let (held, problem) = (&self.requests.held, problem.unwrap_or_default());
+        self.site.slots.publish(|bytes| self.states.write(flags, held, problem, bytes));
     }
 
     /// Carries out the requests for pauses and steps.
@@ -80,39 +75,24 @@ impl LivePage {
         advance
     }
 
-    /// Carries out the requests, except pulls.
+    /// Carries out the requests, except held controls. Applies the pull for the next step, or moves
+    /// the body while paused.
     fn carry_out(&mut self, data: &mut Data) -> Result<()> {
+        self.pause_and_step();
         if self.requests.reset {
-            self.let_go(data);
+            self.hand.let_go(data);
             self.problem = None;
             data.reset()?;
             data.set_state(StateSpec::INTEGRATION, self.start.row(0))?;
             data.forward_between_steps(&mut self.buffer)?;
         }
-        self.pause_and_step();
-        for (held, request) in self.held.iter_mut().zip(&self.requests.controls) {
-            match request {
-                Some(Setting::Held(value)) => *held = Some(*value),
-                Some(Setting::Released) => *held = None,
-                None => {}
-            }
-        }
-        match self.requests.pull {
-            Some(Grip::Held(pull)) => {
-                hand::refresh(data, &mut self.buffer)?;
-                self.hand.pull(data, pull)
-            }
-            Some(Grip::Released) => {
-                self.hand.let_go(data);
-                Ok(())
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Applies the pull for the next step, or moves the body while paused.
-    fn pull(&mut self, data: &mut Data) -> Result<()> {
+        let Some((_, pull)) = self.requests.pull else {
+            self.hand.let_go(data);
+            return data.check_usable();
+        };
+        data.check_usable()?;
         hand::refresh(data, &mut self.buffer)?;
+        self.hand.pull(data, pull)?;
         if !self.is_paused || self.steps > 0 {
             return self.hand.apply(data);
         }
@@ -121,7 +101,7 @@ impl LivePage {
 
     /// Sets the held controls.
     fn hold(&self, data: &mut Data) {
-        for (ctrl, held) in data.ctrl_mut().iter_mut().zip(&self.held) {
+        for (ctrl, held) in data.ctrl_mut().iter_mut().zip(&self.requests.held) {
             *ctrl = held.unwrap_or(*ctrl);
         }
     }
@@ -134,7 +114,8 @@ impl LivePage {
     /// If a pull is active and the data belongs to another model.
     pub fn let_go(&mut self, data: &mut Data) {
         self.hand.let_go(data);
-        self.held.fill(None);
+        self.requests.let_go();
+        self.site.slots.let_go();
     }
 
     /// Makes a tick of a simulation: exchanges with the browsers, and unless the simulation is
@@ -170,7 +151,6 @@ impl LivePage {
         let mut origin = (Instant::now(), data.time());
         let mut failure = None;
         while end.is_none_or(|end| Instant::now() < end) {
-            let was_failed = self.problem.is_some();
             match self.step(data, controller) {
                 Ok(false) => {
                     self.site.slots.wait(PAUSED_TICK);
@@ -192,11 +172,9 @@ impl LivePage {
                     failure = Some(error);
                 }
             }
-            if was_failed && self.problem.is_none() {
-                failure = None;
-            }
         }
-        failure.map_or(Ok(()), Err)
+        // A reset removes the problem.
+        failure.filter(|_| self.problem.is_some()).map_or(Ok(()), Err)
     }
 
     /// Waits until a user makes a request, or the timeout passes. For loops of programs while the

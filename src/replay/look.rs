@@ -4,15 +4,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::frame::Frame;
-use super::texture::Texture;
-use super::texture_map::TextureMap;
-use super::view::{FixedCamera, FreeCamera, Light};
+use super::motion::Frame;
+use super::names::{decoration, description};
+use super::texture::{Texture, TextureMap};
+use super::view::{CameraLook, Light};
 use crate::data::Data;
 use crate::element::Object;
 use crate::enums::TextureType;
 use crate::error::Result;
 use crate::id::{HeightFieldId, MeshId, TextureId};
+use crate::kind::Kind;
 use crate::model::Model;
 use crate::scene::{Camera, Scene, SceneGeom, SceneGeomType, SceneOptions};
 
@@ -31,24 +32,19 @@ pub(crate) struct Look {
     /// Index of the texture of the sky.
     pub(crate) sky: Option<usize>,
     pub(crate) lights: Vec<Light>,
-    pub(crate) cameras: Vec<FixedCamera>,
-    pub(crate) free: FreeCamera,
+    pub(crate) cameras: Vec<CameraLook>,
+    pub(crate) free: CameraLook,
+    /// Point at the centre of the view of the free camera, m.
+    pub(crate) lookat: [f64; 3],
     /// Descriptions of what is not drawn.
     pub(crate) left_out: BTreeSet<String>,
-}
-
-/// Groups of geoms and of sites that are drawn.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Groups {
-    pub(crate) geom: [bool; 6],
-    pub(crate) site: [bool; 6],
 }
 
 /// Geom or site.
 #[derive(Debug, Serialize)]
 pub(crate) struct Geom {
     /// `geom` or `site`.
-    pub(crate) element: &'static str,
+    pub(crate) element: String,
     pub(crate) name: Option<String>,
     /// Index of the body, which is its frame.
     pub(crate) frame: usize,
@@ -63,12 +59,26 @@ pub(crate) struct Geom {
     /// Index of the material.
     #[serde(skip)]
     pub(crate) material: Option<usize>,
+    #[serde(flatten)]
+    pub(crate) surface: Surface,
+    pub(crate) texture: Option<usize>,
+    pub(crate) map: TextureMap,
+}
+
+/// Colour and highlight of a surface.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Surface {
     pub(crate) rgba: [f32; 4],
     pub(crate) emission: f32,
     pub(crate) specular: f32,
     pub(crate) shininess: f32,
-    pub(crate) texture: Option<usize>,
-    pub(crate) map: TextureMap,
+}
+
+impl Surface {
+    pub(crate) fn new(geom: SceneGeom<'_>) -> Self {
+        let (emission, specular, shininess) = (geom.emission(), geom.specular(), geom.shininess());
+        Self { rgba: geom.rgba(), emission, specular, shininess }
+    }
 }
 
 /// Shape of a geom.
@@ -85,15 +95,15 @@ pub(crate) enum Shape {
 }
 
 impl Look {
-    /// Collects the looks of a model. `data` has the positions of the first record.
-    pub(crate) fn new(data: &mut Data, frames: &[Frame], groups: Groups) -> Result<Self> {
+    /// Collects the looks of a model, and returns them with the scene. `data` has the positions of
+    /// the first record.
+    pub(crate) fn new(data: &mut Data, frames: &[Frame], options: &SceneOptions) -> Result<(Self, Scene)> {
         let model = data.model().clone();
         let mut scene = Scene::new(&model, model.ngeom() + model.nsite() + 100)?;
-        let scene_options = SceneOptions::default().with_geomgroup(groups.geom).with_sitegroup(groups.site);
         let mut camera = Camera::free(&model);
-        scene.update_and_grow(data, &scene_options, &mut camera)?;
+        scene.update_and_grow(data, options, &mut camera)?;
+        let free = CameraLook::free(scene.viewpoint());
         let mut left_out = BTreeSet::new();
-        let free = FreeCamera::new(&scene.viewpoint(), camera.lookat);
         let mut look = Self {
             geoms: Vec::new(),
             meshes: BTreeMap::new(),
@@ -101,36 +111,34 @@ impl Look {
             textures: BTreeMap::new(),
             sky: None,
             lights: Light::all(&model, frames, &scene, &mut left_out),
-            cameras: FixedCamera::all(data, frames, &mut scene)?,
+            cameras: CameraLook::all(data, frames, &mut scene)?,
             free,
+            lookat: camera.lookat,
             left_out,
         };
         look.add_geoms(&model, &scene);
         let sky = model.textures().find(|texture| texture.texture_type() == TextureType::Skybox);
         look.sky = sky.map(|texture| look.texture(&model, texture.id()));
-        Ok(look)
+        Ok((look, scene))
     }
 
     fn add_geoms(&mut self, model: &Model, scene: &Scene) {
         for geom in scene.geoms() {
-            let (element, name, (frame, pos, quat, material)) = match geom.object() {
-                Some(Object::Geom(id)) => {
-                    let at = id.index();
-                    let (pos, quat) = (model.geom_pos()[at], model.geom_quat()[at]);
-                    ("geom", model.geom(id).name(), (model.geom_bodyid()[at], pos, quat, model.geom_matid()[at]))
-                }
-                Some(Object::Site(id)) => {
-                    let at = id.index();
-                    let (pos, quat) = (model.site_pos()[at], model.site_quat()[at]);
-                    ("site", model.site(id).name(), (model.site_bodyid()[at], pos, quat, model.site_matid()[at]))
-                }
+            let (element, at) = match geom.object() {
+                Some(Object::Geom(id)) => (Kind::Geom, id.index()),
+                Some(Object::Site(id)) => (Kind::Site, id.index()),
                 other => {
-                    self.left_out.insert(description(model, geom, other));
+                    self.left_out.insert(decoration(model, geom, other));
                     continue;
                 }
             };
+            let (frame, pos, quat, material) = if element == Kind::Geom {
+                (model.geom_bodyid()[at], model.geom_pos()[at], model.geom_quat()[at], model.geom_matid()[at])
+            } else {
+                (model.site_bodyid()[at], model.site_pos()[at], model.site_quat()[at], model.site_matid()[at])
+            };
             let Some(shape) = shape(geom) else {
-                self.left_out.insert(format!("{element} {}", name.unwrap_or("without a name")));
+                self.left_out.insert(description(model, element, at));
                 continue;
             };
             if let Some(id) = geom.mesh() {
@@ -140,8 +148,8 @@ impl Look {
             let texture = geom.texture().map(|id| self.texture(model, id));
             let is_cube = texture.and_then(|index| self.textures[&index].as_ref()).is_some_and(|found| found.is_cube);
             self.geoms.push(Geom {
-                element,
-                name: name.map(str::to_owned),
+                element: element.to_string(),
+                name: model.name_at(element, at).map(str::to_owned),
                 frame: frame as usize,
                 pos,
                 quat,
@@ -149,10 +157,7 @@ impl Look {
                 size: geom.size(),
                 asset: geom.mesh().map(|id| id.index()).or(geom.height_field().map(|id| id.index())),
                 material: usize::try_from(material).ok(),
-                rgba: geom.rgba(),
-                emission: geom.emission(),
-                specular: geom.specular(),
-                shininess: geom.shininess(),
+                surface: Surface::new(geom),
                 texture,
                 map: TextureMap::new(geom, is_cube),
             });
@@ -163,8 +168,7 @@ impl Look {
     fn texture(&mut self, model: &Model, id: TextureId) -> usize {
         if !self.textures.contains_key(&id.index()) {
             let texture = Texture::new(model, id).map_err(|error| {
-                let name = model.texture(id).name().unwrap_or("without a name");
-                self.left_out.insert(format!("texture {name}: {error}"));
+                self.left_out.insert(format!("{}: {error}", description(model, Kind::Texture, id.index())));
             });
             self.textures.insert(id.index(), texture.ok());
         }
@@ -189,16 +193,4 @@ fn shape(geom: SceneGeom<'_>) -> Option<Shape> {
         SceneGeomType::Mesh | SceneGeomType::Sdf if geom.mesh().is_some() => Shape::Mesh,
         _ => return None,
     })
-}
-
-/// Describes a geom of the scene that is neither a geom nor a site of the model.
-pub(crate) fn description(model: &Model, geom: SceneGeom<'_>, object: Option<Object>) -> String {
-    let name = |name: Option<&str>, index: usize| name.map_or_else(|| index.to_string(), str::to_owned);
-    match (object, geom.geom_type()) {
-        (Some(Object::Tendon(id)), _) => format!("tendon {}", name(model.tendon(id).name(), id.index())),
-        (Some(Object::Skin(id)), _) => format!("skin {}", name(model.skin(id).name(), id.index())),
-        (_, SceneGeomType::Flex) => format!("flex {}", geom.flex().unwrap_or_default()),
-        (Some(other), shape) => format!("{shape:?} of {other:?}"),
-        (None, shape) => format!("decoration: {shape:?}"),
-    }
 }

@@ -1,9 +1,63 @@
-//! Motion of a trajectory: selected records, and the poses of all frames in them.
+//! Motion of a trajectory: the moving frames, which are the bodies, and the cameras and lights that
+//! do not move with a body, selected records, and the poses of all frames in them.
 
-use super::frame::{self, Frame, Pose};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
+use crate::math::{mat2quat, quat_z2vec};
+use crate::model::Model;
 use crate::trajectory::Trajectory;
+
+/// A moving frame, by the index of its element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Frame {
+    Body(usize),
+    /// Camera that tracks a body or points at one.
+    Camera(usize),
+    /// Light that tracks a body or points at one. The direction of the light is the z-axis.
+    Light(usize),
+}
+
+/// The value of `mjCAMLIGHT_FIXED`, for the modes of cameras and lights.
+const FIXED: i32 = mujoco_sys::mjCAMLIGHT_FIXED as i32;
+
+/// Returns the frames of a model: first all bodies.
+pub(crate) fn all(model: &Model) -> Vec<Frame> {
+    let moving = |modes: &[i32]| -> Vec<usize> { (0..modes.len()).filter(|&index| modes[index] != FIXED).collect() };
+    let cameras = moving(model.cam_mode()).into_iter().map(Frame::Camera);
+    let lights = moving(model.light_mode()).into_iter().map(Frame::Light);
+    (0..model.nbody()).map(Frame::Body).chain(cameras).chain(lights).collect()
+}
+
+/// Position, m, and orientation in the world frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    pub(crate) pos: [f64; 3],
+    pub(crate) quat: [f64; 4],
+}
+
+impl Pose {
+    /// Returns the position and the quaternion.
+    pub(crate) fn numbers(&self) -> [f64; 7] {
+        let ([x, y, z], [qw, qx, qy, qz]) = (self.pos, self.quat);
+        [x, y, z, qw, qx, qy, qz]
+    }
+
+    /// Selects the sign of the quaternion that is nearer to the one before, so that a motion has no
+    /// jumps.
+    pub(crate) fn near(self, before: Option<[f64; 4]>) -> Self {
+        let product: f64 = before.iter().flatten().zip(self.quat).map(|(a, b)| a * b).sum();
+        if product < 0.0 { Self { quat: self.quat.map(|part| -part), ..self } } else { self }
+    }
+}
+
+/// Returns the pose of a frame, of which the positions have been computed.
+pub(crate) fn pose(data: &Data, frame: Frame) -> Pose {
+    match frame {
+        Frame::Body(index) => Pose { pos: data.xpos()[index], quat: data.xquat()[index] },
+        Frame::Camera(index) => Pose { pos: data.cam_xpos()[index], quat: mat2quat(&data.cam_xmat()[index]) },
+        Frame::Light(index) => Pose { pos: data.light_xpos()[index], quat: quat_z2vec(&data.light_xdir()[index]) },
+    }
+}
 
 /// Returns the first record in each period of the frame rate, and the last record.
 pub(crate) fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize>> {
@@ -11,32 +65,23 @@ pub(crate) fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize
         return Err(Error::out_of_range("frames_per_second", frames_per_second, "above 0"));
     }
     let Some(&start) = times.first() else {
-        return Err(Error::invalid(
-            InvalidKind::Unsuitable,
-            "a trajectory to replay",
-            "empty",
-            "of at least one record",
-        ));
+        let what = "a trajectory to replay";
+        return Err(Error::invalid(InvalidKind::Unsuitable, what, "empty", "of at least one record"));
     };
     let descends = |&record: &usize| times[record].is_nan() || times[record] < times[record - 1];
     if let Some(record) = (1..times.len()).find(descends) {
         let (what, value) = (format!("the time of record {record} to replay"), times[record]);
         return Err(Error::out_of_range(what, value, "at least the time before it"));
     }
-    // Times are sums of steps: a tolerance, so that rounding does not delay a frame.
-    let period = |time: f64| ((time - start) * frames_per_second + 1e-6).floor();
-    let mut due = f64::NEG_INFINITY;
-    let mut records: Vec<usize> = (0..times.len())
-        .filter(|&record| {
-            let period = period(times[record]);
-            // The product with an infinite rate is infinite or NaN.
-            let is_due = !period.is_finite() || period > due;
-            due = if is_due { period } else { due };
-            is_due
-        })
-        .collect();
-    if records.last() != Some(&(times.len() - 1)) {
-        records.push(times.len() - 1);
+    let (mut records, mut due) = (Vec::new(), f64::NEG_INFINITY);
+    for (record, &time) in times.iter().enumerate() {
+        // Times are sums of steps: a tolerance, so that rounding does not delay a frame.
+        let period = ((time - start) * frames_per_second + 1e-6).floor();
+        // The product with an infinite rate is infinite or NaN.
+        if !period.is_finite() || period > due || record + 1 == times.len() {
+            due = period;
+            records.push(record);
+        }
     }
     Ok(records)
 }
@@ -55,8 +100,8 @@ pub(crate) fn poses(
         trajectory.apply(record, data)?;
         data.forward()?;
         for (poses, frame) in poses.iter_mut().zip(frames) {
-            let before = poses.last().map(|pose: &Pose| pose.quat);
-            poses.push(frame::pose(data, *frame).near(before));
+            let before = poses.last().map(|last: &Pose| last.quat);
+            poses.push(pose(data, *frame).near(before));
         }
         visit(data, record)?;
     }

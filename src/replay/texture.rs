@@ -1,9 +1,16 @@
-//! Textures as PNG files.
+//! Textures as PNG files, and their mapping to geoms.
+//!
+//! Engines before 3.12 project a 2D texture along z on every shape without texture coordinates of
+//! its own. From 3.12 on, planes have their texture in a corner, and the number of repetitions
+//! applies to all texture coordinates. The page projects textures on other shapes for all engines.
+
+use serde::Serialize;
 
 use crate::enums::TextureType;
 use crate::error::{Error, Result};
 use crate::id::TextureId;
 use crate::model::{Model, TexturePixels};
+use crate::scene::{SceneGeom, SceneGeomType};
 
 /// Texture.
 #[derive(Debug)]
@@ -54,5 +61,63 @@ impl Texture {
             }),
             png,
         })
+    }
+}
+
+/// The engine repeats texture coordinates, and places textures in the corners of planes.
+const REPEATS_TEXCOORDS: bool = cfg!(engine_since = "3.12.0");
+
+/// Mapping from local positions, m, or from the texture coordinates of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct TextureMap {
+    /// The coordinates are those of the mesh instead of the local position.
+    pub(crate) explicit: bool,
+    /// Factors of the coordinates.
+    pub(crate) scale: [f32; 3],
+    /// Added to the product.
+    pub(crate) offset: [f32; 2],
+}
+
+impl TextureMap {
+    pub(crate) fn new(geom: SceneGeom<'_>, is_cube: bool) -> Self {
+        let (size, repeat) = (geom.size(), geom.texrepeat());
+        let is_in_metres = geom.mesh().is_some() || geom.height_field().is_some();
+        let reciprocal = |length: f32| if length > 0.0 { length.recip() } else { 1.0 };
+        let explicit = geom.texcoord() && !is_cube;
+        let repetitions = [0, 1].map(|axis| {
+            let count = if repeat[axis] > 0.0 { repeat[axis] } else { 1.0 };
+            if geom.texuniform() && size[axis] > 0.0 { count * size[axis] } else { count }
+        });
+        let (scale, offset) = if is_cube {
+            // The direction of the position, of which only the ratios matter.
+            let scale = match (is_in_metres, geom.texuniform()) {
+                (false, true) | (true, false) => [1.0; 3],
+                (false, false) => size.map(reciprocal),
+                (true, true) => size,
+            };
+            (scale, [0.0; 2])
+        } else if explicit {
+            let [x, y] = if REPEATS_TEXCOORDS { repetitions } else { [1.0; 2] };
+            ([x, y, 0.0], [0.0; 2])
+        } else if REPEATS_TEXCOORDS && geom.geom_type() == SceneGeomType::Plane {
+            let is_infinite = size[..2].iter().any(|&length| length <= 0.0);
+            let axis = |axis: usize| {
+                let (scale, offset) = match size[axis] {
+                    length if length > 0.0 => (0.5 * repetitions[axis] / length, 0.5 * repetitions[axis]),
+                    _ => (0.5 * repetitions[axis], 0.0),
+                };
+                (scale, if is_infinite { offset - 0.5 } else { offset })
+            };
+            let [(x, left), (y, top)] = [0, 1].map(axis);
+            ([x, -y, 0.0], [left, top])
+        } else {
+            let [x, y] = [0, 1].map(|axis| {
+                let per_metre = if geom.texuniform() { 1.0 } else { reciprocal(size[axis]) };
+                0.5 * repeat[axis] * per_metre
+            });
+            ([x, -y, 0.0], [-0.5; 2])
+        };
+        let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
+        Self { explicit, scale: scale.map(finite), offset: offset.map(finite) }
     }
 }

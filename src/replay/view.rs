@@ -4,10 +4,13 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::frame::Frame;
+use super::motion::Frame;
+use super::names::description;
 use crate::data::Data;
 use crate::element;
 use crate::error::Result;
+use crate::kind::Kind;
+use crate::math::{cross, mat2quat};
 use crate::model::Model;
 use crate::scene::{Camera, Scene, SceneLight, Viewpoint};
 
@@ -36,23 +39,18 @@ impl Light {
     pub(crate) fn all(model: &Model, frames: &[Frame], scene: &Scene, left_out: &mut BTreeSet<String>) -> Vec<Self> {
         let active = (0..model.nlight()).filter(|&index| model.light_active()[index] != 0);
         let (head, others): (Vec<_>, Vec<_>) = scene.lights().partition(|light| light.headlight);
-        let mut lights: Vec<Self> =
-            head.into_iter().map(|light| Self::new(light, None, None, [0.0; 3], [0.0, 0.0, -1.0])).collect();
+        let headlight = |light| Self::new(light, None, None, [0.0; 3], [0.0, 0.0, -1.0]);
+        let mut lights: Vec<Self> = head.into_iter().map(headlight).collect();
         for (light, index) in others.into_iter().zip(active) {
             if !light.drawn {
-                left_out.insert(format!(
-                    "light {}: its type",
-                    model.lights().nth(index).and_then(|light| light.name()).unwrap_or("without a name")
-                ));
+                left_out.insert(format!("{}: its type", description(model, Kind::Light, index)));
                 continue;
             }
-            let own = frames.iter().position(|frame| *frame == Frame::Light(index));
-            lights.push(if own.is_some() {
-                Self::new(light, Some(index), own, [0.0; 3], [0.0, 0.0, 1.0])
-            } else {
-                let body = model.light_bodyid()[index] as usize;
-                Self::new(light, Some(index), Some(body), model.light_pos()[index], model.light_dir()[index])
-            });
+            let (frame, pos, dir) = match frames.iter().position(|frame| *frame == Frame::Light(index)) {
+                Some(frame) => (frame, [0.0; 3], [0.0, 0.0, 1.0]),
+                None => (model.light_bodyid()[index] as usize, model.light_pos()[index], model.light_dir()[index]),
+            };
+            lights.push(Self::new(light, Some(index), Some(frame), pos, dir));
         }
         lights
     }
@@ -63,72 +61,51 @@ impl Light {
     }
 }
 
-/// Frustum of a camera: see [`Viewpoint`].
-#[derive(Debug, Serialize)]
-pub(crate) struct Frustum {
-    pub(crate) center: f32,
-    pub(crate) width: f32,
-    pub(crate) bottom: f32,
-    pub(crate) top: f32,
-    pub(crate) near: f32,
-    pub(crate) far: f32,
-    pub(crate) orthographic: bool,
+/// Part of a viewpoint that a page needs.
+#[derive(Serialize)]
+#[serde(remote = "Viewpoint")]
+struct Projection {
+    frustum_center: f32,
+    frustum_width: f32,
+    frustum_bottom: f32,
+    frustum_top: f32,
+    frustum_near: f32,
+    frustum_far: f32,
+    orthographic: bool,
 }
 
-impl Frustum {
-    fn new(viewpoint: &Viewpoint) -> Self {
-        Self {
-            center: viewpoint.frustum_center,
-            width: viewpoint.frustum_width,
-            bottom: viewpoint.frustum_bottom,
-            top: viewpoint.frustum_top,
-            near: viewpoint.frustum_near,
-            far: viewpoint.frustum_far,
-            orthographic: viewpoint.orthographic,
-        }
-    }
-}
-
-/// Camera of the model.
+/// Camera of the model, or the free camera at the start.
 #[derive(Debug, Serialize)]
-pub(crate) struct FixedCamera {
+pub(crate) struct CameraLook {
     pub(crate) name: Option<String>,
     pub(crate) frame: usize,
     /// Position, m, and orientation in the frame. The camera looks along the negative z-axis.
     pub(crate) pos: [f64; 3],
     pub(crate) quat: [f64; 4],
-    pub(crate) frustum: Frustum,
+    #[serde(with = "Projection")]
+    pub(crate) view: Viewpoint,
 }
 
-impl FixedCamera {
-    /// Returns all cameras. Leaves the scene at the viewpoint of the last one.
+impl CameraLook {
+    /// Returns the free camera, of which the scene has the viewpoint. Its frame is the world.
+    pub(crate) fn free(view: Viewpoint) -> Self {
+        let [z, y] = [view.forward.map(|part| -f64::from(part)), view.up.map(f64::from)];
+        let x = cross(&y, &z);
+        let quat = mat2quat(&[x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]]);
+        Self { name: None, frame: 0, pos: view.pos.map(f64::from), quat, view }
+    }
+
+    /// Returns all cameras of the model. Leaves the scene at the viewpoint of the last one.
     pub(crate) fn all(data: &Data, frames: &[Frame], scene: &mut Scene) -> Result<Vec<Self>> {
         let model = data.model();
-        let mut camera = |index: usize, view: element::Camera<'_>| {
-            scene.update_camera(data, &mut Camera::fixed(model, view.id()))?;
+        let mut camera = |index: usize, element: element::Camera<'_>| {
+            scene.update_camera(data, &mut Camera::fixed(model, element.id()))?;
             let (frame, pos, quat) = match frames.iter().position(|frame| *frame == Frame::Camera(index)) {
                 Some(frame) => (frame, [0.0; 3], [1.0, 0.0, 0.0, 0.0]),
                 None => (model.cam_bodyid()[index] as usize, model.cam_pos()[index], model.cam_quat()[index]),
             };
-            let (name, frustum) = (view.name().map(str::to_owned), Frustum::new(&scene.viewpoint()));
-            Ok(Self { name, frame, pos, quat, frustum })
+            Ok(Self { name: element.name().map(str::to_owned), frame, pos, quat, view: scene.viewpoint() })
         };
-        model.cameras().enumerate().map(|(index, view)| camera(index, view)).collect()
-    }
-}
-
-/// Free camera at the start.
-#[derive(Debug, Serialize)]
-pub(crate) struct FreeCamera {
-    /// Position, m.
-    pub(crate) pos: [f32; 3],
-    /// Point at the centre of the view, m.
-    pub(crate) lookat: [f64; 3],
-    pub(crate) frustum: Frustum,
-}
-
-impl FreeCamera {
-    pub(crate) fn new(viewpoint: &Viewpoint, lookat: [f64; 3]) -> Self {
-        Self { pos: viewpoint.pos, lookat, frustum: Frustum::new(viewpoint) }
+        model.cameras().enumerate().map(|(index, element)| camera(index, element)).collect()
     }
 }

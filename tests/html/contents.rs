@@ -93,8 +93,8 @@ fn geoms_have_the_shapes_places_and_colours_of_the_model() {
     let shading = ["emission", "specular", "shininess"].map(|name| plane[name].as_f64().unwrap() as f32);
     assert_eq!(shading, [0.1, 0.25, 0.75]);
     assert!(
-        (look["cameras"][0]["frustum"]["top"].as_f64().unwrap()
-            / look["cameras"][0]["frustum"]["near"].as_f64().unwrap()
+        (look["cameras"][0]["view"]["frustum_top"].as_f64().unwrap()
+            / look["cameras"][0]["view"]["frustum_near"].as_f64().unwrap()
             - 20_f64.to_radians().tan())
         .abs()
             < 1e-6
@@ -125,16 +125,17 @@ fn meshes_and_height_fields_are_rounded_to_a_fraction_of_their_extent() {
     let meshes = page.description["look"]["meshes"].as_object().unwrap();
     assert_eq!(meshes.len(), 1, "the unused mesh is left out");
     let (view, mesh) = (model.mesh("prism").unwrap(), meshes.values().next().unwrap());
-    let axes = page.channels(&mesh["vertices"], view.vert().len(), 1);
+    let positions = &mesh["positions"];
+    let axes = page.channels(&positions["vectors"], view.vert().len(), 1);
     for (axis, channel) in axes.iter().enumerate() {
         for (vertex, &number) in channel.iter().enumerate() {
-            let error = value(&mesh["intervals"][axis], number) - f64::from(view.vert()[vertex][axis]);
+            let error = value(&positions["intervals"][axis], number) - f64::from(view.vert()[vertex][axis]);
             assert!(error.abs() <= 0.4 / 131_000.0, "{error}");
         }
     }
     let faces: Vec<i64> = view.face().as_flattened().iter().map(|&corner| corner.into()).collect();
-    assert_eq!(page.channels(&mesh["faces"], faces.len(), 1), [faces]);
-    let coordinates = page.channels(&mesh["texcoords"]["values"], view.texcoord().len(), 1);
+    assert_eq!(page.channels(&positions["faces"], faces.len(), 1), [faces]);
+    let coordinates = page.channels(&mesh["texcoords"]["vectors"], view.texcoord().len(), 1);
     for (vertex, texcoord) in view.texcoord().iter().enumerate() {
         for axis in 0..2 {
             let found = value(&mesh["texcoords"]["intervals"][axis], coordinates[axis][vertex]);

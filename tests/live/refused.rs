@@ -148,7 +148,7 @@ fn malformed_requests_are_refused() {
     let version = head(&page, &format!("/{}", token(&page)), &[("Host", "{}")]).replacen("HTTP/1.1", "HTTP/1.0", 1);
     assert!(raw(&page, version.as_bytes()).starts_with("HTTP/1.1 400 "));
     for bytes in [
-        &b"\r\n\r\n"[..],
+        &b"\r\n\r\n\xff"[..],
         b"GET\r\n\r\n",
         b"\0\xff\xfe\r\n\r\n",
         b"GET / HTTP/1.1\r\n: x\r\n\r\n",
@@ -159,7 +159,7 @@ fn malformed_requests_are_refused() {
     let many: Vec<(String, &str)> = (0..100).map(|index| (format!("X{index}"), "1")).collect();
     let many: Vec<(&str, &str)> = many.iter().map(|(name, value)| (&**name, *value)).collect();
     assert!(raw(&page, head(&page, "/", &many).as_bytes()).starts_with("HTTP/1.1 400 "));
-    let long = "a".repeat(20_000);
+    let long = "a".repeat(100_000);
     assert!(raw(&page, format!("GET /{long}").as_bytes()).starts_with("HTTP/1.1 431 "));
 }
 
