@@ -32,8 +32,8 @@ export class Player {
     player.arrange(0, data.description.spacing === null ? 0 : 1);
     player.selectCamera(data.description.camera === null ? 0 : data.description.camera + 1);
     player.begin();
+    // It also reports the first size, so that the first picture is drawn once.
     new ResizeObserver(() => player.resize()).observe(player.canvas.parentElement);
-    player.resize();
     requestAnimationFrame((now) => player.frame(now));
     return player;
   }
@@ -62,7 +62,7 @@ export class Player {
     const elapsed = Math.min((now - (this.now ?? now)) / 1000, 0.1);
     this.now = now;
     this.tick(elapsed);
-    if (this.isDirty) this.draw();
+    if (this.isDirty && this.aspect) this.draw();
     requestAnimationFrame((next) => this.frame(next));
   }
 
