@@ -1,7 +1,7 @@
-//! Derivatives by ten parameters of a humanoid on its left leg, in closed form, against one
-//! linearisation of the step. Then the gradient of a cost of 100 steps by all controls, by ten
-//! parameters and by 1000 (each of a hundred several times), against the linearisations of the
-//! steps alone.
+//! Derivatives by ten parameters of a humanoid on its left leg, and by ten solver parameters
+//! (friction, `solref`, `solimp`), in closed form, against one linearisation of the step. Then the
+//! gradient of a cost of 100 steps by all controls, by ten parameters and by 1000 (each of a
+//! hundred several times), against the linearisations of the steps alone.
 //!
 //! ```text
 //! cargo bench --bench parameters
@@ -46,9 +46,31 @@ fn parameters(model: &Model, count: usize) -> Vec<ModelParameter> {
         .collect()
 }
 
+/// Returns solver parameters of contacts and limits.
+fn solver_parameters(model: &Model) -> Result<Vec<ModelParameter>> {
+    let foot = model.geom("foot_left_inner")?.id().index();
+    let mut list = Vec::new();
+    for (array, row, column) in [
+        ("geom_friction", 0, 0),
+        ("geom_friction", foot, 1),
+        ("geom_friction", foot, 2),
+        ("geom_solref", 0, 0),
+        ("geom_solref", foot, 1),
+        ("geom_solimp", 0, 0),
+        ("geom_solimp", foot, 1),
+        ("geom_solimp", foot, 2),
+        ("jnt_solref", 7, 0),
+        ("jnt_solimp", 7, 1),
+    ] {
+        list.push(ModelParameter::field(model, array, row, column)?);
+    }
+    Ok(list)
+}
+
 fn main() -> Result<()> {
     let data = Balance::humanoid()?.data;
     let model = data.model().clone();
+    let solver = solver_parameters(&model)?;
     let (ten, thousand) = (parameters(&model, 10), parameters(&model, 1000));
     let mut state = State {
         lineariser: Lineariser::new(model.clone(), TransitionOptions::default())?,
@@ -61,10 +83,10 @@ fn main() -> Result<()> {
     for step in 0..STEPS {
         state.controls.row_mut(step).copy_from_slice(state.data.ctrl());
     }
-    let by_parameters = |state: &mut State| {
+    let by_parameters = |parameters: &[ModelParameter], state: &mut State| {
         let State { data, lineariser, jacobian, .. } = state;
         let outputs = ParameterOutputs { state: Some(&mut jacobian.state), sensors: None };
-        let report = lineariser.parameter_jacobian_into(data, &ten, outputs).expect("the state is stable");
+        let report = lineariser.parameter_jacobian_into(data, parameters, outputs).expect("the state is stable");
         assert_eq!((report.method, report.differenced.is_empty()), (TransitionMethod::Analytic, true));
     };
     let linearise = |state: &mut State| {
@@ -76,7 +98,11 @@ fn main() -> Result<()> {
         "parameters/humanoid",
         &mut state,
         1,
-        &[("10 parameters", &by_parameters), ("linear_system_into", &linearise)],
+        &[
+            ("10 parameters", &|state: &mut State| by_parameters(&ten, state)),
+            ("10 solver parameters", &|state: &mut State| by_parameters(&solver, state)),
+            ("linear_system_into", &linearise),
+        ],
     );
 
     let gradient = |parameters: &[ModelParameter], state: &mut State| {

@@ -75,6 +75,8 @@ fn derivatives_by_parameters_do_not_allocate() {
         ModelParameter::LogCholesky(torso, 3),
         Parameter::JointDamping(knee).into(),
         Parameter::Gravity(2).into(),
+        ModelParameter::field(&model, "geom_friction", 0, 0).unwrap(),
+        ModelParameter::field(&model, "geom_solimp", 0, 1).unwrap(),
     ];
     let mut lineariser = Lineariser::new(model.clone(), TransitionOptions::default()).unwrap();
     let (mut jacobian, _) = lineariser.parameter_jacobian(&mut data, &parameters).unwrap();

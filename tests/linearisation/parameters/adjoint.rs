@@ -191,12 +191,15 @@ fn gradients_agree_with_differences_of_the_cost() {
 fn gradients_of_the_humanoid_agree_with_differences_of_the_cost() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
+    // The floor has the largest friction of all geoms.
+    data.edit_model(|model| model.geom_friction_mut()[0][0] = 2.0).unwrap();
     let model = data.model().clone();
     let parameters = [
         ModelParameter::Mass(model.body("torso").unwrap().id()),
         ModelParameter::field(&model, "geom_friction", 0, 0).unwrap(),
+        ModelParameter::field(&model, "geom_solimp", 0, 1).unwrap(),
     ];
-    check(&mut data, 9, &parameters[..1], false, TransitionMethod::Analytic);
+    check(&mut data, 9, &parameters, false, TransitionMethod::Analytic);
 }
 
 #[test]

@@ -89,6 +89,7 @@ fn compare_models(seed: u64, models: u64) {
         }
         assert!(!report.differenced.contains(DifferencedTerms::PARAMETERS));
         compared += 1;
+        println!("model {seed}: {compared} compared, {} failures", failures.len());
         match compare_all(&mut data, &parameters) {
             Ok([more, some]) => (close, noisy) = (close + more, noisy + some),
             Err(failure) => failures.push(format!("model {seed}, {failure}")),

@@ -1,5 +1,7 @@
 //! Random models: trees of all joints, with contacts, limits, friction loss, tendons and actuators.
 
+use std::time::Instant;
+
 use mujoco_safe::derivative::{Fallback, ModelParameter, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model};
 use rand::{RngExt, SeedableRng};
@@ -41,7 +43,10 @@ fn compare_models(
             continue;
         }
         let what = format!("model {}", seed + number);
-        match compare_all(&mut data, &parameters) {
+        let started = Instant::now();
+        let compared = compare_all(&mut data, &parameters);
+        println!("{what}: {:.1} s, {} {sums:?}", started.elapsed().as_secs_f64(), compared.is_ok());
+        match compared {
             Ok([close, noisy]) => {
                 sums[0] += 1;
                 sums[1] += close;
