@@ -17,6 +17,11 @@ export class Deformable {
     if (faces) {
       for (const surface of this.surfaces) surface.side = DoubleSide;
       this.geometry = new BufferGeometry().setIndex(new BufferAttribute(faces, 1));
+      // A first picture without normals would make the surface flat for ever.
+      const count = faces.reduce((most, index) => Math.max(most, index + 1), 0);
+      for (const name of ['position', 'normal']) {
+        this.geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * count), 3));
+      }
       this.object = new Mesh(this.geometry, this.surfaces[1]);
     } else {
       this.place = new Object3D();
@@ -37,9 +42,6 @@ export class Deformable {
   }
 
   updateSurface(vertices) {
-    if (!this.geometry.hasAttribute('position')) {
-      this.geometry.setAttribute('position', new BufferAttribute(new Float32Array(vertices.length), 3));
-    }
     const { position } = this.geometry.attributes;
     position.array.set(vertices.subarray(0, position.array.length));
     position.needsUpdate = true;
