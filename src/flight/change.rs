@@ -3,11 +3,8 @@
 //! In memory and in files, a run is a word with the index of its first value and the number of
 //! values, 32 bits each, and the values.
 
-/// Number of words that are compared at a time.
-pub(super) const BLOCK: usize = 16;
-
 /// End of a list of runs. No run has this word.
-const END: f64 = f64::from_bits(u64::MAX);
+pub(super) const END: f64 = f64::from_bits(u64::MAX);
 
 /// Returns a bound of the number of words of the runs of `count` words with their end. Words that
 /// are compared in several parts have no common runs.
@@ -33,28 +30,15 @@ pub(super) fn is_same(new: &[f64], old: &[f64]) -> bool {
 #[inline]
 pub(super) fn runs(new: &[f64], old: &[f64], mut each: impl FnMut(usize, &[f64])) {
     debug_assert_eq!(new.len(), old.len(), "Bug: the values of different models are compared");
-    let mut start = None;
-    for (block, (words, old)) in new.chunks(BLOCK).zip(old.chunks(BLOCK)).enumerate() {
-        let first = block * BLOCK;
-        if is_same(words, old) {
-            if let Some(start) = start.take() {
-                each(start, &new[start..first]);
-            }
-            continue;
-        }
-        for (index, (word, old)) in words.iter().zip(old).enumerate() {
-            match (word.to_bits() != old.to_bits(), start) {
-                (true, None) => start = Some(first + index),
-                (false, Some(first_word)) => {
-                    each(first_word, &new[first_word..first + index]);
-                    start = None;
-                }
-                _ => {}
-            }
-        }
-    }
-    if let Some(start) = start {
-        each(start, &new[start..]);
+    let find = |from: usize, differs: bool| {
+        let mut words = new[from..].iter().zip(&old[from..]);
+        words.position(|(new, old)| (new.to_bits() != old.to_bits()) == differs).map(|count| from + count)
+    };
+    let mut place = 0;
+    while let Some(start) = find(place, true) {
+        let end = find(start, false).unwrap_or(new.len());
+        each(start, &new[start..end]);
+        place = end;
     }
 }
 
@@ -81,12 +65,6 @@ impl Run<'_> {
 pub(super) fn put_run(to: &mut Vec<f64>, start: usize, values: &[f64]) {
     to.push(f64::from_bits((start as u64) << 32 | values.len() as u64));
     to.extend_from_slice(values);
-}
-
-/// Appends the end of a list of runs.
-#[inline]
-pub(super) fn put_end(to: &mut Vec<f64>) {
-    to.push(END);
 }
 
 /// Returns the next run of words of unknown origin. `None` if it is incomplete or exceeds a vector
@@ -156,7 +134,7 @@ impl Checksum {
 
 #[cfg(test)]
 mod tests {
-    use super::{Checksum, bound, put_end, put_run, runs, take_runs};
+    use super::{Checksum, END, bound, put_run, runs, take_runs};
 
     fn found(new: &[f64], old: &[f64]) -> Vec<(usize, Vec<f64>)> {
         let mut found = Vec::new();
@@ -192,7 +170,7 @@ mod tests {
                         runs(values, &vec![0.0; part], |of, run| put_run(&mut words, start + of, run));
                         start += part;
                     }
-                    put_end(&mut words);
+                    words.push(END);
                     assert!(words.len() <= bound(count), "{count}");
                     let (mut rest, mut read) = (&words[..], vec![0.0; count]);
                     take_runs(&mut rest, count).unwrap().iter().for_each(|run| run.set(&mut read));

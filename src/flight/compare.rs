@@ -1,19 +1,19 @@
 //! Comparison of a trace with the results of this engine.
 
-use std::collections::HashSet;
 use std::io::Read;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::divergence::{Divergence, Pair};
+use super::change;
+use super::divergence::{Divergence, Pair, row_name};
 use super::inputs;
 use super::matched::{Order, align};
 use super::model_difference::{self, ModelDifferences};
 use super::origin::Origin;
 use super::parts::invalid;
-use super::quantities::{self, AFTER_SOLVER, Quantity, find};
-use super::trace::{CONVERGED, NAME, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate, fields};
+use super::quantities::{self, QUANTITIES, find};
+use super::trace::{CONVERGED, NAME, Record, Results, Trace, TracedCall, TracedModel, converging, evaluate};
 use crate::data::Data;
 use crate::engine::engine_version;
 use crate::error::{Error, Result};
@@ -50,10 +50,6 @@ pub struct Comparison {
     pub convergence: Vec<Divergence>,
     /// Fields of the model that differ, but do not enter a simulation: names, addresses, colours.
     pub other_fields: Vec<String>,
-    /// Fields that only the engine of the trace has.
-    pub only_there: Vec<String>,
-    /// Fields that only this engine has.
-    pub only_here: Vec<String>,
 }
 
 impl Comparison {
@@ -67,20 +63,17 @@ impl Comparison {
     /// [`Error::File`] if the trace cannot be read.
     pub fn new(trace: impl Read, model: Option<&Model>) -> Result<Self> {
         let mut trace = Trace::open(trace)?;
-        let Record::Begin { origin, xml, fields } = trace.next()? else {
+        let Record::Begin { origin, xml } = trace.next()? else {
             return Err(invalid(NAME, "its first record is not its origin"));
         };
         let mut comparison = Self {
-            origin: Origin::of(origin),
+            origin,
             calls: 0,
             identical: 0,
             divergences: Vec::new(),
             convergence: Vec::new(),
             other_fields: Vec::new(),
-            only_there: Vec::new(),
-            only_here: Vec::new(),
         };
-        comparison.compare_fields(&fields);
         let (mut first, mut side) = (None::<TracedModel>, None::<Side>);
         loop {
             match (trace.next()?, &mut side) {
@@ -103,18 +96,6 @@ impl Comparison {
                 }
             }
         }
-    }
-
-    fn compare_fields(&mut self, there: &[String]) {
-        let here: HashSet<String> = fields().collect();
-        let there: HashSet<String> = there.iter().cloned().collect();
-        let missing = |from: &HashSet<String>, other: &HashSet<String>| {
-            let mut names: Vec<String> = from.difference(other).cloned().collect();
-            names.sort();
-            names
-        };
-        self.only_there = missing(&there, &here);
-        self.only_here = missing(&here, &there);
     }
 
     /// Loads the model of the trace.
@@ -163,57 +144,45 @@ impl Comparison {
         let time = inputs[0];
         let here = evaluate(&mut side.data, traced.call, &inputs);
         let there = &traced.results;
-        if there.error != here.error {
+        let mut is_identical = there.error == here.error;
+        if !is_identical && !has(&self.divergences, "result") {
             let text = |error: &Option<String>| error.as_deref().unwrap_or("success").to_owned();
             let element = format!("there: {}; here: {}", text(&there.error), text(&here.error));
-            if !has(&self.divergences, "result") {
-                let [there, here] = [there, &here].map(|results| f64::from(u8::from(results.error.is_some())));
-                let (call, stage, field, rounding) = (self.calls, "call", "result".to_owned(), 0.0);
-                self.divergences.push(Divergence { call, time, stage, field, element, there, here, rounding });
-            }
+            let [there, here] = [there, &here].map(|results| f64::from(u8::from(results.error.is_some())));
+            let (call, stage, field, rounding) = (self.calls, "call", "result".to_owned(), 0.0);
+            self.divergences.push(Divergence { call, time, stage, field, element, there, here, rounding });
         }
         let order = Order::of(&there.values, &here.values);
         let mut pairs = Vec::new();
-        for quantity in quantities::all() {
+        for quantity in QUANTITIES {
             let values = find(&there.values, quantity.name).zip(find(&here.values, quantity.name));
             // Matched constraints have the same objects.
-            let is_matched = quantity.name == "efc_id" && order.has_constraints();
+            let is_matched = quantity.name == "efc_id" && order.constraints.is_some();
             let Some((there, here)) = values.filter(|_| !is_matched) else { continue };
             let there = align(quantity, there, &order);
-            if there.columns != here.columns || !has_same_bits(&there.values, &here.values) {
-                pairs.push((quantity, there, here));
+            let has_same_shape = there.columns == here.columns && there.values.len() == here.values.len();
+            if !has_same_shape || !change::is_same(&there.values, &here.values) {
+                is_identical = false;
+                if !has(&self.divergences, quantity.name) {
+                    pairs.push((quantity, there, here));
+                }
             }
         }
+        self.identical += u64::from(is_identical);
         if pairs.is_empty() {
-            self.identical += u64::from(there.error == here.error);
-            return Ok(());
-        }
-        let is_known = |quantity: &Quantity| has(&self.divergences, quantity.name);
-        if pairs.iter().all(|(quantity, ..)| is_known(quantity)) {
             return Ok(());
         }
         let disturbed = side.disturbed(traced, &inputs);
         let mut converged = None;
-        let (mut divergences, mut convergence) = (Vec::new(), Vec::new());
-        for (quantity, there, values) in pairs.into_iter().filter(|(quantity, ..)| !is_known(quantity)) {
+        for (quantity, there, values) in pairs {
             let disturbed = disturbed.iter().map(|results| find(&results.values, quantity.name));
-            let Some(pair) = Pair::worst(&there, values, &disturbed.collect::<Vec<_>>()) else { continue };
-            if pair.ratio <= MOST_ROUNDING {
-                continue;
-            }
-            let element = pair.element(quantity, &here.values, side.data.model());
-            let divergence = Divergence {
-                call: self.calls,
-                time,
-                stage: quantity.stage,
-                field: quantity.name.to_owned(),
-                element,
-                there: pair.there,
-                here: pair.here,
-                rounding: pair.rounding,
-            };
+            let worst = Pair::worst(&there, values, &disturbed.collect::<Vec<_>>(), 0.0);
+            let Some(pair) = worst.filter(|pair| pair.ratio > MOST_ROUNDING) else { continue };
+            let owner = |row| row_name(quantity.rows, row, &here.values, side.data.model());
+            let element = pair.element(quantity.columns, owner);
+            let divergence = pair.report(self.calls, time, quantity.stage, quantity.name, element);
             let mut error = 0.0;
-            if AFTER_SOLVER.contains(&quantity.stage) {
+            if quantity.depends_on_solver() {
                 let of_trace = find(&traced.results.values, &format!("{CONVERGED}{}", quantity.name));
                 let there = of_trace.zip(find(&traced.results.values, quantity.name));
                 let converged = converged.get_or_insert_with(|| evaluate(&mut side.converged, traced.call, &inputs));
@@ -222,15 +191,13 @@ impl Comparison {
                     error = pair.error(quantity, converged, values).max(error);
                 }
             }
-            if (pair.there - pair.here).abs() <= MOST_CONVERGENCE * error + MOST_ROUNDING * pair.rounding {
-                convergence.push(divergence);
-            } else {
+            let most = MOST_CONVERGENCE * error + MOST_ROUNDING * pair.rounding;
+            let is_convergence = (pair.there - pair.here).abs() <= most;
+            let divergences = if is_convergence { &mut self.convergence } else { &mut self.divergences };
+            if !has(divergences, quantity.name) {
                 divergences.push(divergence);
             }
         }
-        self.divergences.extend(divergences);
-        convergence.retain(|divergence| !has(&self.convergence, &divergence.field));
-        self.convergence.extend(convergence);
         Ok(())
     }
 }
@@ -239,17 +206,11 @@ fn has(divergences: &[Divergence], field: &str) -> bool {
     divergences.iter().any(|known| known.field == field)
 }
 
-fn has_same_bits(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
-}
-
 /// Simulations of this engine.
 struct Side {
     data: Data,
     /// Simulation whose solver converges further.
     converged: Data,
-    /// Inputs after a reset.
-    default: Vec<f64>,
     /// Relative size of disturbances.
     disturbance: f64,
 }
@@ -258,22 +219,20 @@ impl Side {
     fn new(model: Model, disturbance: f64) -> Result<Self> {
         let data = Data::new(model)?;
         let converged = converging(data.model())?;
-        let mut default = Vec::new();
-        inputs::read(&data, &mut default);
-        Ok(Self { data, converged, default, disturbance })
+        Ok(Self { data, converged, disturbance })
     }
 
     /// Returns the inputs of a call in the order of this engine.
-    fn inputs(&self, traced: &TracedCall, call: u64) -> Result<Vec<f64>> {
-        let mut values = self.default.clone();
-        let mut place = 0;
-        for (name, length) in quantities::inputs(self.data.model()) {
-            let target = &mut values[place..][..length];
-            place += length;
+    fn inputs(&mut self, traced: &TracedCall, call: u64) -> Result<Vec<f64>> {
+        self.data.reset()?;
+        let mut values = Vec::new();
+        inputs::read(&self.data, &mut values);
+        for (name, place) in quantities::inputs(self.data.model()) {
             match traced.inputs.iter().find(|input| input.name == name) {
-                Some(input) if input.values.len() == length => target.copy_from_slice(&input.values),
+                Some(input) if input.values.len() == place.len() => values[place].copy_from_slice(&input.values),
                 Some(input) if !INTERNAL.contains(&&*name) => {
-                    let reason = format!("the trace has {} values of {name}, the model {length}", input.values.len());
+                    let (there, here) = (input.values.len(), place.len());
+                    let reason = format!("the trace has {there} values of {name}, the model {here}");
                     return Err(Error::NotRepeated { call, reason });
                 }
                 _ => {}
@@ -284,20 +243,14 @@ impl Side {
 
     /// Returns the results of a call from inputs that differ by rounding.
     fn disturbed(&mut self, traced: &TracedCall, values: &[f64]) -> Vec<Results> {
-        let parts = quantities::inputs(self.data.model());
         let with_seed = |seed| {
             let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
             let mut disturbed = values.to_vec();
-            let mut rest = &mut disturbed[..];
-            for (name, length) in &parts {
-                let (part, after) = std::mem::take(&mut rest).split_at_mut(*length);
-                if DISTURBED.contains(&&**name) {
-                    for value in part {
-                        let size = self.disturbance * value.abs().max(1.0);
-                        *value += if random.random() { size } else { -size };
-                    }
+            for (_, place) in quantities::inputs(self.data.model()).filter(|(name, _)| DISTURBED.contains(&&**name)) {
+                for value in &mut disturbed[place] {
+                    let size = self.disturbance * value.abs().max(1.0);
+                    *value += if random.random() { size } else { -size };
                 }
-                rest = after;
             }
             evaluate(&mut self.data, traced.call, &disturbed)
         };

@@ -32,7 +32,7 @@ pub struct Divergence {
     /// Effect of rounding on this value: its largest change in three evaluations whose inputs are
     /// changed by 4 ε, and ε times the largest value of its row, or a thousandth of the largest
     /// one of the quantity. A difference up to 100 times as large counts as rounding. Zero for
-    /// models and numbers of values.
+    /// numbers of rows.
     pub rounding: f64,
 }
 
@@ -58,8 +58,9 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// Returns the worst value. `disturbed` has the results of inputs that differ by rounding.
-    pub(super) fn worst(there: &Series, here: &Series, disturbed: &[Option<&Series>]) -> Option<Self> {
+    /// Returns the worst value. `disturbed` has the results of inputs that differ by rounding. A
+    /// difference up to `near_zero` is none.
+    pub(super) fn worst(there: &Series, here: &Series, disturbed: &[Option<&Series>], near_zero: f64) -> Option<Self> {
         let has_same_length = |other: &Series| other.values.len() == here.values.len();
         if !has_same_length(there) || there.columns != here.columns {
             let is_rounding = disturbed.iter().any(|other| !other.is_some_and(has_same_length));
@@ -79,8 +80,8 @@ impl Pair {
                 rounding += b.iter().zip(other).fold(0.0, |most: f64, (b, other)| most.max((b - other).abs()));
             }
             for (column, (&there, &here)) in a.iter().zip(b).enumerate() {
-                let is_same = there == here || (there.is_nan() && here.is_nan());
                 let difference = (there - here).abs();
+                let is_same = there == here || (there.is_nan() && here.is_nan()) || difference <= near_zero;
                 let ratio = match is_same {
                     true => 0.0,
                     false if difference.is_finite() => difference / rounding,
@@ -106,18 +107,23 @@ impl Pair {
         differences.fold(0.0, f64::max)
     }
 
-    /// Returns the name of the element. `here` has all quantities.
-    pub(super) fn element(&self, quantity: &Quantity, here: &[Series], model: &Model) -> String {
-        if self.row == usize::MAX {
-            return "the number of rows".to_owned();
+    pub(super) fn report(&self, call: u64, time: f64, stage: &'static str, field: &str, element: String) -> Divergence {
+        let (&Self { there, here, rounding, .. }, field) = (self, field.to_owned());
+        Divergence { call, time, stage, field, element, there, here, rounding }
+    }
+
+    /// Returns the name of the element. `owner` names the owner of a row.
+    pub(super) fn element(&self, columns: usize, owner: impl FnOnce(usize) -> String) -> String {
+        match self.row {
+            usize::MAX => "the number of rows".to_owned(),
+            row if columns > 1 => format!("{}[{}]", owner(row), self.column),
+            row => owner(row),
         }
-        let name = row_name(quantity.rows, self.row, here, model);
-        if quantity.columns > 1 { format!("{name}[{}]", self.column) } else { name }
     }
 }
 
-/// Returns the name of the object to which a row belongs.
-fn row_name(rows: Rows, row: usize, here: &[Series], model: &Model) -> String {
+/// Returns the name of the object to which a row belongs. `here` has all quantities.
+pub(super) fn row_name(rows: Rows, row: usize, here: &[Series], model: &Model) -> String {
     let value = |name: &str, index: usize| {
         find(here, name).and_then(|values| values.values.get(index)).map_or(-1.0, |value| *value)
     };
@@ -126,13 +132,12 @@ fn row_name(rows: Rows, row: usize, here: &[Series], model: &Model) -> String {
     match rows {
         Rows::Elements(kind) => model.described(kind, row),
         Rows::Positions => {
-            let joint = model.joints().position(|joint| has_row(joint.qpos_range())).unwrap_or_default();
-            let first = model.jnt_qposadr()[joint] as usize;
-            format!("{}[{}]", model.described(Kind::Joint, joint), row - first)
+            let joint = model.joints().find(|joint| has_row(joint.qpos_range())).expect("Bug: a position has a joint");
+            format!("{}[{}]", model.described(Kind::Joint, joint.index()), row - joint.qpos_range().start)
         }
         Rows::Dofs => {
-            let joint = model.dof_jntid()[row] as usize;
-            format!("{}[{}]", model.described(Kind::Joint, joint), row - model.jnt_dofadr()[joint] as usize)
+            let joint = model.joints().find(|joint| has_row(joint.dofs())).expect("Bug: a velocity has a joint");
+            format!("{}[{}]", model.described(Kind::Joint, joint.index()), row - joint.dofs().start)
         }
         Rows::Activations => model.described(Kind::Actuator, model.actuator_of_activation(row)),
         Rows::Outputs => {

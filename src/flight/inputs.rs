@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(engine_since = "3.0.0")]
-use super::change::BLOCK;
 use super::change::Checksum;
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
@@ -61,6 +59,10 @@ pub(super) fn count(model: &Model) -> usize {
     model.state_size(StateSpec::INTEGRATION) + others
 }
 
+/// Number of equalities that are compared at a time.
+#[cfg(engine_since = "3.0.0")]
+const BLOCK: usize = 16;
+
 /// Calls `each` with the place of the first value, and the values, of each part of all values.
 #[inline]
 pub(super) fn parts(data: &Data, mut each: impl FnMut(usize, &[f64])) {
@@ -72,13 +74,10 @@ pub(super) fn parts(data: &Data, mut each: impl FnMut(usize, &[f64])) {
     let earlier = earlier_results!(data, act_dot, sensordata);
     each(place, earlier);
     #[cfg(engine_since = "3.0.0")]
-    let mut place = place + earlier.len();
-    #[cfg(engine_since = "3.0.0")]
-    for active in data.active_equalities().chunks(BLOCK) {
+    for (block, active) in data.active_equalities().chunks(BLOCK).enumerate() {
         let mut values = [0.0; BLOCK];
         values.iter_mut().zip(active).for_each(|(value, &active)| *value = active.into());
-        each(place, &values[..active.len()]);
-        place += active.len();
+        each(place + earlier.len() + block * BLOCK, &values[..active.len()]);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::sys;
 #[derive(Default)]
 pub(super) struct Order {
     contacts: Option<Vec<usize>>,
-    constraints: Option<Vec<usize>>,
+    pub(super) constraints: Option<Vec<usize>>,
 }
 
 impl Order {
@@ -42,11 +42,6 @@ impl Order {
         // Rows of one object are in the same order.
         order.constraints = matched(&there, &here, |row, _| row as f64);
         order
-    }
-
-    /// Returns `true` if all constraints were matched.
-    pub(super) fn has_constraints(&self) -> bool {
-        self.constraints.is_some()
     }
 }
 

@@ -48,12 +48,12 @@
 //! results of each call: of the values that only the engine changes, or of all values if closures
 //! act in the simulation.
 //!
-//! The calls and their inputs are in a ring of [bytes](FlightRecorder::with_memory), allocated at
-//! the start. It consists of segments, of which each begins with all values, so the oldest can be
-//! dropped. A segment also begins after an error, because the repetition must
-//! [reset](crate::Data::reset) the simulation, and after an edit. Models are stored in MuJoCo's
-//! binary form (MJB); an edited model as the bytes that differ from the first one. A step that
-//! changes neither the model nor more than the controls allocates nothing.
+//! The calls and their inputs are in [memory](FlightRecorder::with_memory) that is allocated at the
+//! start. It has segments, of which each begins with all values, so the oldest can be dropped. A
+//! segment also begins after an error, because the repetition must [reset](crate::Data::reset) the
+//! simulation, and after an edit. Models are stored in MuJoCo's binary form (MJB); an edited model
+//! as the words that differ from the first one. A step that changes neither the model nor more than
+//! the controls allocates nothing, except for the segments that follow those of errors and edits.
 //!
 //! # Limits of the repetition
 //!
@@ -90,8 +90,7 @@
 //! - sets the inputs of each call to those of the trace, so that a difference is one of this call,
 //!   and is not inherited from earlier ones;
 //! - reports for each quantity the first call in which it differs by more than rounding, with the
-//!   element that differs most, in the order of the stages. The first stage makes the difference;
-//! - lists the fields that one of the engines does not have.
+//!   element that differs most, in the order of the stages. The first stage makes the difference.
 //!
 //! The effect of rounding on a value is measured: the call is repeated three times with inputs that
 //! are changed by 4 ε of their values or of one, or by the largest difference of two constants of
@@ -108,22 +107,18 @@
 //!
 //! # File
 //!
-//! Numbers are little-endian, strings and blocks have their length before them, `[…]` is repeated:
+//! A file begins with `MJFLIGHT`, or `MJ_TRACE` for a trace, and the version of the format (`u32`).
+//! Parts follow: one for a recording; for a trace its origin, models, calls and the number of calls.
+//! A part is a value in the encoding of the crate [`postcard`], with its length before it and a
+//! checksum after it (`u64`).
 //!
-//! | part | contents |
-//! |---|---|
-//! | header | `MJFLIGHT`, format version (`u32`) |
-//! | texts | crate, engine, target, processor features, reason, note, MJCF |
-//! | models | number (`u32`), `[MJB]` |
-//! | segments | number (`u32`), `[model (u32), edit, first call (u64), values (u32), calls]` |
-//! | end | checksum of all bytes before it (`u64`) |
+//! A call of a recording consists of words: its kind, the changes before it, those that closures
+//! made, and the checksum of its results. Changes are runs of words; the word before a run has its
+//! start and its length (`u32`).
 //!
-//! An edit is `[offset (u64), bytes]`. A call is its kind (`u8`), the changes before it, flags
-//! (`u8`: 1 an error, 2 closures), the changes that closures made, the checksum (`u64`), and the
-//! text of the error. Changes are `[start (u32), count (u32), values (f64)]` and end with a start
-//! of `u32::MAX`.
+//! [`postcard`]: https://docs.rs/postcard
 //!
-//! A file from a stranger is safe to read: every length is checked before memory is allocated,
+//! A file from a stranger is safe to read: memory is allocated for the bytes that the file has,
 //! models are validated as by [`Model::from_binary`](crate::Model::from_binary), and states are set
 //! by safe methods.
 

@@ -1,6 +1,6 @@
 //! Differences of the compiled model of a trace from the model of this engine.
 
-use super::divergence::Divergence;
+use super::divergence::{Divergence, Pair};
 use super::quantities::{Series, find};
 use crate::error::Result;
 use crate::field_docs::FieldDoc;
@@ -8,25 +8,8 @@ use crate::model::save::{Arrays, decode, settings, sizes};
 use crate::model::{Model, ModelMut};
 
 /// Sizes that enter a simulation.
-const SIZES: [&str; 17] = [
-    "nq",
-    "nv",
-    "nu",
-    "na",
-    "nbody",
-    "njnt",
-    "ngeom",
-    "nsite",
-    "ncam",
-    "ntendon",
-    "nwrap",
-    "nsensor",
-    "nsensordata",
-    "neq",
-    "nmocap",
-    "npair",
-    "nexclude",
-];
+const SIZES: &str =
+    "nq nv nu na nbody njnt ngeom nsite ncam ntendon nwrap nsensor nsensordata neq nmocap npair nexclude";
 
 /// Beginnings and ends of names of arrays that do not enter a simulation: names, pictures, user
 /// data, addresses, bounding volumes, and flags that let the engine leave out computations. The
@@ -75,70 +58,27 @@ pub(super) fn compare(there: &[Series], here: &Model, call: u64, is_same_version
             Some(_) => {
                 !OTHERS.iter().any(|begin| name.starts_with(begin)) && !OTHER_ENDS.iter().any(|end| name.ends_with(end))
             }
-            None => name.starts_with("opt.") || name == "stat.meaninertia" || SIZES.contains(&name),
+            None => name.starts_with("opt.") || name == "stat.meaninertia" || SIZES.split(' ').any(|size| size == name),
         };
         let enters = enters && (is_same_version || !CODES.contains(&name));
         // Another version can have further columns.
-        let columns = own.columns.min(traced.columns);
         let has_same_rows = own.values.len() / own.columns == traced.values.len() / traced.columns;
-        let values = |series: &Series| -> Vec<f64> {
-            let width = if has_same_rows { columns } else { series.columns };
-            series.values.chunks(series.columns).flat_map(|row| &row[..width]).copied().collect()
-        };
-        let mut rounding = 0.0;
-        let worst = worst(&values(traced), &values(&own), columns, &mut rounding);
-        if enters {
-            differences.rounding = differences.rounding.max(rounding);
+        let common = if has_same_rows { own.columns.min(traced.columns) } else { usize::MAX };
+        let (traced, own) = (traced.cut(common), own.cut(common));
+        let Some(pair) = Pair::worst(&traced, &own, &[], NEAR_ZERO) else { continue };
+        let relative = pair.ratio * f64::EPSILON;
+        match enters {
+            true if relative > ROUNDING => {
+                let owner = |row| array.map_or_else(|| "the model".to_owned(), |field| arrays.described(&field, row));
+                let element = pair.element(own.columns, owner);
+                differences.divergences.push(pair.report(call, 0.0, "model", name, element));
+            }
+            true => differences.rounding = differences.rounding.max(relative),
+            false if relative > ROUNDING => differences.other_fields.push(own.name),
+            false => {}
         }
-        let Some(Worst { index, there, here }) = worst else { continue };
-        if !enters {
-            differences.other_fields.push(own.name);
-            continue;
-        }
-        let owner = array.map_or("the model".to_owned(), |field| arrays.described(&field, index / columns));
-        let element = match index {
-            usize::MAX => "the number of values".to_owned(),
-            _ if columns == 1 => owner,
-            index => format!("{owner}[{}]", index % columns),
-        };
-        let (stage, field) = ("model", own.name);
-        differences.divergences.push(Divergence { call, time: 0.0, stage, field, element, there, here, rounding: 0.0 });
     }
     Ok(differences)
-}
-
-/// Value that differs most.
-struct Worst {
-    /// Index of the value, or `usize::MAX` for a difference of the numbers of values.
-    index: usize,
-    there: f64,
-    here: f64,
-}
-
-/// Returns the value with the largest difference relative to its row. Updates the largest relative
-/// difference that counts as rounding.
-fn worst(there: &[f64], here: &[f64], columns: usize, rounding: &mut f64) -> Option<Worst> {
-    if there.len() != here.len() {
-        return Some(Worst { index: usize::MAX, there: there.len() as f64, here: here.len() as f64 });
-    }
-    let (mut worst, mut most) = (None, 0.0);
-    for (row, (a, b)) in there.chunks(columns).zip(here.chunks(columns)).enumerate() {
-        let scale = a.iter().chain(b).fold(0.0, |scale: f64, value| scale.max(value.abs()));
-        for (column, (&there, &here)) in a.iter().zip(b).enumerate() {
-            let difference = (there - here).abs();
-            if there == here || (there.is_nan() && here.is_nan()) || difference <= NEAR_ZERO {
-                continue;
-            }
-            let relative = if difference.is_finite() { difference / scale } else { f64::INFINITY };
-            if relative <= ROUNDING {
-                *rounding = rounding.max(relative);
-            } else if relative > most {
-                most = relative;
-                worst = Some(Worst { index: row * columns + column, there, here });
-            }
-        }
-    }
-    worst
 }
 
 /// Makes the edits of a model that distinguish it from an earlier one, as far as programs can set

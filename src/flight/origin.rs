@@ -1,9 +1,11 @@
 //! The program and the machine that made a recording.
 
+use serde::{Deserialize, Serialize};
+
 use crate::engine::engine_version;
 
 /// Program and machine that made a recording. Another one may compute other last bits.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Origin {
     /// Version of this crate.
@@ -27,13 +29,8 @@ impl Origin {
         }
     }
 
-    /// Returns the origin with these [parts](Self::parts).
-    pub(super) fn of([library, engine, target, processor]: [String; 4]) -> Self {
-        Self { library, engine, target, processor }
-    }
-
-    pub(super) fn parts(&self) -> [String; 4] {
-        [&self.library, &self.engine, &self.target, &self.processor].map(String::clone)
+    fn parts(&self) -> [&str; 4] {
+        [&self.library, &self.engine, &self.target, &self.processor]
     }
 
     /// Returns the parts that differ in this process, as sentences.

@@ -48,9 +48,6 @@ pub(super) fn read<T: DeserializeOwned>(source: &mut impl Read, name: &str) -> R
     }
     let mut bytes = Vec::new();
     source.by_ref().take(length).read_to_end(&mut bytes).map_err(Error::file(name))?;
-    if (bytes.len() as u64) < length {
-        return Err(incomplete(name));
-    }
     // The checksum finds accidental damage. Every value is checked besides.
     if u64::from_le_bytes(array(source, name)?) != Checksum::of_bytes(&bytes) {
         return Err(invalid(name, "a checksum is wrong: it is damaged"));
@@ -75,11 +72,7 @@ fn array<const N: usize>(source: &mut impl Read, name: &str) -> Result<[u8; N]> 
     let mut bytes = [0; N];
     match source.read_exact(&mut bytes) {
         Ok(()) => Ok(bytes),
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Err(incomplete(name)),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Err(invalid(name, "it is incomplete")),
         Err(error) => Err(Error::file(name)(error)),
     }
-}
-
-fn incomplete(name: &str) -> Error {
-    invalid(name, "it is incomplete")
 }

@@ -1,6 +1,8 @@
 //! Quantities of the stages of a step that two engines compute, in forms that do not depend on the
 //! engine's layout.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Data, StateSpec};
@@ -33,8 +35,12 @@ pub(super) struct Quantity {
     read: fn(&Data, &mut Vec<f64>),
 }
 
-/// Stages whose results depend on the convergence of the solver.
-pub(super) const AFTER_SOLVER: [&str; 3] = ["fwd_constraint", "sensors", "integration"];
+impl Quantity {
+    /// Returns `true` if the values depend on the convergence of the solver.
+    pub(super) fn depends_on_solver(&self) -> bool {
+        ["fwd_constraint", "sensors", "integration"].contains(&self.stage)
+    }
+}
 
 macro_rules! quantities {
     ($($stage:ident { $($name:literal $columns:literal $rows:expr, $data:ident => $values:expr;)* })*) => {
@@ -141,11 +147,6 @@ pub(super) static QUANTITIES: &[Quantity] = quantities! {
         "qacc" 1 Rows::Dofs, data => data.qacc();
     }
     sensors { "sensordata" 1 Rows::Readings, data => data.sensordata(); }
-};
-
-/// Quantities after the step.
-#[rustfmt::skip]
-pub(super) static NEXT_STATE: &[Quantity] = quantities! {
     integration {
         "next time" 1 Rows::One, data => [data.time()];
         "next qpos" 1 Rows::Positions, data => data.qpos();
@@ -162,9 +163,13 @@ pub(super) struct Series {
     pub(super) values: Vec<f64>,
 }
 
-/// Iterates over all quantities, also those after the step.
-pub(super) fn all() -> impl Iterator<Item = &'static Quantity> {
-    QUANTITIES.iter().chain(NEXT_STATE)
+impl Series {
+    /// Returns the first columns of each row.
+    pub(super) fn cut(&self, columns: usize) -> Self {
+        let columns = columns.min(self.columns);
+        let values = self.values.chunks(self.columns).flat_map(|row| &row[..columns]).copied().collect();
+        Self { name: self.name.clone(), columns, values }
+    }
 }
 
 /// Returns the values of a quantity.
@@ -172,28 +177,32 @@ pub(super) fn find<'v>(values: &'v [Series], name: &str) -> Option<&'v Series> {
     values.iter().find(|values| values.name == name)
 }
 
-/// Reads quantities.
-pub(super) fn read(quantities: &'static [Quantity], data: &Data, into: &mut Vec<Series>) {
-    for &Quantity { name, columns, read, .. } in quantities {
+/// Reads the quantities before or after the integration.
+pub(super) fn read(data: &Data, is_integrated: bool, into: &mut Vec<Series>) {
+    let read = QUANTITIES.iter().filter(|quantity| (quantity.stage == "integration") == is_integrated);
+    into.extend(read.map(|&Quantity { name, columns, read, .. }| {
         let mut values = Vec::new();
         read(data, &mut values);
-        into.push(Series { name: name.to_owned(), columns, values });
-    }
+        Series { name: name.to_owned(), columns, values }
+    }));
 }
 
-/// Returns the names and lengths of the inputs of a call, in the order of
+/// Returns the names and places of the inputs of a call, in the order of
 /// [`inputs::parts`](super::inputs::parts).
-pub(super) fn inputs(model: &Model) -> Vec<(String, usize)> {
-    let parts = StateSpec::INTEGRATION.iter_names();
-    let mut inputs: Vec<_> = parts.map(|(name, part)| (name.to_lowercase(), model.state_size(part))).collect();
+pub(super) fn inputs(model: &Model) -> impl Iterator<Item = (String, Range<usize>)> {
     let others = super::inputs::count(model) - model.state_size(StateSpec::INTEGRATION);
-    if cfg!(not(engine_since = "3.0.0")) {
-        inputs.push(("act_dot".to_owned(), others));
+    let others = if cfg!(engine_since = "3.0.0") {
+        vec![("sensordata", others - model.neq()), ("eq_active", model.neq())]
     } else {
-        inputs.push(("sensordata".to_owned(), others - model.neq()));
-        inputs.push(("eq_active".to_owned(), model.neq()));
-    }
-    inputs
+        vec![("act_dot", others)]
+    };
+    let others = others.into_iter().map(|(name, length)| (name.to_owned(), length));
+    let state = StateSpec::INTEGRATION.iter_names().map(|(name, part)| (name.to_lowercase(), model.state_size(part)));
+    let mut end = 0;
+    state.chain(others).map(move |(name, length)| {
+        end += length;
+        (name, end - length..end)
+    })
 }
 
 fn contacts<const N: usize>(data: &Data, numbers: impl Fn(&crate::data::Contact<'_>) -> [f64; N]) -> Vec<f64> {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::inputs::{self, Call};
 use super::model_image::ModelImage;
 use super::origin::Origin;
-use super::recording::{Contents, Entry, MAGIC, Recording};
+use super::recording::{Contents, Entry, MAGIC, Recording, Segment};
 use super::{change, parts, recording};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
@@ -20,6 +20,9 @@ const MEMORY: usize = 16 << 20;
 /// Number of segments that the memory has at least.
 const SEGMENTS: usize = 8;
 
+/// Reason why there is a last segment.
+const PRESENT: &str = "Bug: the call has a segment";
+
 /// Recorder of everything that enters a simulation, in bounded memory: call its
 /// [`step`](Self::step) instead of [`Data::step`]. See the [module](crate::flight).
 ///
@@ -29,7 +32,10 @@ const SEGMENTS: usize = 8;
 /// If the thread panics while the recorder exists, its destructor writes the
 /// [file](Self::with_file). A program with `panic = "abort"` gets no file.
 pub struct FlightRecorder {
-    segments: VecDeque<Segment>,
+    /// The segments with their models, which a file shares.
+    segments: VecDeque<(Segment, Arc<ModelImage>)>,
+    /// Number of words of the complete calls of the last segment.
+    complete: usize,
     /// Number of words that the segments may have together.
     capacity: usize,
     /// Values before the present call of a simulation with closures.
@@ -52,21 +58,6 @@ pub struct FlightRecorder {
     note: String,
 }
 
-/// Calls that begin with all values.
-struct Segment {
-    /// The calls, each an [`Entry`].
-    calls: Vec<f64>,
-    /// Number of words of the complete calls.
-    complete: usize,
-    /// Number of the first call.
-    first: u64,
-    /// Number of values.
-    values: usize,
-    image: Arc<ModelImage>,
-    /// Text of the error of the last call.
-    error: Option<String>,
-}
-
 /// # Creation
 impl FlightRecorder {
     /// Creates a recorder for a simulation, with 16 MiB of memory. The humanoid of
@@ -81,6 +72,7 @@ impl FlightRecorder {
         let image = Arc::new(Self::image_of(data.model(), None)?);
         let mut recorder = Self {
             segments: VecDeque::new(),
+            complete: 0,
             capacity: 0,
             before: Vec::new(),
             after: Vec::new(),
@@ -156,9 +148,10 @@ impl FlightRecorder {
         let empty = || {
             let mut calls = memory.clone();
             calls.clear();
-            Segment { calls, complete: 0, first: 0, values: 0, image: self.image.clone(), error: None }
+            (Segment { calls, ..Segment::default() }, self.image.clone())
         };
         self.segments = (0..SEGMENTS).map(|_| empty()).collect();
+        self.complete = 0;
         self.is_interrupted = true;
     }
 }
@@ -222,11 +215,11 @@ impl FlightRecorder {
         if data.model().revision() != self.revision {
             self.change_model(data.model())?;
         }
-        if let Some(present) = self.segments.back_mut()
-            && present.calls.len() > present.complete
+        if let Some((present, _)) = self.segments.back_mut()
+            && present.calls.len() > self.complete
         {
             // The previous call has panicked.
-            present.calls.truncate(present.complete);
+            present.calls.truncate(self.complete);
             self.is_interrupted = true;
         }
         // Both halves of a step are in one segment.
@@ -235,7 +228,7 @@ impl FlightRecorder {
         if begins {
             self.begin_segment();
         }
-        let Segment { calls, .. } = present(&mut self.segments);
+        let (Segment { calls, .. }, _) = self.segments.back_mut().expect(PRESENT);
         calls.push(Entry::kind(call, data.has_callbacks()));
         let after = &mut self.after;
         if begins {
@@ -248,7 +241,7 @@ impl FlightRecorder {
                 }
             });
         }
-        change::put_end(calls);
+        calls.push(change::END);
         self.before.clear();
         if data.has_callbacks() {
             self.before.extend_from_slice(after);
@@ -259,28 +252,32 @@ impl FlightRecorder {
     /// Returns `true` if two further calls fit into the present segment.
     #[inline]
     fn has_room(&self) -> bool {
-        let length = |segment: &Segment| segment.calls.len() + 2 * self.bound();
-        self.segments.back().is_some_and(|present| length(present) <= self.capacity / SEGMENTS)
+        self.complete + 2 * self.bound() <= self.capacity / SEGMENTS
     }
 
     /// Begins a segment in the memory of the oldest ones.
     #[cold]
     fn begin_segment(&mut self) {
-        if let Some(present) = self.segments.back_mut().filter(|_| self.is_interrupted) {
+        // An interrupted segment keeps no more memory than its calls need.
+        if let Some((present, _)) = self.segments.back_mut()
+            && self.complete > 0
+            && self.is_interrupted
+        {
             present.calls.shrink_to_fit();
         }
         let (room, mut calls) = (self.capacity / SEGMENTS, Vec::new());
-        let mut used: usize = self.segments.iter().map(|segment| segment.calls.capacity()).sum();
+        let mut used: usize = self.segments.iter().map(|(segment, _)| segment.calls.capacity()).sum();
         while used + room > self.capacity
-            && let Some(oldest) = self.segments.pop_front()
+            && let Some((oldest, _)) = self.segments.pop_front()
         {
             used -= oldest.calls.capacity();
             calls = oldest.calls;
         }
         calls.clear();
         calls.reserve_exact(room);
-        let (first, values, image) = (self.next, self.values, self.image.clone());
-        self.segments.push_back(Segment { calls, complete: 0, first, values, image, error: None });
+        let segment = Segment { calls, first: self.next, values: self.values, ..Segment::default() };
+        self.segments.push_back((segment, self.image.clone()));
+        self.complete = 0;
         self.is_interrupted = false;
     }
 
@@ -288,7 +285,7 @@ impl FlightRecorder {
     fn end(&mut self, call: Call, data: &Data, error: Option<&Error>) {
         let has_closures = !self.before.is_empty();
         let checksum = inputs::read_results(data, has_closures, &mut self.after);
-        let segment = present(&mut self.segments);
+        let (segment, _) = self.segments.back_mut().expect(PRESENT);
         if has_closures {
             // A closure may have exchanged the simulation for another one.
             if self.after.len() == self.before.len() {
@@ -298,11 +295,11 @@ impl FlightRecorder {
                     change::put_run(&mut segment.calls, user.start + start, values);
                 });
             }
-            change::put_end(&mut segment.calls);
+            segment.calls.push(change::END);
         }
         segment.calls.push(f64::from_bits(checksum));
-        segment.complete = segment.calls.len();
-        segment.error = error.map(ToString::to_string);
+        self.complete = segment.calls.len();
+        segment.error = error.map(recording::shortened);
         self.next += 1;
         self.previous = Some(call);
         self.is_interrupted |= error.is_some() || self.after.len() != self.values;
@@ -327,7 +324,7 @@ impl FlightRecorder {
 
     /// Returns the size of the models of the segments in bytes.
     fn held_models(&self) -> usize {
-        let images = self.segments.iter().map(|segment| &*segment.image);
+        let images = self.segments.iter().map(|(_, image)| &**image);
         let parts = images.flat_map(|image| [&image.base[..], &image.edit]);
         let different: HashMap<_, _> = parts.map(|words| (words.as_ptr(), size_of_val(words))).collect();
         different.values().sum()
@@ -377,25 +374,20 @@ impl FlightRecorder {
     fn contents(&self, reason: &str) -> Contents {
         let mut bases: Vec<&Arc<[f64]>> = Vec::new();
         let mut segments = Vec::new();
-        for segment in self.segments.iter().filter(|segment| segment.complete > 0) {
-            let ModelImage { base, edit, length } = &*segment.image;
-            let known = bases.iter().position(|known| Arc::ptr_eq(known, base));
-            let model = known.unwrap_or(bases.len());
-            if known.is_none() {
-                bases.push(base);
-            }
-            segments.push(recording::Segment {
-                model,
-                edit: edit.clone(),
-                length: *length,
-                first: segment.first,
-                values: segment.values,
-                calls: segment.calls[..segment.complete].to_vec(),
-                error: segment.error.clone(),
+        for (segment, image) in &self.segments {
+            let known = bases.iter().position(|base| Arc::ptr_eq(base, &image.base));
+            let model = known.unwrap_or_else(|| {
+                bases.push(&image.base);
+                bases.len() - 1
             });
+            segments.push(Segment { model, edit: image.edit.clone(), length: image.length, ..segment.clone() });
         }
+        if let Some(present) = segments.last_mut() {
+            present.calls.truncate(self.complete);
+        }
+        segments.retain(|segment| !segment.calls.is_empty());
         Contents {
-            origin: Origin::here().parts(),
+            origin: Origin::here(),
             reason: reason.to_owned(),
             note: self.note.clone(),
             xml: self.xml.clone(),
@@ -415,8 +407,7 @@ impl Drop for FlightRecorder {
 
 impl fmt::Debug for FlightRecorder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let first = self.segments.iter().find(|segment| segment.complete > 0).map_or(self.next, |oldest| oldest.first);
-        write!(f, "FlightRecorder: calls {first} to {}", self.next)
+        write!(f, "FlightRecorder after {} calls", self.next)
     }
 }
 
@@ -427,10 +418,4 @@ fn put_changes(calls: &mut Vec<f64>, place: usize, values: &[f64], after: &mut [
         change::runs(values, after, |start, values| change::put_run(calls, place + start, values));
         after.copy_from_slice(values);
     }
-}
-
-/// Returns the segment of the present call.
-#[inline]
-fn present(segments: &mut VecDeque<Segment>) -> &mut Segment {
-    segments.back_mut().expect("Bug: the call has a segment")
 }

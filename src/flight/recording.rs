@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::change::{self, Run};
 use super::inputs::Call;
 use super::origin::Origin;
-use super::{model_image, parts};
+use super::parts;
 use crate::error::{Error, Result};
 use crate::file;
 
@@ -20,10 +20,9 @@ pub(super) const MAGIC: [u8; 8] = *b"MJFLIGHT";
 /// [`FlightRecorder`](super::FlightRecorder). See the [module](crate::flight).
 ///
 /// Calls have numbers, counted from the creation of the recorder. A recording begins at the oldest
-/// call that was still in the ring.
+/// call that the recorder still had.
 pub struct Recording {
-    pub(super) origin: Origin,
-    contents: Contents,
+    pub(super) contents: Contents,
     calls: Range<u64>,
     pub(super) source_name: String,
 }
@@ -31,8 +30,7 @@ pub struct Recording {
 /// Contents of a file.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Contents {
-    /// Parts of the origin.
-    pub(super) origin: [String; 4],
+    pub(super) origin: Origin,
     pub(super) reason: String,
     pub(super) note: String,
     pub(super) xml: String,
@@ -42,11 +40,12 @@ pub(super) struct Contents {
 }
 
 /// Calls that begin with all values.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct Segment {
-    /// Index of the model, the words that an edit has changed, and the number of its bytes.
+    /// Index of the model, and the words that an edit has changed.
     pub(super) model: usize,
     pub(super) edit: Vec<f64>,
+    /// Number of bytes of the model.
     pub(super) length: usize,
     /// Number of the first call.
     pub(super) first: u64,
@@ -56,6 +55,11 @@ pub(super) struct Segment {
     pub(super) calls: Vec<f64>,
     /// Text of the error of the last call.
     pub(super) error: Option<String>,
+}
+
+/// Returns the text of an error, or its start if it is long.
+pub(super) fn shortened(error: &Error) -> String {
+    error.to_string().chars().take(1000).collect()
 }
 
 impl Segment {
@@ -90,7 +94,7 @@ impl Recording {
 
     /// Returns the program and the machine that made the recording.
     pub fn origin(&self) -> &Origin {
-        &self.origin
+        &self.contents.origin
     }
 
     /// Returns the reason why the file was written: the error, a panic, or a request.
@@ -113,15 +117,6 @@ impl Recording {
         self.calls.clone()
     }
 
-    pub(super) fn segments(&self) -> &[Segment] {
-        &self.contents.segments
-    }
-
-    /// Returns the binary model of a segment. `None` if the recording contradicts itself.
-    pub(super) fn model(&self, segment: &Segment) -> Option<Vec<u8>> {
-        model_image::bytes(self.contents.models.get(segment.model)?, &segment.edit, segment.length)
-    }
-
     fn parse(mut bytes: &[u8], source_name: String) -> Result<Self> {
         parts::read_begin(&mut bytes, MAGIC, &source_name)?;
         let contents = parts::read(&mut bytes, &source_name)?;
@@ -142,14 +137,14 @@ impl Recording {
             let mut words = &segment.calls[..];
             while !words.is_empty() {
                 let entry = Entry::read(&mut words, segment.values);
-                let is_first = calls.end == segment.first;
-                let entry = entry.filter(|entry| !is_first || entry.sets_all(segment.values));
+                let is_whole = |entry: &Entry<'_>| matches!(&entry.before[..], [run] if run.is_whole(segment.values));
+                let entry = entry.filter(|entry| calls.end > segment.first || is_whole(entry));
                 let next = entry.and_then(|_| calls.end.checked_add(1));
                 calls.end =
                     next.ok_or_else(|| parts::invalid(&source_name, format!("call {} is damaged", calls.end)))?;
             }
         }
-        Ok(Self { origin: Origin::of(contents.origin.clone()), contents, calls, source_name })
+        Ok(Self { contents, calls, source_name })
     }
 }
 
@@ -184,10 +179,5 @@ impl<'w> Entry<'w> {
         let before = change::take_runs(words, values)?;
         let by_closures = if kind % 2 == 1 { Some(change::take_runs(words, values)?) } else { None };
         Some(Self { call, before, by_closures, checksum: words.split_off_first()?.to_bits() })
-    }
-
-    /// Returns `true` if the call sets all values.
-    fn sets_all(&self, values: usize) -> bool {
-        matches!(&self.before[..], [run] if run.is_whole(values))
     }
 }

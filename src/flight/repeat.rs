@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::inputs::{self, Call};
+use super::model_image;
 use super::parts::invalid;
-use super::recording::{Entry, Recording, Segment};
+use super::recording::{Entry, Recording, Segment, shortened};
 use crate::data::Data;
 use crate::error::{Error, Outcome, Result};
 use crate::model::Model;
@@ -150,7 +151,7 @@ impl Recording {
     fn player_before(&self, call: u64) -> Result<Player<'_, impl FnMut(&mut Data)>> {
         let calls = self.calls();
         assert!(calls.contains(&call), "index out of range: call {call} of a recording of {calls:?}");
-        let segment = self.segments().partition_point(|segment| segment.first <= call) - 1;
+        let segment = self.contents.segments.partition_point(|segment| segment.first <= call) - 1;
         let mut player = Player::new(self, segment, |_: &mut Data| ());
         while player.next < call {
             player.play_as_recorded(|_, _| ())?;
@@ -160,8 +161,9 @@ impl Recording {
 
     /// Loads the model of a segment.
     fn load(&self, segment: &Segment) -> Result<Model> {
-        let model = self.model(segment);
-        let bytes = model.ok_or_else(|| invalid(&self.source_name, format!("model {} is damaged", segment.model)))?;
+        let base = self.contents.models.get(segment.model);
+        let bytes = base.and_then(|base| model_image::bytes(base, &segment.edit, segment.length));
+        let bytes = bytes.ok_or_else(|| invalid(&self.source_name, format!("model {} is damaged", segment.model)))?;
         let from_xml = |error| match self.xml() {
             None => Err(error),
             Some(xml) => {
@@ -171,7 +173,7 @@ impl Recording {
             }
         };
         Model::from_binary(&bytes).or_else(from_xml).map_err(|error| {
-            let causes = self.origin.differences().join("; ");
+            let causes = self.origin().differences().join("; ");
             let separator = if causes.is_empty() { "" } else { "; " };
             Error::NotRepeated { call: segment.first, reason: format!("{error}{separator}{causes}") }
         })
@@ -206,7 +208,7 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
             calls: &[],
             simulation: None,
             values: Vec::new(),
-            next: recording.segments().get(segment).map_or(0, |segment| segment.first),
+            next: recording.contents.segments.get(segment).map_or(0, |segment| segment.first),
             difference: None,
         }
     }
@@ -235,7 +237,7 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
         let (data, _) = self.simulation.as_mut().expect("Bug: the call was prepared");
         before(entry.call, data);
         let time = data.time();
-        let error = entry.call.make(data).err().map(|error| error.to_string());
+        let error = entry.call.make(data).err().as_ref().map(shortened);
         let had_closures = entry.by_closures.is_some();
         let is_open = had_closures && !data.has_callbacks();
         let is_exchanged = inputs::count(data.model()) != self.values.len();
@@ -243,7 +245,7 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
         let call = self.next;
         self.next += 1;
         let is_last = self.calls.is_empty();
-        let recorded = self.recording.segments()[self.next_segment - 1].error.as_deref().filter(|_| is_last);
+        let recorded = self.recording.contents.segments[self.next_segment - 1].error.as_deref().filter(|_| is_last);
         let differs = if error.as_deref() != recorded {
             let text = |error: Option<&str>| error.map_or("succeeded".to_owned(), |error| format!("failed ({error})"));
             format!("it {} when recorded, but {} now", text(recorded), text(error.as_deref()))
@@ -258,7 +260,7 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
 
     /// Returns possible causes of a difference.
     fn causes(&self, is_open: bool) -> String {
-        let mut causes = self.recording.origin.differences();
+        let mut causes = self.recording.origin().differences();
         if is_open {
             causes.push("the simulation had callbacks, which Recording::repeat_with can set".to_owned());
         }
@@ -274,7 +276,7 @@ impl<'r, P: FnMut(&mut Data) -> O, O: Outcome<Value = ()>> Player<'r, P> {
     /// Sets the inputs of the next call. Returns `None` at the end.
     fn prepare_call(&mut self) -> Result<Option<Entry<'r>>> {
         while self.calls.is_empty() {
-            let Some(segment) = self.recording.segments().get(self.next_segment) else { return Ok(None) };
+            let Some(segment) = self.recording.contents.segments.get(self.next_segment) else { return Ok(None) };
             self.next_segment += 1;
             self.start(segment)?;
         }

@@ -21,14 +21,8 @@ impl fmt::Display for Comparison {
             writeln!(f, "{title}: {}", if divergences.is_empty() { "none" } else { "" })?;
             divergences.iter().try_for_each(|divergence| writeln!(f, "  {divergence}"))?;
         }
-        for (title, names) in [
-            ("other fields of the model that differ", &self.other_fields),
-            ("fields there only", &self.only_there),
-            ("fields here only", &self.only_here),
-        ] {
-            if !names.is_empty() {
-                writeln!(f, "{title}: {}", names.join(", "))?;
-            }
+        if !self.other_fields.is_empty() {
+            writeln!(f, "other fields of the model that differ: {}", self.other_fields.join(", "))?;
         }
         Ok(())
     }

@@ -144,19 +144,17 @@ fn errors_name_the_place() {
 #[test]
 fn large_numbers_allocate_nothing() {
     // A segment with four billion values and no call.
-    let segment =
-        |edit| Segment { model: 0, edit, length: 0, first: 0, values: 1 << 32, calls: Vec::new(), error: None };
-    let contents = |edit: Vec<f64>| Contents {
-        origin: Origin::here().parts(),
+    let contents = Contents {
+        origin: Origin::here(),
         reason: String::new(),
         note: String::new(),
         xml: String::new(),
         models: vec![Vec::new()],
-        segments: vec![segment(edit)],
+        segments: vec![Segment { values: 1 << 32, ..Segment::default() }],
     };
     let mut bytes = Vec::new();
     parts::put_begin(&mut bytes, MAGIC).unwrap();
-    parts::put(&mut bytes, &contents(Vec::new())).unwrap();
+    parts::put(&mut bytes, &contents).unwrap();
     let recording = Recording::from_bytes(&bytes).unwrap();
     assert_eq!(recording.calls(), 0..0);
     recording.repeat().unwrap_err(); // there is no model

@@ -5,19 +5,19 @@
 //! end is detected. A model precedes the calls that use it.
 
 use std::io::{Read, Write};
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::inputs::{self, Call};
 use super::origin::Origin;
-use super::quantities::{self, Quantity, Series};
+use super::quantities::{self, QUANTITIES, Quantity, Series};
 use super::recording::Recording;
 use super::repeat::Player;
 use super::{model_difference, parts};
 use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::field_docs::FieldDoc;
 use crate::model::Model;
 
 const MAGIC: [u8; 8] = *b"MJ_TRACE";
@@ -69,7 +69,7 @@ impl<W: Write> Tracer<W> {
         parts::put_begin(&mut out, MAGIC).map_err(Error::file(NAME))?;
         let mut tracer = Self { out, probe: None, calls: 0 };
         let xml = xml.unwrap_or_default().to_owned();
-        tracer.put(&Record::Begin { origin: Origin::here().parts(), xml, fields: fields().collect() })?;
+        tracer.put(&Record::Begin { origin: Origin::here(), xml })?;
         Ok(tracer)
     }
 
@@ -103,22 +103,19 @@ impl<W: Write> Tracer<W> {
     fn put_call(&mut self, call: Call, data: &Data) -> Result<()> {
         let revision = data.model().revision();
         if self.probe.as_ref().is_none_or(|(_, known)| *known != revision) {
-            self.put(&Record::Model(TracedModel::of(data.model())?))?;
+            let binary = if cfg!(validates_binaries) { data.model().to_binary()? } else { Vec::new() };
+            self.put(&Record::Model(TracedModel { fields: model_difference::fields(data.model())?, binary }))?;
             self.probe = Some(([Data::new(data.model().clone())?, converging(data.model())?], revision));
         }
         let ([probe, converging], _) = self.probe.as_mut().expect("Bug: there is a simulation");
         let mut values = Vec::new();
         inputs::read(data, &mut values);
-        let mut rest = &values[..];
-        let input = |(name, length): (String, usize)| {
-            let values = rest.split_off(..length).expect("Bug: the inputs have other lengths").to_vec();
-            Series { name, columns: 1, values }
-        };
-        let inputs = quantities::inputs(data.model()).into_iter().map(input).collect();
+        let input = |(name, place): (String, Range<usize>)| Series { name, columns: 1, values: values[place].to_vec() };
+        let inputs = quantities::inputs(data.model()).map(input).collect();
         let mut results = evaluate(probe, call, &values);
         for mut series in evaluate(converging, call, &values).values {
-            let is_after_solver = |quantity: &Quantity| quantities::AFTER_SOLVER.contains(&quantity.stage);
-            if quantities::all().any(|quantity| quantity.name == series.name && is_after_solver(quantity)) {
+            let is_series = |quantity: &&Quantity| quantity.name == series.name;
+            if QUANTITIES.iter().find(is_series).is_some_and(Quantity::depends_on_solver) {
                 series.name.insert_str(0, CONVERGED);
                 results.values.push(series);
             }
@@ -160,12 +157,6 @@ impl Recording {
     }
 }
 
-/// Returns the names of the fields of the engine's structs.
-pub(super) fn fields() -> impl Iterator<Item = String> {
-    let names = |structure| FieldDoc::all(structure).map(move |field| format!("mj{structure}.{}", field.name));
-    ["Data", "Model", "Option"].into_iter().flat_map(names)
-}
-
 /// Results of a call.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Results {
@@ -181,11 +172,11 @@ pub(super) fn evaluate(data: &mut Data, call: Call, inputs: &[f64]) -> Results {
         data.reset()?;
         inputs::write(data, inputs)?;
         data.forward()?;
-        quantities::read(quantities::QUANTITIES, data, &mut values);
+        quantities::read(data, false, &mut values);
         if matches!(call, Call::Step | Call::Step2) {
             inputs::write(data, inputs)?;
             data.step()?;
-            quantities::read(quantities::NEXT_STATE, data, &mut values);
+            quantities::read(data, true, &mut values);
         }
         Ok(())
     };
@@ -214,13 +205,6 @@ pub(super) struct TracedModel {
     pub(super) binary: Vec<u8>,
 }
 
-impl TracedModel {
-    fn of(model: &Model) -> Result<Self> {
-        let binary = if cfg!(validates_binaries) { model.to_binary()? } else { Vec::new() };
-        Ok(Self { fields: model_difference::fields(model)?, binary })
-    }
-}
-
 /// Call of a trace.
 #[derive(Serialize, Deserialize)]
 pub(super) struct TracedCall {
@@ -233,12 +217,9 @@ pub(super) struct TracedCall {
 #[derive(Serialize, Deserialize)]
 pub(super) enum Record {
     Begin {
-        /// Parts of the origin.
-        origin: [String; 4],
+        origin: Origin,
         /// The model as MJCF, or empty.
         xml: String,
-        /// Names of the fields of the engine.
-        fields: Vec<String>,
     },
     Model(TracedModel),
     Call(TracedCall),

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use mujoco_safe::data::Timer;
+use mujoco_safe::flight::FlightRecorder;
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
 use mujoco_safe::scene::{
     Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
@@ -255,6 +256,24 @@ fn states_and_trajectories_do_not_allocate() {
     let mut trajectory = Trajectory::with_sensordata(cartpole.model());
     trajectory.reserve(100);
     record_without_allocation(&mut cartpole, trajectory);
+}
+
+#[test]
+fn recorded_steps_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let Ok(recorder) = FlightRecorder::new(&data) else { return };
+    // The oldest calls are replaced many times.
+    let mut recorder = recorder.with_memory(0);
+    let mut random = RandomController::new(1);
+    let mut steps = |data: &mut Data| {
+        for _ in 0..1000 {
+            random.control(data).unwrap();
+            recorder.step(data).unwrap();
+        }
+    };
+    steps(&mut data);
+    assert_eq!(allocations(|| steps(&mut data)).0, 0);
 }
 
 #[test]

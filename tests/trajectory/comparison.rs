@@ -123,7 +123,7 @@ fn the_same_engine_has_no_difference() {
         let comparison = Comparison::new(&trace(model.clone(), |_, _| ())[..], Some(&model)).unwrap();
         assert_eq!((comparison.calls, comparison.identical), (10, 10), "{comparison}");
         assert!(comparison.divergences.is_empty() && comparison.convergence.is_empty(), "{comparison}");
-        assert!(comparison.only_there.is_empty() && comparison.only_here.is_empty(), "{comparison}");
+        assert!(comparison.other_fields.is_empty(), "{comparison}");
     }
 }
 
