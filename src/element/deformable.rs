@@ -34,3 +34,26 @@ impl<'a> View<'a, Model, kind::Plugin> {
             .map(|value| String::from_utf8_lossy(value.strip_suffix(&[0]).unwrap_or(value)))
     }
 }
+
+#[cfg(feature = "mcap")]
+impl Model {
+    /// Returns the triangles of a flex as indices of its vertices: its elements in two dimensions,
+    /// its surface in three. `None` for a rope.
+    #[cfg(engine_since = "3.0.0")]
+    pub(crate) fn flex_triangles(&self, flex: usize) -> Option<&[[i32; 3]]> {
+        let (numbers, start, count) = match self.flex_dim()[flex] {
+            2 => (self.flex_elem(), self.flex_elemdataadr()[flex], self.flex_elemnum()[flex]),
+            3 => (self.flex_shell(), self.flex_shelldataadr()[flex], self.flex_shellnum()[flex]),
+            _ => return None,
+        };
+        let (triangles, _) = numbers.get(start.max(0) as usize..)?.as_chunks();
+        triangles.get(..count.max(0) as usize)
+    }
+
+    /// Older engines have no flexes.
+    #[cfg(not(engine_since = "3.0.0"))]
+    #[allow(clippy::unused_self, reason = "newer engines read the model")]
+    pub(crate) fn flex_triangles(&self, _: usize) -> Option<&[[i32; 3]]> {
+        None
+    }
+}

@@ -1,6 +1,8 @@
 //! Writing of a file in another thread, so that a step of the simulation only copies its messages.
 
-use std::io::{self, Write};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::mem;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
@@ -9,51 +11,88 @@ use ::mcap::Writer;
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
 
-use super::channels::{Sink, error};
+use super::channels::error;
 
-/// Size of a buffer, bytes. A full buffer is passed to the thread, which costs up to a step of time
-/// for waking it: with buffers of 64 KiB, 2 % of all steps of a humanoid.
+/// Size of the messages of a buffer, bytes. A full buffer is passed to the thread, which costs up
+/// to a step of time for waking it: with buffers of 64 KiB, 2 % of all steps of a humanoid.
 const BUFFER: usize = 512 << 10;
+/// Number of messages for which a buffer has memory at the start.
+const MESSAGES: usize = BUFFER / 256;
 /// Number of buffers. If the thread has all, a step waits.
 const BUFFERS: usize = 4;
-/// Id that no channel has, for messages to the thread: a channel to add, its schema and its topic.
-const ADD_CHANNEL: u16 = 0;
-/// Bytes of the header of a message in a buffer: channel, sequence, time and length.
-const HEADER: usize = 2 + 4 + 8 + 4;
+
+/// Writer of a file.
+pub(super) type FileWriter = Writer<NoSeek<BufWriter<File>>>;
 
 /// Messages of a thread that writes them.
 pub(super) struct Background {
-    buffer: Vec<u8>,
+    buffer: Buffer,
     /// Empty buffers.
-    empty: Receiver<Vec<u8>>,
+    empty: Receiver<Buffer>,
     /// `None` after the end.
     thread: Option<Thread>,
 }
 
 /// Thread that writes.
 struct Thread {
-    full: SyncSender<Vec<u8>>,
+    full: SyncSender<Buffer>,
     handle: JoinHandle<io::Result<()>>,
+}
+
+#[derive(Default)]
+struct Buffer {
+    /// Channels that are added before the messages.
+    channels: Vec<Channel>,
+    /// Headers and lengths of the messages.
+    messages: Vec<(MessageHeader, usize)>,
+    /// The messages, one after another.
+    bytes: Vec<u8>,
+}
+
+struct Channel {
+    topic: String,
+    schema: String,
+    descriptors: Vec<u8>,
 }
 
 impl Background {
     /// Starts the thread.
-    pub(super) fn new<W: Write + Send + 'static>(writer: Writer<NoSeek<W>>) -> io::Result<Self> {
-        let ((full, received), (returned, empty)) = (sync_channel::<Vec<u8>>(BUFFERS), channel());
+    pub(super) fn new(mut writer: FileWriter) -> io::Result<Self> {
+        let ((full, received), (returned, empty)) = (sync_channel::<Buffer>(BUFFERS), channel());
+        let buffer = || Buffer {
+            bytes: Vec::with_capacity(BUFFER),
+            messages: Vec::with_capacity(MESSAGES),
+            channels: Vec::new(),
+        };
         for _ in 1..BUFFERS {
-            returned.send(Vec::with_capacity(BUFFER)).expect("Bug: the receiver exists");
+            returned.send(buffer()).expect("Bug: the receiver exists");
         }
         let handle = Builder::new().name("mcap".to_owned()).spawn(move || {
-            let mut writer = writer;
             for mut buffer in received {
-                write(&mut writer, &buffer)?;
-                buffer.clear();
+                write(&mut writer, &mut buffer)?;
                 // The receiver is dropped before the last buffers are written.
                 returned.send(buffer).ok();
             }
-            Sink::finish(writer)
+            writer.finish().map_err(error)?;
+            writer.into_inner().flush()
         })?;
-        Ok(Self { buffer: Vec::with_capacity(BUFFER), empty, thread: Some(Thread { full, handle }) })
+        Ok(Self { buffer: buffer(), empty, thread: Some(Thread { full, handle }) })
+    }
+
+    /// Adds a channel of protobuf messages, whose id is the number of channels.
+    pub(super) fn add_channel(&mut self, topic: &str, schema: &str, descriptors: Vec<u8>) {
+        self.buffer.channels.push(Channel { topic: topic.to_owned(), schema: schema.to_owned(), descriptors });
+    }
+
+    /// Writes a message.
+    #[inline]
+    pub(super) fn send(&mut self, header: MessageHeader, message: &[u8]) -> io::Result<()> {
+        if !self.buffer.bytes.is_empty() && self.buffer.bytes.len() + message.len() > BUFFER {
+            self.pass()?;
+        }
+        self.buffer.messages.push((header, message.len()));
+        self.buffer.bytes.extend_from_slice(message);
+        Ok(())
     }
 
     /// Passes the buffer to the thread.
@@ -70,7 +109,7 @@ impl Background {
     }
 
     /// Waits for the end of the thread, and returns its error.
-    fn end(&mut self) -> io::Result<()> {
+    pub(super) fn end(&mut self) -> io::Result<()> {
         let Some(Thread { full, handle }) = self.thread.take() else { return Ok(()) };
         let last = mem::take(&mut self.buffer);
         // An error of the thread, which its result has, has closed the channel.
@@ -80,59 +119,26 @@ impl Background {
     }
 }
 
-impl Sink for Background {
-    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()> {
-        let header = MessageHeader { channel_id: ADD_CHANNEL, sequence: 0, log_time: 0, publish_time: 0 };
-        self.send(&header, format!("{schema} {topic}").as_bytes())
-    }
-
-    #[inline]
-    fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()> {
-        if !self.buffer.is_empty() && self.buffer.len() + HEADER + message.len() > BUFFER {
-            self.pass()?;
-        }
-        let &MessageHeader { channel_id, sequence, log_time, .. } = header;
-        self.buffer.extend_from_slice(&channel_id.to_le_bytes());
-        self.buffer.extend_from_slice(&sequence.to_le_bytes());
-        self.buffer.extend_from_slice(&log_time.to_le_bytes());
-        self.buffer.extend_from_slice(&(message.len() as u32).to_le_bytes());
-        self.buffer.extend_from_slice(message);
-        Ok(())
-    }
-
-    fn finish(mut self) -> io::Result<()> {
-        self.end()
-    }
-}
-
 impl Drop for Background {
     fn drop(&mut self) {
-        // `finish` returns errors.
+        // `finish` of the log returns errors.
         self.end().ok();
     }
 }
 
-/// Writes the messages of a buffer.
-fn write<W: Write>(writer: &mut Writer<NoSeek<W>>, mut buffer: &[u8]) -> io::Result<()> {
-    const WHOLE: &str = "Bug: a buffer has a part of a message";
-    while let Some((header, rest)) = buffer.split_first_chunk::<HEADER>() {
-        let (channel, header) = header.split_first_chunk().expect(WHOLE);
-        let (sequence, header) = header.split_first_chunk().expect(WHOLE);
-        let (time, length) = header.split_first_chunk().expect(WHOLE);
-        let length = u32::from_le_bytes(*length.first_chunk().expect(WHOLE)) as usize;
-        let (message, rest) = rest.split_at(length);
-        let time = u64::from_le_bytes(*time);
-        let (channel_id, sequence) = (u16::from_le_bytes(*channel), u32::from_le_bytes(*sequence));
-        if channel_id == ADD_CHANNEL {
-            let text = str::from_utf8(message).expect(WHOLE);
-            let (schema, topic) = text.split_once(' ').expect(WHOLE);
-            Sink::add_channel(writer, topic, schema)?;
-        } else {
-            let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
-            writer.write_to_known_channel(&header, message).map_err(error)?;
-        }
-        buffer = rest;
+/// Writes the messages of a buffer, and empties it.
+fn write(writer: &mut FileWriter, buffer: &mut Buffer) -> io::Result<()> {
+    for Channel { topic, schema, descriptors } in buffer.channels.drain(..) {
+        let schema = writer.add_schema(&schema, "protobuf", &descriptors).map_err(error)?;
+        writer.add_channel(schema, &topic, "protobuf", &BTreeMap::new()).map_err(error)?;
     }
+    let mut rest = &buffer.bytes[..];
+    for (header, length) in buffer.messages.drain(..) {
+        let (message, after) = rest.split_at(length);
+        writer.write_to_known_channel(&header, message).map_err(error)?;
+        rest = after;
+    }
+    buffer.bytes.clear();
     Ok(())
 }
 

@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufWriter};
 
 use ::mcap::records::MessageHeader;
 use ::mcap::write::{Metadata, NoSeek};
-use ::mcap::{Attachment, McapError, WriteOptions, Writer};
+use ::mcap::{Attachment, McapError, WriteOptions};
 
+use super::background::{Background, FileWriter};
+use super::deformable::Deformables;
 use super::protobuf::Message;
 use super::{geometry, schema};
 use crate::data::{ContactSide, Data};
@@ -18,67 +21,12 @@ use crate::model::Model;
 /// Uncompressed size of a chunk, bytes. A chunk is written as a whole.
 const CHUNK: u64 = 256 << 10;
 
-/// Topic, name of the schema, and their order of [`Channels::ids`].
-const TOPICS: [(&str, &str); 6] = [
-    ("/state", "mujoco.State"),
-    ("/sensors", "mujoco.Sensors"),
-    ("/joints", "foxglove.JointStates"),
-    ("/tf", "foxglove.FrameTransforms"),
-    ("/contacts", "mujoco.Contacts"),
-    ("/scene", "foxglove.SceneUpdate"),
-];
-
-#[derive(Clone, Copy)]
-enum Topic {
-    State,
-    Sensors,
-    Joints,
-    Frames,
-    Contacts,
-    Scene,
-}
-
-impl Topic {
-    /// Returns the id of its channel. Ids begin with 1.
-    fn channel(self) -> u16 {
-        self as u16 + 1
-    }
-}
-
-/// Writer of messages.
-pub(crate) trait Sink {
-    /// Adds a channel, whose id is the number of channels. The [common](schema::descriptors)
-    /// descriptors have its schema.
-    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()>;
-    /// Writes a message.
-    fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()>;
-    /// Writes the end of the file.
-    fn finish(self) -> io::Result<()>;
-}
-
-impl<W: Write> Sink for Writer<NoSeek<W>> {
-    fn add_channel(&mut self, topic: &str, schema: &str) -> io::Result<()> {
-        add_channel(self, topic, schema, &schema::descriptors())
-    }
-
-    fn send(&mut self, header: &MessageHeader, message: &[u8]) -> io::Result<()> {
-        self.write_to_known_channel(header, message).map_err(error)
-    }
-
-    fn finish(mut self) -> io::Result<()> {
-        Self::finish(&mut self).map_err(error)?;
-        self.into_inner().flush()
-    }
-}
+/// Schema of the sensors, which depends on the model.
+const SENSORS: &str = "mujoco.Sensors";
 
 /// Writer of the file, and the messages that it writes next.
-pub(crate) struct Channels<S> {
-    sink: S,
-    /// Number of the present record.
-    sequence: u32,
-    /// Topics that follow [`TOPICS`].
-    #[cfg(feature = "renderer")]
-    further: Vec<String>,
+pub(crate) struct Channels {
+    pub(super) output: Output,
     state: Message,
     sensors: Message,
     names: Names,
@@ -86,6 +34,37 @@ pub(crate) struct Channels<S> {
     frames: Message,
     contacts: Message,
     scene: Message,
+    /// `None` for a model without deformable shapes.
+    deformables: Option<Deformables>,
+}
+
+/// Writer of messages by their topics.
+pub(crate) struct Output {
+    sink: Background,
+    /// Topics whose channels have been added. The id of a channel is its number, counted from 1.
+    topics: Vec<String>,
+    /// Text of the schema of the sensors.
+    sensors: String,
+    /// Number of the present record.
+    sequence: u32,
+}
+
+impl Output {
+    /// Writes a message of the present record. A topic is added at its first message.
+    pub(super) fn send(&mut self, time: f64, topic: &str, schema: &str, message: &mut Message) -> io::Result<()> {
+        let index = self.topics.iter().position(|known| known == topic).unwrap_or_else(|| {
+            let of_sensors = [("sensors.proto", &*self.sensors)];
+            let files = if schema == SENSORS { &of_sensors[..] } else { &schema::COMMON };
+            self.sink.add_channel(topic, schema, schema::descriptors(files));
+            self.topics.push(topic.to_owned());
+            self.topics.len() - 1
+        });
+        let channel_id = u16::try_from(index + 1).map_err(|_| io::Error::other("the file has 65,535 topics"))?;
+        let log_time = nanoseconds(time);
+        message.set_stamps(log_time);
+        let header = MessageHeader { channel_id, sequence: self.sequence, log_time, publish_time: log_time };
+        self.sink.send(header, message.bytes())
+    }
 }
 
 /// Names of the elements in messages.
@@ -102,16 +81,10 @@ struct Joint {
     dof: usize,
 }
 
-/// Writes the start of a file: schemas, channels, metadata and the model.
-pub(crate) fn start<W: Write>(out: W, model: &Model) -> io::Result<Writer<NoSeek<W>>> {
+/// Writes the start of a file: metadata and the model.
+fn start(file: File, model: &Model) -> io::Result<FileWriter> {
     let options = WriteOptions::new().disable_seeking(true).chunk_size(Some(CHUNK)).compression(None);
-    let mut writer = options.create(NoSeek::new(out)).map_err(error)?;
-    let common = schema::descriptors();
-    let sensors = schema::descriptor("sensors.proto", &sensors_schema(model));
-    for (index, (topic, name)) in TOPICS.iter().enumerate() {
-        let descriptors = if index == Topic::Sensors as usize { &sensors } else { &common };
-        add_channel(&mut writer, topic, name, descriptors)?;
-    }
+    let mut writer = options.create(NoSeek::new(BufWriter::new(file))).map_err(error)?;
     let (metadata, xml) = describe(model);
     writer.write_metadata(&metadata).map_err(error)?;
     if let Some(xml) = xml {
@@ -122,20 +95,9 @@ pub(crate) fn start<W: Write>(out: W, model: &Model) -> io::Result<Writer<NoSeek
     Ok(writer)
 }
 
-fn add_channel<W: Write>(
-    writer: &mut Writer<NoSeek<W>>,
-    topic: &str,
-    schema: &str,
-    descriptors: &[u8],
-) -> io::Result<()> {
-    let schema = writer.add_schema(schema, "protobuf", descriptors).map_err(error)?;
-    writer.add_channel(schema, topic, "protobuf", &BTreeMap::new()).map_err(error)?;
-    Ok(())
-}
-
-impl<S: Sink> Channels<S> {
-    /// Prepares the messages of a file that has been [started](start) for this model.
-    pub(crate) fn new(sink: S, model: &Model) -> Self {
+impl Channels {
+    /// Writes the start of a file, and prepares the messages.
+    pub(crate) fn create(file: File, model: &Model) -> io::Result<Self> {
         let mut state = Message::default();
         state.put_double(1, 0.0);
         for (field, count) in (2..).zip([model.nq(), model.nv(), model.na(), model.nu()]) {
@@ -146,10 +108,12 @@ impl<S: Sink> Channels<S> {
             readings.put_doubles(field_number(index), sensor.dim());
         }
         let mut channels = Self {
-            sink,
-            sequence: 0,
-            #[cfg(feature = "renderer")]
-            further: Vec::new(),
+            output: Output {
+                sink: Background::new(start(file, model)?)?,
+                topics: Vec::new(),
+                sensors: sensors_schema(model),
+                sequence: 0,
+            },
             state,
             sensors: readings,
             names: Names { bodies: Vec::new(), geoms: Vec::new(), joints: Vec::new() },
@@ -157,9 +121,10 @@ impl<S: Sink> Channels<S> {
             frames: Message::default(),
             contacts: Message::default(),
             scene: Message::default(),
+            deformables: Deformables::of(model).map_err(io::Error::other)?,
         };
         channels.set_model(model);
-        channels
+        Ok(channels)
     }
 
     /// Prepares the messages with names and shapes. Returns `true` if the shapes differ from those
@@ -177,10 +142,10 @@ impl<S: Sink> Channels<S> {
 
     /// Writes the first message of a record, its state.
     pub(crate) fn write_state(&mut self, time: f64, state: [&[f64]; 4]) -> io::Result<()> {
-        self.sequence = self.sequence.wrapping_add(1);
+        self.output.sequence = self.output.sequence.wrapping_add(1);
         let [qpos, qvel, act, ctrl] = state;
         self.state.fill([std::slice::from_ref(&time), qpos, qvel, act, ctrl]);
-        send(&mut self.sink, Topic::State.channel(), self.sequence, nanoseconds(time), &self.state)
+        self.output.send(time, "/state", "mujoco.State", &mut self.state)
     }
 
     /// Writes the readings of all sensors of the present record.
@@ -188,56 +153,31 @@ impl<S: Sink> Channels<S> {
         let (starts, counts) = (model.sensor_adr(), model.sensor_dim());
         self.sensors
             .fill(starts.iter().zip(counts).map(|(&start, &count)| &readings[start as usize..][..count as usize]));
-        send(&mut self.sink, Topic::Sensors.channel(), self.sequence, nanoseconds(time), &self.sensors)
+        self.output.send(time, "/sensors", SENSORS, &mut self.sensors)
     }
 
     /// Writes the shapes of the model.
     pub(crate) fn write_scene(&mut self, time: f64) -> io::Result<()> {
-        self.scene.set_stamps(nanoseconds(time));
-        send(&mut self.sink, Topic::Scene.channel(), self.sequence, nanoseconds(time), &self.scene)
+        self.output.send(time, "/scene", "foxglove.SceneUpdate", &mut self.scene)
     }
 
-    /// Writes the poses, joint states and contacts of the present record. The forces must have been
-    /// computed.
+    /// Writes the poses, joint states, contacts and deformable shapes of the present record. The
+    /// forces must have been computed.
     pub(crate) fn write_display(&mut self, time: f64, qpos: &[f64], qvel: &[f64], data: &Data) -> io::Result<()> {
         let forces = data.qfrc_actuator();
-        self.joints.set_stamps(nanoseconds(time));
         self.joints.fill(self.names.joints.iter().flat_map(|&Joint { qpos: position, dof, .. }| {
             [&qpos[position..=position], &qvel[dof..=dof], &forces[dof..=dof]]
         }));
-        self.frames.set_stamps(nanoseconds(time));
+        self.output.send(time, "/joints", "foxglove.JointStates", &mut self.joints)?;
         let poses = data.xpos().iter().zip(data.xquat()).skip(1);
         self.frames
             .fill(poses.flat_map(|([x, y, z], [w, qx, qy, qz])| [x, y, z, qx, qy, qz, w]).map(std::slice::from_ref));
+        self.output.send(time, "/tf", "foxglove.FrameTransforms", &mut self.frames)?;
         self.encode_contacts(data);
-        self.contacts.set_stamps(nanoseconds(time));
-        let Self { sink, sequence, joints, frames, contacts, .. } = self;
-        let messages = [(Topic::Joints, joints), (Topic::Frames, frames), (Topic::Contacts, contacts)];
-        messages
-            .into_iter()
-            .try_for_each(|(topic, message)| send(sink, topic.channel(), *sequence, nanoseconds(time), message))
-    }
-
-    /// Writes a message of a topic, which is added at its first message.
-    #[cfg(feature = "renderer")]
-    pub(crate) fn write_message(
-        &mut self,
-        time: f64,
-        topic: &str,
-        schema: &str,
-        message: &mut Message,
-    ) -> io::Result<()> {
-        let mut topics = TOPICS.iter().map(|(topic, _)| *topic).chain(self.further.iter().map(|topic| &**topic));
-        let index = if let Some(index) = topics.position(|known| known == topic) {
-            index
-        } else {
-            self.sink.add_channel(topic, schema)?;
-            self.further.push(topic.to_owned());
-            TOPICS.len() + self.further.len() - 1
-        };
-        let channel = u16::try_from(index + 1).map_err(|_| io::Error::other("the file has 65,535 topics"))?;
-        message.set_stamps(nanoseconds(time));
-        send(&mut self.sink, channel, self.sequence, nanoseconds(time), message)
+        self.output.send(time, "/contacts", "mujoco.Contacts", &mut self.contacts)?;
+        let Some(deformables) = &mut self.deformables else { return Ok(()) };
+        let message = deformables.encode(data, &self.names.bodies[0]).map_err(io::Error::other)?;
+        self.output.send(time, "/scene/deformable", "foxglove.SceneUpdate", message)
     }
 
     fn encode_contacts(&mut self, data: &Data) {
@@ -267,8 +207,8 @@ impl<S: Sink> Channels<S> {
     }
 
     /// Writes the end of the file.
-    pub(crate) fn finish(self) -> io::Result<()> {
-        self.sink.finish()
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.output.sink.end()
     }
 }
 
@@ -317,21 +257,11 @@ impl Names {
     }
 }
 
-fn send(sink: &mut impl Sink, channel_id: u16, sequence: u32, time: u64, message: &Message) -> io::Result<()> {
-    sink.send(&MessageHeader { channel_id, sequence, log_time: time, publish_time: time }, message.bytes())
-}
-
 /// Returns the metadata of a model, and its text if the engine can write it.
 fn describe(model: &Model) -> (Metadata, Option<String>) {
     let xml = model.to_xml();
-    let sizes = format!(
-        "nq {}, nv {}, na {}, nu {}, nsensordata {}",
-        model.nq(),
-        model.nv(),
-        model.na(),
-        model.nu(),
-        model.nsensordata()
-    );
+    let (nq, nv, na, nu, nsensordata) = (model.nq(), model.nv(), model.na(), model.nu(), model.nsensordata());
+    let sizes = format!("nq {nq}, nv {nv}, na {na}, nu {nu}, nsensordata {nsensordata}");
     let mut entries = BTreeMap::from([
         ("crate".to_owned(), concat!("mujoco-safe ", env!("CARGO_PKG_VERSION")).to_owned()),
         ("engine".to_owned(), engine_version().to_string()),

@@ -27,18 +27,44 @@ pub(super) fn scene(model: &Model, frames: &[String]) -> Message {
         if shown.is_empty() {
             continue;
         }
-        scene.put_message(2, |entity| {
-            let frame = &frames[body.index()];
-            entity.put_stamp(1);
-            entity.put_text(2, frame);
-            entity.put_text(3, frame);
-            entity.put_number(5, 1); // locked to the frame
-            for geom in &shown {
-                put_geom(entity, model, geom);
-            }
-        });
+        let frame = &frames[body.index()];
+        put_entity(&mut scene, frame, frame, |entity| shown.iter().for_each(|geom| put_geom(entity, model, geom)));
     }
     scene
+}
+
+/// Appends a `SceneEntity` to a `SceneUpdate`.
+pub(super) fn put_entity(scene: &mut Message, frame: &str, id: &str, shapes: impl FnOnce(&mut Message)) {
+    scene.put_message(2, |entity| {
+        entity.put_stamp(1);
+        entity.put_text(2, frame);
+        entity.put_text(3, id);
+        entity.put_number(5, 1); // locked to the frame
+        shapes(entity);
+    });
+}
+
+/// Appends a `TriangleListPrimitive` to an entity.
+pub(super) fn put_triangles(
+    entity: &mut Message,
+    (pos, quat): (&[f64; 3], &[f64; 4]),
+    points: impl Iterator<Item = [f64; 3]>,
+    indices: impl Iterator<Item = u32>,
+    color: &[f64; 4],
+) {
+    entity.put_message(TRIANGLES, |primitive| {
+        put_pose(primitive, pos, quat);
+        points.for_each(|point| primitive.put_tuple(2, &point));
+        primitive.put_tuple(3, color);
+        primitive.put_fixed32(5, indices);
+    });
+}
+
+pub(super) fn put_pose(primitive: &mut Message, pos: &[f64; 3], &[w, x, y, z]: &[f64; 4]) {
+    primitive.put_message(1, |pose| {
+        pose.put_tuple(1, pos);
+        pose.put_tuple(2, &[x, y, z, w]);
+    });
 }
 
 fn rgba(model: &Model, geom: &Geom<'_>) -> [f32; 4] {
@@ -51,16 +77,9 @@ fn rgba(model: &Model, geom: &Geom<'_>) -> [f32; 4] {
 fn put_geom(entity: &mut Message, model: &Model, geom: &Geom<'_>) {
     let [x, y, z] = *geom.size();
     let color = rgba(model, geom).map(f64::from);
-    let pose = |primitive: &mut Message, pos: &[f64; 3]| {
-        let [qw, qx, qy, qz] = *geom.quat();
-        primitive.put_message(1, |pose| {
-            pose.put_tuple(1, pos);
-            pose.put_tuple(2, &[qx, qy, qz, qw]);
-        });
-    };
     let mut sized = |kind: u32, pos: &[f64; 3], size: [f64; 3]| {
         entity.put_message(kind, |primitive| {
-            pose(primitive, pos);
+            put_pose(primitive, pos, geom.quat());
             primitive.put_tuple(2, &size);
             if kind == CYLINDER {
                 primitive.put_double(3, 1.0);
@@ -84,24 +103,15 @@ fn put_geom(entity: &mut Message, model: &Model, geom: &Geom<'_>) {
             }
         }
         GeomType::Plane | GeomType::Mesh | GeomType::Sdf | GeomType::HeightField => {
-            let Some(Triangles { points, indices }) = triangles(model, geom) else { return };
-            entity.put_message(TRIANGLES, |primitive| {
-                pose(primitive, pos);
-                for point in &points {
-                    primitive.put_tuple(2, point);
-                }
-                primitive.put_tuple(3, &color);
-                primitive.put_fixed32(5, indices.into_iter().flatten().map(|index| index as u32));
-            });
+            let Some((points, indices)) = triangles(model, geom) else { return };
+            let indices = indices.into_iter().flatten().map(|index| index as u32);
+            put_triangles(entity, (pos, geom.quat()), points.into_iter(), indices, &color);
         }
     }
 }
 
 /// Vertices, and triangles between them.
-struct Triangles {
-    points: Vec<[f64; 3]>,
-    indices: Vec<[usize; 3]>,
-}
+type Triangles = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
 /// Returns the triangles of a geom. `None` for a signed distance field without a mesh.
 fn triangles(model: &Model, geom: &Geom<'_>) -> Option<Triangles> {
@@ -109,17 +119,17 @@ fn triangles(model: &Model, geom: &Geom<'_>) -> Option<Triangles> {
         let mesh = model.mesh(mesh);
         let points = mesh.vert().iter().map(|vertex| vertex.map(f64::from)).collect();
         let indices = mesh.face().iter().map(|face| face.map(|index| index as usize)).collect();
-        return Some(Triangles { points, indices });
+        return Some((points, indices));
     }
     if let Some(field) = geom.height_field() {
         let field = model.height_field(field);
-        return Some(Triangles { points: elevations(&field), indices: grid(field.nrow(), field.ncol()) });
+        return Some((elevations(&field), grid(field.nrow(), field.ncol())));
     }
     // A size of zero is infinite.
     let infinite = 5.0 * model.statistics().extent;
     let [x, y, _] = geom.size().map(|half| if half > 0.0 { half } else { infinite });
     let points = vec![[-x, -y, 0.0], [x, -y, 0.0], [-x, y, 0.0], [x, y, 0.0]];
-    (geom.geom_type() == GeomType::Plane).then(|| Triangles { points, indices: grid(2, 2) })
+    (geom.geom_type() == GeomType::Plane).then(|| (points, grid(2, 2)))
 }
 
 /// Returns the vertices of a height field, row by row.

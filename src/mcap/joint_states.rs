@@ -3,6 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use byteorder::{BigEndian, LittleEndian};
+use cdr_encoding::from_bytes;
+use serde::Deserialize;
+
 use super::read::{Message, read};
 use crate::error::{Error, Result};
 
@@ -69,73 +73,48 @@ pub fn read_joint_states(path: impl AsRef<Path>, topic: &str) -> Result<BTreeMap
     Err(Error::file(path)(error))
 }
 
+/// Message `sensor_msgs/msg/JointState`.
+#[derive(Deserialize)]
+struct JointState {
+    header: Header,
+    name: Vec<String>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    effort: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Header {
+    seconds: i32,
+    nanoseconds: u32,
+    _frame_id: String,
+}
+
+/// Decodes a message in CDR: four bytes with the order of bytes, and the fields.
+fn decode(message: &[u8]) -> Option<JointState> {
+    let ([0, order, ..], fields) = message.split_first_chunk::<4>()? else { return None };
+    let decoded = match order {
+        0 => from_bytes::<_, BigEndian>(fields),
+        1 => from_bytes::<_, LittleEndian>(fields),
+        _ => return None,
+    };
+    decoded.ok().map(|(state, _)| state)
+}
+
 /// Appends the values of a message. Returns `None` if it is damaged.
 fn append(joints: &mut BTreeMap<String, JointSeries>, message: &[u8]) -> Option<()> {
-    let mut cdr = Cdr::new(message)?;
-    let (seconds, nanoseconds) = (i64::from(cdr.u32()?.cast_signed()), i64::from(cdr.u32()?));
-    cdr.text()?;
-    let count = cdr.u32()?;
-    let mut names = Vec::new();
-    for _ in 0..count {
-        names.push(cdr.text()?);
-    }
-    let [position, velocity, effort] = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
-    if [&position, &velocity, &effort].iter().any(|values| !values.is_empty() && values.len() != names.len()) {
+    let JointState { header, name, position, velocity, effort } = decode(message)?;
+    if [&position, &velocity, &effort].iter().any(|values| !values.is_empty() && values.len() != name.len()) {
         return None;
     }
-    for (index, name) in names.into_iter().enumerate() {
-        let series = joints.entry(name.to_owned()).or_default();
+    let time = i64::from(header.seconds) * 1_000_000_000 + i64::from(header.nanoseconds);
+    for (index, name) in name.into_iter().enumerate() {
+        let series = joints.entry(name).or_default();
         let value = |values: &[f64]| values.get(index).copied().unwrap_or(f64::NAN);
-        series.times.push(seconds * 1_000_000_000 + nanoseconds);
+        series.times.push(time);
         series.position.push(value(&position));
         series.velocity.push(value(&velocity));
         series.effort.push(value(&effort));
     }
     Some(())
-}
-
-/// Reader of a message in CDR, whose numbers are aligned to their size.
-struct Cdr<'b> {
-    bytes: &'b [u8],
-    place: usize,
-    is_little_endian: bool,
-}
-
-impl<'b> Cdr<'b> {
-    /// Reads the header of four bytes.
-    fn new(bytes: &'b [u8]) -> Option<Self> {
-        let ([first, order, ..], bytes) = bytes.split_first_chunk::<4>()?;
-        (*first == 0 && *order <= 1).then_some(Self { bytes, place: 0, is_little_endian: *order == 1 })
-    }
-
-    fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.place = self.place.next_multiple_of(N);
-        let mut number = *self.bytes.get(self.place..)?.first_chunk::<N>()?;
-        self.place += N;
-        if !self.is_little_endian {
-            number.reverse();
-        }
-        Some(number)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.number().map(u32::from_le_bytes)
-    }
-
-    /// Reads a text, which ends with a zero.
-    fn text(&mut self) -> Option<&'b str> {
-        let length = self.u32()? as usize;
-        let text = self.bytes.get(self.place..)?.get(..length)?;
-        self.place += length;
-        str::from_utf8(text.strip_suffix(&[0]).unwrap_or(text)).ok()
-    }
-
-    fn doubles(&mut self) -> Option<Vec<f64>> {
-        let count = self.u32()? as usize;
-        let mut values = Vec::new();
-        for _ in 0..count {
-            values.push(f64::from_le_bytes(self.number()?));
-        }
-        Some(values)
-    }
 }

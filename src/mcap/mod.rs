@@ -39,6 +39,7 @@
 //! | `/tf` | `foxglove.FrameTransforms` | display: the frame of each body in the frame `world` |
 //! | `/contacts` | `mujoco.Contacts` | display: geoms, position, normal, distance, force on the second geom |
 //! | `/scene` | `foxglove.SceneUpdate` | once, and when an edit of the model changes them: shapes in the frames of the bodies |
+//! | `/scene/deformable` | `foxglove.SceneUpdate` | display: vertices of skins and flexes in the frame `world` |
 //! | `/camera/NAME/…` | `foxglove.RawImage`, `foxglove.CompressedImage`, `foxglove.CameraCalibration` | by `Log::write_image` and `Log::write_camera` |
 //!
 //! Units are SI units, and vectors are in the world frame. The messages for display have a
@@ -48,8 +49,8 @@
 //!
 //! Names of sensors keep letters, digits and underscores, other characters become underscores; a
 //! number follows if two are then equal up to underscores and case. Elements without a name have
-//! their kind and index, such as `geom3`. `/scene` has the geoms of the groups 0 to 2 without their
-//! textures, and neither skins nor flexes.
+//! their kind and index, such as `geom3`. The shapes are the geoms, skins and flexes of the groups 0
+//! to 2, without their textures.
 //!
 //! The metadata `mujoco` has the versions, the sizes and the options of the model, and the
 //! attachment `model.xml` the model, if [`Model::to_xml`] can write it.
@@ -71,6 +72,7 @@
 
 mod background;
 mod channels;
+mod deformable;
 mod geometry;
 mod joint_states;
 mod protobuf;
@@ -79,11 +81,10 @@ mod schema;
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use self::background::Background;
-pub(crate) use self::channels::{Channels, start};
+pub(crate) use self::channels::Channels;
 pub use self::joint_states::{JointSeries, read_joint_states};
 #[cfg(feature = "renderer")]
 pub(crate) use self::protobuf::Message;
@@ -102,15 +103,15 @@ pub(crate) const DISPLAY_RATE: f64 = 50.0;
 /// ignores errors.
 pub struct Log {
     path: PathBuf,
-    channels: Channels<Background>,
+    channels: Channels,
     lineage: Lineage,
     /// Revision of the model of the channels.
     revision: u64,
     clock: DisplayClock,
     /// `true` if the shapes must be written with the next record.
     has_new_scene: bool,
-    /// Positions and velocities before a step.
-    before: (Vec<f64>, Vec<f64>),
+    /// Positions and velocities of the present record, if it is for display.
+    state: (Vec<f64>, Vec<f64>),
 }
 
 impl Log {
@@ -121,15 +122,15 @@ impl Log {
     /// [`Error::File`] if the file cannot be written.
     pub fn create(path: impl AsRef<Path>, model: &Model) -> Result<Self> {
         let path = path.as_ref();
-        let create = || Background::new(start(BufWriter::new(File::create(path)?), model)?);
+        let channels = File::create(path).and_then(|file| Channels::create(file, model));
         Ok(Self {
             path: path.to_owned(),
-            channels: Channels::new(create().map_err(Error::file(path))?, model),
+            channels: channels.map_err(Error::file(path))?,
             lineage: model.lineage(),
             revision: model.revision(),
             clock: DisplayClock::new(DISPLAY_RATE),
             has_new_scene: true,
-            before: (Vec::new(), Vec::new()),
+            state: (Vec::new(), Vec::new()),
         })
     }
 
@@ -154,20 +155,9 @@ impl Log {
     /// made after these errors, unless writing fails after the step.
     pub fn step(&mut self, data: &mut Data) -> Result<()> {
         data.check_usable()?;
-        let is_displayed = self.begin(data)?;
-        let time = data.time();
-        if is_displayed {
-            let (qpos, qvel) = &mut self.before;
-            qpos.clear();
-            qpos.extend_from_slice(data.qpos());
-            qvel.clear();
-            qvel.extend_from_slice(data.qvel());
-        }
+        let (time, is_displayed) = (data.time(), self.begin(data)?);
         data.step()?;
-        let (qpos, qvel) = &self.before;
-        let state = is_displayed.then_some((&qpos[..], &qvel[..]));
-        let written = Self::write_results(&mut self.channels, time, state, data);
-        written.map_err(|error| Error::file(&self.path)(error))
+        self.write_results(time, is_displayed, data)
     }
 
     /// Writes the present state and controls. Also writes the sensors, poses and contacts if they
@@ -198,18 +188,13 @@ impl Log {
     pub fn write(&mut self, data: &Data) -> Result<()> {
         data.check_usable()?;
         let is_displayed = self.begin(data)?;
-        if !data.has_present_results() {
-            return Ok(());
-        }
-        let state = is_displayed.then_some((data.qpos(), data.qvel()));
-        let written = Self::write_results(&mut self.channels, data.time(), state, data);
-        written.map_err(|error| Error::file(&self.path)(error))
+        if data.has_present_results() { self.write_results(data.time(), is_displayed, data) } else { Ok(()) }
     }
 
     /// Writes a message of a topic, which is added at its first message.
     #[cfg(feature = "renderer")]
     pub(crate) fn write_message(&mut self, time: f64, topic: &str, schema: &str, message: &mut Message) -> Result<()> {
-        self.channels.write_message(time, topic, schema, message).map_err(|error| Error::file(&self.path)(error))
+        self.channels.output.send(time, topic, schema, message).map_err(|error| Error::file(&self.path)(error))
     }
 
     /// Writes the end of the file.
@@ -240,28 +225,28 @@ impl Log {
             self.channels.write_state(time, [data.qpos(), data.qvel(), data.act(), data.ctrl()])
         };
         write().map_err(|error| Error::file(&self.path)(error))?;
-        Ok(self.clock.is_due(time))
+        let is_displayed = self.clock.is_due(time);
+        if is_displayed {
+            data.qpos().clone_into(&mut self.state.0);
+            data.qvel().clone_into(&mut self.state.1);
+        }
+        Ok(is_displayed)
     }
 
-    /// Writes the computed results, and those for display if `state` has the positions and
-    /// velocities that they belong to.
-    fn write_results(
-        channels: &mut Channels<Background>,
-        time: f64,
-        state: Option<(&[f64], &[f64])>,
-        data: &Data,
-    ) -> io::Result<()> {
-        if let Ok(readings) = data.readings("Log::step")
-            && !readings.is_empty()
-        {
-            channels.write_sensors(time, data.model(), readings)?;
-        }
-        match state {
-            Some((qpos, qvel)) if data.require(Stage::Acceleration).is_ok() => {
-                channels.write_display(time, qpos, qvel, data)
+    /// Writes the results that were computed from the state of the record.
+    fn write_results(&mut self, time: f64, is_displayed: bool, data: &Data) -> Result<()> {
+        let mut write = || {
+            if let Ok(readings) = data.readings("Log::step")
+                && !readings.is_empty()
+            {
+                self.channels.write_sensors(time, data.model(), readings)?;
             }
-            _ => Ok(()),
-        }
+            if is_displayed && data.require(Stage::Acceleration).is_ok() {
+                self.channels.write_display(time, &self.state.0, &self.state.1, data)?;
+            }
+            Ok(())
+        };
+        write().map_err(|error: io::Error| Error::file(&self.path)(error))
     }
 }
 
@@ -287,9 +272,10 @@ impl DisplayClock {
     /// Returns `true` at the first time, after the period, and after a reset.
     pub(crate) fn is_due(&mut self, time: f64) -> bool {
         let is_waiting = time >= self.last && time < self.last + self.period;
-        if !is_waiting && self.period < f64::INFINITY {
-            self.last = time;
+        if is_waiting || self.period == f64::INFINITY {
+            return false;
         }
-        !is_waiting && self.period < f64::INFINITY
+        self.last = time;
+        true
     }
 }

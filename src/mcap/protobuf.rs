@@ -177,65 +177,23 @@ fn padded(value: u64) -> [u8; STAMP] {
     })
 }
 
-/// Value of a field.
-#[derive(Clone, Copy)]
-pub(super) enum Value<'b> {
-    /// A double, or another number of 64 bits.
-    Fixed64([u8; 8]),
-    /// A text, a message or a packed array.
-    Bytes(&'b [u8]),
-    /// Another number.
-    Other,
-}
-
-impl Value<'_> {
-    /// Appends the numbers of a double or of a packed array of doubles. Returns `None` for another
-    /// type.
-    pub(super) fn doubles(self, to: &mut Vec<f64>) -> Option<()> {
-        let (values, rest) = match &self {
-            Self::Fixed64(value) => (std::slice::from_ref(value), &[][..]),
-            Self::Bytes(bytes) => bytes.as_chunks(),
-            Self::Other => return None,
-        };
-        to.extend(values.iter().map(|&value| f64::from_le_bytes(value)));
-        rest.is_empty().then_some(())
-    }
-}
-
-/// Iterates over the fields of a message of unknown origin: their numbers and values. The last item
-/// is `None` if the message is damaged.
-pub(super) fn fields(mut bytes: &[u8]) -> impl Iterator<Item = Option<(u64, Value<'_>)>> {
-    std::iter::from_fn(move || {
-        if bytes.is_empty() {
-            return None;
-        }
-        let field = take_field(&mut bytes);
-        if field.is_none() {
-            bytes = &[];
-        }
-        Some(field)
-    })
-}
-
-fn take_field<'b>(bytes: &mut &'b [u8]) -> Option<(u64, Value<'b>)> {
-    let key = take_varint(bytes)?;
-    let value = match key & 7 {
-        VARINT => {
-            take_varint(bytes)?;
-            Value::Other
-        }
-        FIXED64 => Value::Fixed64(*bytes.split_off(..8)?.first_chunk()?),
+/// Returns the next field of a message of unknown origin: its number, and the bytes of a text, a
+/// message, an array or a number of 64 bits, or `None` for another number. Returns `None` if the
+/// message is damaged.
+pub(super) fn take_field<'b>(message: &mut &'b [u8]) -> Option<(u64, Option<&'b [u8]>)> {
+    let key = take_varint(message)?;
+    let mut bytes = None;
+    match key & 7 {
+        VARINT => _ = take_varint(message)?,
+        FIXED32 => _ = message.split_off(..4)?,
+        FIXED64 => bytes = Some(message.split_off(..8)?),
         BYTES => {
-            let length = usize::try_from(take_varint(bytes)?).ok()?;
-            Value::Bytes(bytes.split_off(..length)?)
-        }
-        FIXED32 => {
-            bytes.split_off(..4)?;
-            Value::Other
+            let length = usize::try_from(take_varint(message)?).ok()?;
+            bytes = Some(message.split_off(..length)?);
         }
         _ => return None,
-    };
-    Some((key >> 3, value))
+    }
+    Some((key >> 3, bytes))
 }
 
 fn take_varint(bytes: &mut &[u8]) -> Option<u64> {

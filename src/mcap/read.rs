@@ -30,32 +30,34 @@ pub(crate) enum Part<'m> {
 pub(crate) fn read_states(path: &Path, mut put: impl FnMut(Part<'_>) -> Result<(), String>) -> io::Result<()> {
     let (mut values, mut sequence) = (<[Vec<f64>; 5]>::default(), None);
     read(path, |message| {
+        let is_state = match (message.topic, message.schema) {
+            ("/state", "mujoco.State") => true,
+            ("/sensors", "mujoco.Sensors") => false,
+            _ => return Ok(()),
+        };
         values.iter_mut().for_each(Vec::clear);
-        match (message.topic, message.schema) {
-            ("/state", "mujoco.State") => {
-                for field in protobuf::fields(message.data) {
-                    let (number, value) = field.ok_or("is not a protobuf message")?;
-                    let index = usize::try_from(number).map_or(usize::MAX, |number| number.wrapping_sub(1));
-                    let Some(part) = values.get_mut(index) else { continue };
-                    value.doubles(part).ok_or("has a field without numbers of double precision")?;
-                }
-                let [time, qpos, qvel, act, ctrl] = &values;
-                let &[time] = &time[..] else { return Err("does not have one time".to_owned()) };
-                sequence = Some(message.sequence);
-                put(Part::State(time, [qpos, qvel, act, ctrl]))
-            }
-            ("/sensors", "mujoco.Sensors") => {
-                for field in protobuf::fields(message.data) {
-                    let (_, value) = field.ok_or("is not a protobuf message")?;
-                    value.doubles(&mut values[0]).ok_or("has a field without numbers of double precision")?;
-                }
-                if sequence.take() != Some(message.sequence) {
-                    return Err("does not follow the state with its number".to_owned());
-                }
-                put(Part::Sensors(&values[0]))
-            }
-            _ => Ok(()),
+        let mut fields = message.data;
+        while !fields.is_empty() {
+            let (number, bytes) = protobuf::take_field(&mut fields).ok_or("is not a protobuf message")?;
+            // The readings of all sensors are one array.
+            let index = if is_state { number.wrapping_sub(1) } else { 0 };
+            let part = usize::try_from(index).ok().and_then(|index| values.get_mut(index));
+            let Some(part) = part else { continue };
+            let Some((numbers, [])) = bytes.map(<[u8]>::as_chunks) else {
+                return Err("has a field without numbers of double precision".to_owned());
+            };
+            part.extend(numbers.iter().map(|number| f64::from_le_bytes(*number)));
         }
+        let [time, qpos, qvel, act, ctrl] = &values;
+        if is_state {
+            let &[time] = &time[..] else { return Err("does not have one time".to_owned()) };
+            sequence = Some(message.sequence);
+            return put(Part::State(time, [qpos, qvel, act, ctrl]));
+        }
+        if sequence.take() != Some(message.sequence) {
+            return Err("does not follow the state with its number".to_owned());
+        }
+        put(Part::Sensors(time))
     })
 }
 
@@ -71,15 +73,16 @@ pub(super) struct Message<'m> {
 
 /// Reads the messages of a file in their order. `put` returns the reason if it does not accept a
 /// message. Memory is allocated for a record at a time, which is no longer than the file.
-pub(super) fn read(path: &Path, mut put: impl FnMut(Message<'_>) -> Result<(), String>) -> io::Result<()> {
+pub(super) fn read(path: &Path, put: impl FnMut(Message<'_>) -> Result<(), String>) -> io::Result<()> {
     let file = file::open_regular(path)?;
     let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
     let mut file = BufReader::new(file);
     let options = LinearReaderOptions::default().with_record_length_limit(length).with_emit_chunks(true);
     let mut reader = LinearReader::new_with_options(options);
-    let (mut names, mut place) = (Names::default(), 0_u64);
+    let mut messages = Messages { schemas: HashMap::new(), channels: HashMap::new(), put };
+    let mut place = 0;
     while let Some(event) = reader.next_event() {
-        let read = names.take_event(event, &mut put);
+        let read = messages.take_event(event);
         let located = |error: io::Error| io::Error::new(error.kind(), format!("{error}, before byte {place}"));
         if let Some(count) = read.map_err(located)? {
             let count = file.read(reader.insert(count))?;
@@ -135,20 +138,16 @@ fn take_part<'b>(rest: &mut &'b [u8]) -> Option<&'b [u8]> {
     rest.split_off(..length as usize)
 }
 
-/// Schemas and channels so far.
-#[derive(Default)]
-struct Names {
+/// Schemas and channels so far, and the receiver of messages.
+struct Messages<P> {
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Channel>,
+    put: P,
 }
 
-impl Names {
+impl<P: FnMut(Message<'_>) -> Result<(), String>> Messages<P> {
     /// Takes the records of an event. Returns the number of bytes that the reader needs next.
-    fn take_event(
-        &mut self,
-        event: McapResult<LinearReadEvent<'_>>,
-        put: &mut impl FnMut(Message<'_>) -> Result<(), String>,
-    ) -> io::Result<Option<usize>> {
+    fn take_event(&mut self, event: McapResult<LinearReadEvent<'_>>) -> io::Result<Option<usize>> {
         match event.map_err(error)? {
             LinearReadEvent::ReadRequest(count) => return Ok(Some(count)),
             LinearReadEvent::Record { opcode: op::CHUNK, data } => {
@@ -158,13 +157,13 @@ impl Names {
                         check_chunk(&data)?;
                     }
                     for record in ChunkReader::new(header, &data).map_err(error)? {
-                        self.take(record.map_err(error)?, put)?;
+                        self.take(record.map_err(error)?)?;
                     }
                 }
             }
             LinearReadEvent::Record { opcode: opcode @ (op::SCHEMA | op::CHANNEL | op::MESSAGE), data } => {
                 check_lengths(opcode, data)?;
-                self.take(parse_record(opcode, data).map_err(error)?, put)?;
+                self.take(parse_record(opcode, data).map_err(error)?)?;
             }
             LinearReadEvent::Record { .. } => (),
         }
@@ -172,7 +171,7 @@ impl Names {
     }
 
     /// Stores a schema or a channel, or passes a message on.
-    fn take(&mut self, record: Record<'_>, put: &mut impl FnMut(Message<'_>) -> Result<(), String>) -> io::Result<()> {
+    fn take(&mut self, record: Record<'_>) -> io::Result<()> {
         match record {
             Record::Schema { header, .. } => _ = self.schemas.insert(header.id, header.name),
             Record::Channel(channel) => _ = self.channels.insert(channel.id, channel),
@@ -183,9 +182,8 @@ impl Names {
                 let schema = self.schemas.get(&channel.schema_id).map_or("", |name| name);
                 let Channel { topic, message_encoding: encoding, .. } = channel;
                 let message = Message { topic, schema, encoding, sequence: header.sequence, data: &data };
-                put(message).map_err(|reason| {
-                    invalid(format!("message {} of the topic {} {reason}", header.sequence, channel.topic))
-                })?;
+                (self.put)(message)
+                    .map_err(|reason| invalid(format!("message {} of the topic {topic} {reason}", header.sequence)))?;
             }
             _ => (),
         }

@@ -2,39 +2,30 @@
 
 use super::protobuf::Message;
 
-/// Text of the timestamps in messages.
-const TIMESTAMP: &str = include_str!("timestamp.proto");
-const FOXGLOVE: &str = include_str!("foxglove.proto");
-const MUJOCO: &str = include_str!("mujoco.proto");
+/// Names and texts of the files with all messages but that of the sensors.
+pub(super) const COMMON: [(&str, &str); 3] = [
+    ("google/protobuf/timestamp.proto", include_str!("timestamp.proto")),
+    ("foxglove.proto", include_str!("foxglove.proto")),
+    ("mujoco.proto", include_str!("mujoco.proto")),
+];
 
-/// Returns the `FileDescriptorSet` with all messages of the logs.
-pub(super) fn descriptors() -> Vec<u8> {
+/// Returns the `FileDescriptorSet` of files, each of which imports the previous ones.
+pub(super) fn descriptors(files: &[(&str, &str)]) -> Vec<u8> {
     let mut set = Message::default();
-    let mut names = Vec::new();
-    for (name, text) in
-        [("google/protobuf/timestamp.proto", TIMESTAMP), ("foxglove.proto", FOXGLOVE), ("mujoco.proto", MUJOCO)]
-    {
-        put_file(&mut set, name, text, &names);
-        names.push(name);
+    for (index, (name, text)) in files.iter().enumerate() {
+        put_file(&mut set, name, text, &files[..index]);
     }
-    set.bytes().to_vec()
-}
-
-/// Returns the `FileDescriptorSet` of a file without imports.
-pub(super) fn descriptor(name: &str, text: &str) -> Vec<u8> {
-    let mut set = Message::default();
-    put_file(&mut set, name, text, &[]);
     set.bytes().to_vec()
 }
 
 /// Appends a `FileDescriptorProto`. Each line of the text is a package, the start or the end of a
 /// message, a field or a comment.
-fn put_file(set: &mut Message, name: &str, text: &str, imports: &[&str]) {
+fn put_file(set: &mut Message, name: &str, text: &str, imports: &[(&str, &str)]) {
     let mut package = "";
     let mut lines = text.lines().map(|line| line.trim().trim_end_matches([';', ' ', '{']));
     set.put_message(1, |file| {
         file.put_text(1, name);
-        for import in imports {
+        for (import, _) in imports {
             file.put_text(3, import);
         }
         file.put_text(12, "proto3");

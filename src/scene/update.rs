@@ -76,7 +76,7 @@ impl Scene {
     /// Rebuilds the scene as [`update`](Self::update) does, but independently of the previous
     /// viewpoints, and with all geoms: a larger scene replaces a full one, and the data keeps no
     /// warning of it.
-    #[cfg(any(feature = "renderer", feature = "html", feature = "gltf"))]
+    #[cfg(any(feature = "renderer", feature = "html", feature = "gltf", feature = "mcap"))]
     pub(crate) fn update_and_grow(
         &mut self,
         data: &mut Data,

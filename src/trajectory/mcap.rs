@@ -7,7 +7,7 @@ use super::Trajectory;
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::file;
-use crate::mcap::{Channels, DISPLAY_RATE, DisplayClock, Part, read_states, start};
+use crate::mcap::{Channels, DISPLAY_RATE, DisplayClock, Part, read_states};
 use crate::model::{IntoModel, Model};
 
 impl Trajectory {
@@ -48,7 +48,7 @@ impl Trajectory {
         }
         let mut data = Data::new(&model)?;
         file::replace(path.as_ref(), |out| {
-            let mut channels = Channels::new(start(out, &model)?, &model);
+            let mut channels = Channels::create(out.get_ref().try_clone()?, &model)?;
             let mut clock = DisplayClock::new(DISPLAY_RATE);
             channels.write_scene(self.times.first().copied().unwrap_or_default())?;
             for (record, &time) in self.times.iter().enumerate() {

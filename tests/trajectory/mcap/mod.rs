@@ -2,6 +2,7 @@
 //! damaged files.
 
 mod damaged;
+mod deformables;
 mod joint_states;
 mod logs;
 mod official_reader;

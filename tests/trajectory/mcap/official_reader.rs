@@ -39,14 +39,14 @@ with open(sys.argv[1], "rb") as file:
 print(json.dumps(dict(messages=messages, attachments=attachments, metadata=metadata)))
 "#;
 
-fn read(path: &Path) -> Option<Value> {
+pub(super) fn read(path: &Path) -> Option<Value> {
     let script = [include_str!("check.py"), SCRIPT].concat();
     let output = python::run("mcap-protobuf-support", "mcap_protobuf, foxglove_schemas_protobuf", &script, path)?;
     Some(serde_json::from_str(&output).unwrap())
 }
 
 /// Returns the messages of a topic with their schema, number and time.
-fn messages<'v>(file: &'v Value, topic: &str, schema: &str) -> Vec<(u64, u64, &'v Value)> {
+pub(super) fn messages<'v>(file: &'v Value, topic: &str, schema: &str) -> Vec<(u64, u64, &'v Value)> {
     let all = file["messages"].as_array().unwrap().iter().filter(|message| message[0] == topic);
     all.map(|message| {
         assert_eq!(message[1], schema);
@@ -55,7 +55,7 @@ fn messages<'v>(file: &'v Value, topic: &str, schema: &str) -> Vec<(u64, u64, &'
     .collect()
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(super) fn numbers(value: &Value) -> Vec<f64> {
     match value {
         Value::Object(parts) => parts.values().flat_map(numbers).collect(),
         Value::Array(parts) => parts.iter().flat_map(numbers).collect(),
@@ -63,7 +63,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
-fn vector(value: &Value) -> [f64; 3] {
+pub(super) fn vector(value: &Value) -> [f64; 3] {
     ["x", "y", "z"].map(|axis| value[axis].as_f64().unwrap())
 }
 
