@@ -76,12 +76,16 @@
 //!
 //! # Foxglove
 //!
+//! The fields of all messages are those of Foxglove's package for Python (`foxglove-sdk` 0.30.3).
+//! The following steps are taken from the documentation of the application.
+//!
 //! Choose *Open local file…*, and the file. Add these panels by *Add panel*; their settings are in
 //! the sidebar:
 //!
-//! - *3D*: under *Topics* make `/scene` visible, and under *Frame* select `world` as the *Display
-//!   frame*. The shapes follow the frames of `/tf`. An image such as `/camera/side/png` is in front
-//!   of its camera if `/camera/side/calibration` is visible, too.
+//! - *3D*: under *Topics* make `/scene` visible, and `/scene/deformable` for skins and flexes;
+//!   under *Frame* select `world` as the *Display frame*. The shapes follow the frames of `/tf`. An
+//!   image such as `/camera/side/png` is in front of its camera if `/camera/side/calibration` is
+//!   visible, too.
 //! - *Image*: select `/camera/side/png` as the *Topic* and `/camera/side/calibration` as the
 //!   *Calibration*; if `/scene` is visible, its shapes are drawn over the image.
 //!   `/camera/side/depth` has distances in metres, for which a *Color mode* with limits can be set.
@@ -91,11 +95,39 @@
 //!
 //! # Rerun
 //!
-//! `pip install rerun-sdk`, then `rerun fall.mcap` opens the file. It shows the frames of `/tf` and
-//! the images at their cameras in a 3D view, each image in a 2D view, and plots the numbers of all
-//! messages. Its [list of messages] has no `SceneUpdate`, so it does not show the shapes.
+//! `pip install rerun-sdk` (tried with 0.41.0), then `rerun fall.mcap` opens the file. It shows
+//! each image in a 2D view, and in a 3D view in front of its camera. It has no message for shapes
+//! ([list](https://rerun.io/docs/reference/mcap/message-formats)), so `/scene` is not drawn. Frames
+//! and plots need a layout, in Python:
 //!
-//! [list of messages]: https://rerun.io/docs/reference/mcap/message-formats
+//! ```python
+//! import rerun as rr
+//! import rerun.blueprint as rrb
+//! from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
+//!
+//! def plot(topic, schema, *fields):
+//!     def line(field):
+//!         source = dict(source_component=f"{schema}:message", selector=field)
+//!         kind = ComponentSourceKind.SourceComponent
+//!         mapping = VisualizerComponentMapping("Scalars:scalars", kind, **source)
+//!         return rr.SeriesLines(names=field).visualizer(mappings=[mapping])
+//!     lines = [line(field) for field in fields]
+//!     return rrb.TimeSeriesView(origin=topic, overrides={topic: lines})
+//!
+//! frames = rrb.Spatial3DView(
+//!     spatial_information=rrb.SpatialInformation(target_frame="world"),
+//!     overrides={"/tf": [rr.TransformAxes3D(0.2)]},
+//! )
+//! layout = rrb.Grid(
+//!     frames,
+//!     rrb.Spatial2DView(origin="/camera/side/png"),
+//!     plot("/state", "mujoco.State", ".qpos[2]", ".qvel[2]"),
+//!     plot("/sensors", "mujoco.Sensors", ".torso_gyro[0]"),
+//! )
+//! rr.init("fall", spawn=True)
+//! rr.send_blueprint(rrb.Blueprint(layout))
+//! rr.log_file_from_path("fall.mcap")
+//! ```
 //!
 //! # LeRobot
 //!
