@@ -7,11 +7,9 @@ use std::mem;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{Builder, JoinHandle};
 
-use ::mcap::Writer;
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
-
-use super::channels::error;
+use ::mcap::{McapError, Writer};
 
 /// Size of the messages of a buffer, bytes. A full buffer is passed to the thread, which costs up
 /// to a step of time for waking it: with buffers of 64 KiB, 2 % of all steps of a humanoid.
@@ -144,4 +142,12 @@ fn write(writer: &mut FileWriter, buffer: &mut Buffer) -> io::Result<()> {
 
 fn ended() -> io::Error {
     io::Error::other("the thread that writes the log has ended")
+}
+
+/// Converts an error of the crate `mcap`.
+pub(super) fn error(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
+    }
 }

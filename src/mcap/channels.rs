@@ -7,9 +7,9 @@ use std::io::{self, BufWriter};
 
 use ::mcap::records::MessageHeader;
 use ::mcap::write::{Metadata, NoSeek};
-use ::mcap::{Attachment, McapError, WriteOptions};
+use ::mcap::{Attachment, WriteOptions};
 
-use super::background::{Background, FileWriter};
+use super::background::{Background, FileWriter, error};
 use super::deformable::Deformables;
 use super::protobuf::Message;
 use super::{geometry, schema};
@@ -324,12 +324,4 @@ fn unique<N: Into<String>>(
 /// Converts a time to nanoseconds. Negative times and NaN become zero.
 fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
-}
-
-/// Converts an error of the crate `mcap`.
-pub(super) fn error(error: McapError) -> io::Error {
-    match error {
-        McapError::Io(error) => error,
-        error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
-    }
 }

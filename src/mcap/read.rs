@@ -14,7 +14,7 @@ use ::mcap::read::{ChunkReader, parse_record};
 use ::mcap::records::{Channel, Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::channels::error;
+use super::background::error;
 use super::protobuf;
 use crate::file;
 
