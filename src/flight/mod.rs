@@ -108,9 +108,9 @@
 //! # File
 //!
 //! A file begins with `MJFLIGHT`, or `MJ_TRACE` for a trace, and the version of the format (`u32`).
-//! Parts follow: one for a recording; for a trace its origin, models, calls and the number of calls.
-//! A part is a value in the encoding of the crate [`postcard`], with its length before it and a
-//! checksum after it (`u64`).
+//! Parts follow: one for a recording; for a trace its origin, models, calls and the number of
+//! calls. A part is a value in the encoding of the crate [`postcard`], with its length before it
+//! and a checksum after it (`u64`).
 //!
 //! A call of a recording consists of words: its kind, the changes before it, those that closures
 //! made, and the checksum of its results. Changes are runs of words; the word before a run has its

@@ -49,8 +49,8 @@
 //!
 //! Names of sensors keep letters, digits and underscores, other characters become underscores; a
 //! number follows if two are then equal up to underscores and case. Elements without a name have
-//! their kind and index, such as `geom3`. The shapes are the geoms, skins and flexes of the groups 0
-//! to 2, without their textures.
+//! their kind and index, such as `geom3`. The shapes are the geoms, skins and flexes of the groups
+//! 0 to 2, without their textures.
 //!
 //! The metadata `mujoco` has the versions, the sizes and the options of the model, and the
 //! attachment `model.xml` the model, if [`Model::to_xml`] can write it.
