@@ -35,7 +35,7 @@ impl<'a> View<'a, Model, kind::Plugin> {
     }
 }
 
-#[cfg(feature = "mcap")]
+#[cfg(any(feature = "html", feature = "mcap"))]
 impl Model {
     /// Returns the triangles of a flex as indices of its vertices: its elements in two dimensions,
     /// its surface in three. `None` for a rope.

@@ -60,7 +60,7 @@ impl Sampler {
         let (mut elements, mut looks) = (Vec::new(), Vec::new());
         for geom in scene.geoms() {
             let (element, faces, count) = match (geom.object(), geom.flex()) {
-                (_, Some(index)) => match flex_faces(model, index) {
+                (_, Some(index)) => match model.flex_triangles(index) {
                     Some(faces) => {
                         let count = scene.flexes().nth(index).map_or(0, |flex| flex.vertices.len());
                         (Element::Flex(index), Some(faces), count)
@@ -69,7 +69,7 @@ impl Sampler {
                 },
                 (Some(Object::Skin(id)), _) => {
                     let skin = model.skin(id);
-                    (Element::Skin(id), Some(skin.face().to_vec()), skin.vert().len())
+                    (Element::Skin(id), Some(skin.face()), skin.vert().len())
                 }
                 (Some(Object::Tendon(id)), _) if is_segment(geom.geom_type()) => (Element::Tendon(id), None, 0),
                 _ => continue,
@@ -82,7 +82,7 @@ impl Sampler {
             looks.push(Deformable {
                 surface: Surface::new(geom),
                 radius: geom.size()[0],
-                faces: faces.map(|faces| indices(binary, &faces, count)),
+                faces: faces.map(|faces| indices(binary, faces, count)),
             });
         }
         let sampler = (!elements.is_empty()).then_some(Self { scene, options, elements });
@@ -135,23 +135,4 @@ fn segments(scene: &Scene, id: TendonId) -> Vertices {
 fn edges(vertices: &[[f32; 3]], edges: &[[i32; 2]]) -> Vertices {
     let vertex = |&index: &i32| usize::try_from(index).ok().and_then(|index| vertices.get(index)).copied();
     edges.as_flattened().iter().map(|index| vertex(index).unwrap_or_default()).collect()
-}
-
-/// Returns the triangles of a flex: its elements in two dimensions, its surface in three. `None`
-/// for a rope.
-#[cfg(engine_since = "3.0.0")]
-fn flex_faces(model: &Model, index: usize) -> Option<Vec<[i32; 3]>> {
-    let (numbers, start, count) = match model.flex_dim()[index] {
-        2 => (model.flex_elem(), model.flex_elemdataadr()[index], model.flex_elemnum()[index]),
-        3 => (model.flex_shell(), model.flex_shelldataadr()[index], model.flex_shellnum()[index]),
-        _ => return None,
-    };
-    let numbers = numbers.get(start.max(0) as usize..)?;
-    Some(numbers.as_chunks().0.iter().take(count.max(0) as usize).copied().collect())
-}
-
-/// Older engines have no flexes.
-#[cfg(not(engine_since = "3.0.0"))]
-fn flex_faces(_: &Model, _: usize) -> Option<Vec<[i32; 3]>> {
-    None
 }
