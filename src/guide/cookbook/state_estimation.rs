@@ -54,8 +54,8 @@
 //! robot.step_n(200)?; // settles on the floor
 //! let model = robot.model().clone();
 //!
-//! // Disturbances: 2 N on the trunk, 1 mrad of the servos, and small errors of the model, which
-//! // also allow for the kinks of contacts.
+//! // Disturbances: 2 N on the trunk, 1 mrad of the servos, and small errors of the model,
+//! // which also allow for the kinks of contacts.
 //! let nx = 2 * model.nv();
 //! let noise = ProcessNoise::new(&model)
 //!     .with_body_forces(3, 2.0, 0.0)?
@@ -98,8 +98,8 @@
 //! }
 //! let present = smoother.filter().covariance()[(3, 3)].sqrt().to_degrees();
 //! println!("NEES of roll and pitch {:.1}, roll ±{:.2}°", nees / 400.0, 2.0 * present);
-//! // The mean of a consistent filter is 2, and that of a cautious one is smaller. With 1e-10 in
-//! // place of 3e-9, it is 6: the filter trusts itself too much.
+//! // The mean of a consistent filter is 2, and that of a cautious one is smaller. With 1e-10
+//! // in place of 3e-9, it is 6: the filter trusts itself too much.
 //! assert!(nees / 400.0 < 2.0);
 //!
 //! // With a lag of a quarter of a second, the estimates are better.
