@@ -67,8 +67,7 @@ mod stream;
 use std::io::Write;
 use std::path::Path;
 
-use serde::Serialize;
-
+#[cfg(feature = "live")]
 pub(crate) use self::deformable::Sampler;
 pub use self::options::{HtmlOptions, Signal};
 use self::page::Page;
@@ -81,7 +80,7 @@ use crate::trajectory::Trajectory;
 
 /// Running simulation, which the page shows instead of tracks.
 #[cfg(feature = "live")]
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(crate) struct Live<'d> {
     /// Name of the actuator, and ends of the slider, of each control.
     pub(crate) sliders: &'d [(Option<&'d str>, [f64; 2])],
