@@ -207,7 +207,7 @@ fn random_models_agree_with_differences() {
 }
 
 #[test]
-#[ignore = "takes a quarter of an hour"]
+#[ignore = "takes hours"]
 fn many_states_of_many_random_models_agree_with_differences() {
     compare_models(5000, 510, 20);
 }
