@@ -25,6 +25,10 @@ pub(super) fn write(
     options: &GltfOptions,
     clips: &[Clip<'_>],
 ) -> Result<Vec<String>> {
+    if options.rotation_error.is_nan() || options.rotation_error < 1e-6 {
+        let value = options.rotation_error;
+        return Err(Error::out_of_range("GltfOptions::rotation_error", value, "at least 1e-6"));
+    }
     let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
     let (mut look, _) = Look::new(data, frames, &groups)?;
     let model = data.model();
@@ -39,7 +43,7 @@ pub(super) fn write(
     let free = document.add_cameras(&look)?;
     document.add_lights(&look, free, &world)?;
     for (clip, poses) in clips.iter().zip(&poses) {
-        document.animate(clip, poses, &rest)?;
+        document.animate(clip, poses, &rest, options.rotation_error)?;
     }
     let left_out = replay::report(std::mem::take(&mut document.left_out), "a glTF file does not contain");
     let bytes = document.file().map_err(Error::file(path))?;

@@ -38,8 +38,10 @@ pub(super) enum Kind {
     /// Times of an animation, s.
     Times,
     Translations,
-    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
+    /// Quaternions in single precision.
     Rotations,
+    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
+    ShortRotations,
     ShortIndices,
     LongIndices,
 }
@@ -49,7 +51,7 @@ impl Kind {
         match self {
             Self::Position | Self::Normal | Self::Texcoord => Some(Target::ArrayBuffer),
             Self::ShortIndices | Self::LongIndices => Some(Target::ElementArrayBuffer),
-            Self::Times | Self::Translations | Self::Rotations => None,
+            Self::Times | Self::Translations | Self::Rotations | Self::ShortRotations => None,
         }
     }
 
@@ -57,7 +59,7 @@ impl Kind {
         match self {
             Self::ShortIndices => ComponentType::U16,
             Self::LongIndices => ComponentType::U32,
-            Self::Rotations => ComponentType::I16,
+            Self::ShortRotations => ComponentType::I16,
             _ => ComponentType::F32,
         }
     }
@@ -106,10 +108,10 @@ impl<'m> Document<'m> {
     }
 
     /// Stores unit quaternions with an error of half a 32,767th of each component.
-    pub(super) fn rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
+    pub(super) fn short_rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
         let short = |part: &f32| ((part * 32767.0).round() as i16).to_le_bytes();
         let bytes = values.as_flattened().iter().flat_map(short).collect();
-        self.accessor(Kind::Rotations, Type::Vec4, values.len(), bytes, None)
+        self.accessor(Kind::ShortRotations, Type::Vec4, values.len(), bytes, None)
     }
 
     fn accessor(
@@ -137,7 +139,7 @@ impl<'m> Document<'m> {
             min,
             max,
             name: None,
-            normalized: kind == Kind::Rotations,
+            normalized: kind == Kind::ShortRotations,
             sparse: None,
         });
         self.known.insert(key, index);

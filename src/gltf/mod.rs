@@ -30,9 +30,9 @@
 //!   is white in programs that take a surface of luminance 1 as white, such as three.js: select
 //!   `Unitless` as the lighting mode when importing into Blender.
 //! - An animation for each trajectory, with the name of its label. It starts at 0 s. Translations
-//!   are in single precision. Rotations have 16 bits for each component of a quaternion: an
-//!   orientation of a body in its parent has an error of at most 6.2e-5 rad. Coordinates that
-//!   change by less than 1 µm (or a millionth of the model's extent, if that is less) do not move.
+//!   are in single precision; [`GltfOptions::rotation_error`] is that of rotations. Coordinates
+//!   that change by less than 1 µm (or a millionth of the model's extent, if that is less) do not
+//!   move.
 //!
 //! Skins, flexes, tendons, the sky and the patterns of cube textures are left out; [`save`] returns
 //! their names. Reflection, fog, haze, shadows, ambient light and the attenuation of lights are
@@ -56,13 +56,13 @@ use crate::model::IntoModel;
 use crate::replay;
 use crate::trajectory::Trajectory;
 
-/// Contents of a glTF file.
+/// Contents and precision of a glTF file.
 ///
 /// ```
 /// use mujoco_safe::gltf::GltfOptions;
 ///
 /// let options = GltfOptions::default().with_frames_per_second(30.0).with_sitegroup([false; 6]);
-/// assert_eq!(options.frames_per_second, 30.0);
+/// assert_eq!(options.rotation_error, 1e-4);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -70,6 +70,10 @@ pub struct GltfOptions {
     /// Number of recorded states per second of simulated time that the file contains, at most. By
     /// default 60. Programs interpolate between them. `f64::INFINITY` takes every record.
     pub frames_per_second: f64,
+    /// Largest angle by which a recorded orientation of a body in its parent is rounded, rad: at
+    /// least 1e-6, by default 1e-4. From 6.2e-5 on, the file has 16 bits per component of a
+    /// quaternion, below 32.
+    pub rotation_error: f64,
     /// Contained groups of geoms: by default 0 to 2, those that the viewer shows.
     pub geomgroup: [bool; 6],
     /// Contained groups of sites: by default 0 to 2.
@@ -79,12 +83,13 @@ pub struct GltfOptions {
 impl Default for GltfOptions {
     fn default() -> Self {
         let groups = [true, true, true, false, false, false];
-        Self { frames_per_second: 60.0, geomgroup: groups, sitegroup: groups }
+        Self { frames_per_second: 60.0, rotation_error: 1e-4, geomgroup: groups, sitegroup: groups }
     }
 }
 
 with_methods!(GltfOptions {
     with_frames_per_second(frames_per_second: f64),
+    with_rotation_error(rotation_error: f64),
     with_geomgroup(geomgroup: [bool; 6]),
     with_sitegroup(sitegroup: [bool; 6]),
 });

@@ -10,6 +10,10 @@ use crate::error::{Error, Result};
 use crate::math::{mul_quat, neg_quat, rot_vec_quat};
 use crate::replay::Pose;
 
+/// Smallest error of quaternions as integers of 16 bits: half a step in each of four components
+/// moves a unit quaternion by at most a step of 1/32,767, and its rotation by twice that angle.
+const SHORT_ERROR: f64 = 6.2e-5;
+
 /// A node moves if a coordinate changes by more than a millionth of the extent of the model, up to
 /// 1 µm, or a component of its quaternion by more than a millionth.
 const STILL: f64 = 1e-6;
@@ -61,7 +65,13 @@ fn relative(parent: Pose, child: Pose) -> Pose {
 impl Document<'_> {
     /// Adds the animation of the nodes that move or differ from their pose at rest. `poses` are
     /// those of the clip in their parents.
-    pub(super) fn animate(&mut self, clip: &Clip<'_>, poses: &[Vec<Pose>], rest: &[Pose]) -> Result<()> {
+    pub(super) fn animate(
+        &mut self,
+        clip: &Clip<'_>,
+        poses: &[Vec<Pose>],
+        rest: &[Pose],
+        rotation_error: f64,
+    ) -> Result<()> {
         let extent = self.model.statistics().extent;
         let scale = if extent > 0.0 { extent.min(1.0) } else { 1.0 };
         let moves = |value: f64, start: f64, scale: f64| (value - start).abs() > STILL * scale;
@@ -78,7 +88,10 @@ impl Document<'_> {
             };
             if poses.iter().any(turns) {
                 let values = poses.iter().map(|pose| rotation(pose.quat)).collect::<Result<Vec<_>>>()?;
-                outputs.push((index, Property::Rotation, self.rotations(&values)));
+                let is_short = rotation_error >= SHORT_ERROR;
+                let output =
+                    if is_short { self.short_rotations(&values) } else { self.floats(Kind::Rotations, &values) };
+                outputs.push((index, Property::Rotation, output));
             }
         }
         if outputs.is_empty() {

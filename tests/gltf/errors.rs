@@ -13,7 +13,12 @@ fn what_cannot_be_saved_is_an_error() {
     let path = folder.path().join("never_written.glb");
     let save = |trajectory: &Trajectory, options: &GltfOptions| trajectory.save_glb(model.clone(), &path, options);
     let good = GltfOptions::default();
-    for options in [good.clone().with_frames_per_second(-1.0), good.clone().with_frames_per_second(f64::NAN)] {
+    for options in [
+        good.clone().with_rotation_error(0.0),
+        good.clone().with_rotation_error(f64::NAN),
+        good.clone().with_frames_per_second(-1.0),
+        good.clone().with_frames_per_second(f64::NAN),
+    ] {
         assert!(matches!(save(&trajectory, &options), Err(Error::Invalid { .. })), "{options:?}");
     }
     assert!(matches!(save(&Trajectory::new(&model), &good), Err(Error::Invalid { .. })));

@@ -64,6 +64,7 @@ fn files_are_written() {
     let model = sample::humanoid();
     let (first, second) = (recorded(&model, 1, 200), recorded(&model, 2, 200));
     let both = [("first", &first), ("second", &second)];
-    mujoco_safe::gltf::save(folder.join("two.glb"), model, both, &GltfOptions::default()).unwrap();
+    mujoco_safe::gltf::save(folder.join("two.glb"), model, both, &GltfOptions::default().with_rotation_error(1e-6))
+        .unwrap();
     assert!(count >= 20, "{count} models");
 }

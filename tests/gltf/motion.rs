@@ -27,9 +27,9 @@ fn largest_distance(file: &File, key: Option<(usize, usize)>, data: &Data) -> f6
     largest
 }
 
-fn check(model: &Model, steps: usize, tolerance: f64) {
+fn check(model: &Model, steps: usize, rotation_error: f64, tolerance: f64) {
     let trajectories = [recorded(model, 1, steps), recorded(model, 2, steps)];
-    let options = GltfOptions::default().with_frames_per_second(f64::INFINITY);
+    let options = GltfOptions::default().with_rotation_error(rotation_error).with_frames_per_second(f64::INFINITY);
     let file = saved(model, &[("first", &trajectories[0]), ("second", &trajectories[1])], &options);
     let mut data = Data::new(model.clone()).unwrap();
     assert_eq!(file.gltf.animations().map(|found| found.name().unwrap()).collect::<Vec<_>>(), ["first", "second"]);
@@ -57,8 +57,10 @@ fn geoms_have_the_poses_of_the_engine() {
     // The error of rotations adds up along the tree: the prism is 5 m from the second of two
     // rotated bodies, the feet of the humanoid are 1 m from its torso.
     let shapes = Model::from_xml_str(SHAPES).unwrap();
-    check(&shapes, 300, 1e-3);
-    check(&sample::humanoid(), 300, 2e-4);
+    check(&shapes, 300, 1e-6, 2e-5);
+    check(&shapes, 300, 1e-4, 1.5e-3);
+    check(&sample::humanoid(), 300, 1e-6, 5e-6);
+    check(&sample::humanoid(), 300, 1e-4, 2e-4);
 }
 
 #[test]
@@ -100,7 +102,7 @@ fn a_still_state_has_no_animation() {
 fn cameras_that_track_move_with_their_target() {
     let model = Model::from_xml_str(SHAPES).unwrap();
     let trajectory = recorded(&model, 3, 100);
-    let file = saved(&model, &[("", &trajectory)], &GltfOptions::default());
+    let file = saved(&model, &[("", &trajectory)], &GltfOptions::default().with_rotation_error(1e-6));
     let mut data = Data::new(model.clone()).unwrap();
     trajectory.apply(99, &mut data).unwrap();
     data.forward().unwrap();
@@ -110,13 +112,13 @@ fn cameras_that_track_move_with_their_target() {
         let mat = data.cam_xmat()[index];
         let expected = Point3::from(data.cam_xpos()[index]) - Vector3::new(mat[2], mat[5], mat[8]);
         let found = z_up(world[&node.index()] * Point3::new(0.0, 0.0, -1.0));
-        assert!((found - expected).norm() < 1e-3, "{:?}: {found} {expected}", camera.name());
+        assert!((found - expected).norm() < 2e-5, "{:?}: {found} {expected}", camera.name());
     }
     for (index, light) in model.lights().enumerate() {
         let node = file.gltf.nodes().find(|node| node.light().is_some() && node.name() == light.name()).unwrap();
         let expected = Point3::from(data.light_xpos()[index]) + Vector3::from(data.light_xdir()[index]);
         let found = z_up(world[&node.index()] * Point3::new(0.0, 0.0, -1.0));
-        assert!((found - expected).norm() < 1e-3, "{:?}: {found} {expected}", light.name());
+        assert!((found - expected).norm() < 2e-5, "{:?}: {found} {expected}", light.name());
     }
 }
 
