@@ -81,10 +81,11 @@ mod state;
 mod tick;
 
 use std::fmt;
-use std::net::{SocketAddr, TcpListener};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use rand::TryRng;
 use rand::rngs::SysRng;
@@ -239,6 +240,15 @@ impl LivePage {
     /// Pauses or resumes the simulation, as a user does.
     pub fn set_paused(&mut self, paused: bool) {
         self.is_paused = paused;
+    }
+}
+
+impl Drop for LivePage {
+    fn drop(&mut self) {
+        self.site.slots.close();
+        // Ends the wait for a connection. If the connection fails, others are waiting.
+        let _ = TcpStream::connect_timeout(&server::reachable(self.address), Duration::from_secs(1));
+        let _ = self.server.take().map(JoinHandle::join);
     }
 }
 

@@ -11,7 +11,6 @@ use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Bytes, Error, WebSocket};
 
-use super::LivePage;
 use super::http::{self, Allowed, Gate, Refusal};
 use super::message::{Limits, Message};
 use super::slots::Slots;
@@ -53,17 +52,6 @@ pub(super) struct Site {
 /// Starts the server.
 pub(super) fn start(listener: TcpListener, site: Arc<Site>) -> std::io::Result<JoinHandle<()>> {
     thread::Builder::new().name("live page".to_owned()).spawn(move || accept(&listener, &site))
-}
-
-impl Drop for LivePage {
-    fn drop(&mut self) {
-        self.site.slots.close();
-        // Ends the wait for a connection. If the connection fails, others are waiting.
-        let _ = TcpStream::connect_timeout(&reachable(self.address), Duration::from_secs(1));
-        if let Some(server) = self.server.take() {
-            let _ = server.join();
-        }
-    }
 }
 
 /// Returns the address by which this machine reaches the server.
