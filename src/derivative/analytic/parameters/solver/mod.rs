@@ -75,7 +75,8 @@ pub(super) fn examine(data: &Data, resolved: &[Resolved]) -> Option<Kinks> {
     for_each_active(data, |row, count| {
         let values = SolverParameters::of(data, row);
         let curve = Curve::new(data, row, count, &values, &SolverParameters::default());
-        is_understood &= curve.is_of_engine(data, row) && Origin::of(data, row).is_some();
+        is_understood &=
+            curve.is_of_engine(data, row) && Origin::of(data, row).is_some_and(|origin| origin.explains(data, row));
     });
     for number in numbers() {
         for_each_change(data, number, |_, _, change| {

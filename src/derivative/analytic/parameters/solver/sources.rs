@@ -45,8 +45,8 @@ pub(super) enum Origin {
 }
 
 impl Origin {
-    /// Returns the origin of the parameters of the constraint that starts at a row, or `None` if
-    /// the parameters of a contact do not follow from it.
+    /// Returns the origin of the parameters of the constraint that starts at a row, or `None` for a
+    /// contact of flexes, and of geoms with several pairs.
     pub(super) fn of(data: &Data, row: usize) -> Option<Self> {
         let id = ffi::size(data.efc_id()[row]);
         #[expect(non_upper_case_globals, reason = "the engine's constants")]
@@ -70,21 +70,31 @@ impl Origin {
             let pair = [ffi::size(*pair.0), ffi::size(*pair.1)];
             pair == [first, second] || pair == [second, first]
         });
-        let (origin, expected) = match (pairs.next(), pairs.next()) {
+        match (pairs.next(), pairs.next()) {
             (Some((pair, _)), None) if model.options().collision != Collision::Dynamic => {
-                (Self::Element(Element::Pair(pair)), SolverParameters::of_pair(model, pair))
+                Some(Self::Element(Element::Pair(pair)))
             }
-            (None, None) => (Self::Mixed([first, second]), SolverParameters::mixed(model, [first, second])),
-            _ => return None,
+            (None, None) => Some(Self::Mixed([first, second])),
+            _ => None,
+        }
+    }
+
+    /// Returns `true` if the parameters of the constraint that starts at a row, of which this is
+    /// the origin, follow from it. Only contacts mix parameters.
+    pub(super) fn explains(self, data: &Data, row: usize) -> bool {
+        let model = data.model();
+        let expected = match self {
+            Self::Element(Element::Pair(pair)) => SolverParameters::of_pair(model, pair),
+            Self::Mixed(geoms) => SolverParameters::mixed(model, geoms),
+            Self::Element(_) => return true,
         };
+        let found = SolverParameters::of(data, row);
         let agree = |ours: &[f64], theirs: &[f64]| {
             ours.iter().zip(theirs).all(|(ours, theirs)| (ours - theirs).abs() <= ROUNDING * theirs.abs().max(ROUNDING))
         };
-        let has_other = |ours: &[f64], theirs: &[f64]| !agree(ours, theirs);
-        let differs = (!overrides(model)
-            && (has_other(&expected.reference, &contact.solref) || has_other(&expected.impedance, &contact.solimp)))
-            || (!overrides_friction(model) && has_other(&expected.friction, &contact.friction));
-        (!differs).then_some(origin)
+        (overrides(model)
+            || (agree(&expected.reference, &found.reference) && agree(&expected.impedance, &found.impedance)))
+            && (overrides_friction(model) || agree(&expected.friction, &found.friction))
     }
 }
 
@@ -174,13 +184,8 @@ fn mix(model: &Model, geoms: [usize; 2]) -> f64 {
     match geoms.map(|geom| model.geom_solmix()[geom]) {
         [own, other] if own >= mjMINVAL && other >= mjMINVAL => own / (own + other),
         [own, other] if own < mjMINVAL && other < mjMINVAL => 0.5,
-        [own, _] => {
-            if own < mjMINVAL {
-                0.0
-            } else {
-                1.0
-            }
-        }
+        [own, _] if own < mjMINVAL => 0.0,
+        _ => 1.0,
     }
 }
 
