@@ -51,6 +51,9 @@ enum Command {
         /// `qpos[i]`, `qvel[i]`, `qacc[i]`, `ctrl[i]`, `ncon` or `time`, then `<` or `>`, then a
         /// number
         condition: String,
+        /// Repeat only a part of the calls: the condition must continue to hold
+        #[arg(long)]
+        bisect: bool,
     },
     /// Play the states in the viewer (requires `--features viewer`)
     Show { file: PathBuf },
@@ -104,10 +107,12 @@ fn run(command: &Command) -> Result<(), Box<dyn Error>> {
                 return Err(difference.to_string().into());
             }
         }
-        Command::Find { file, condition } => {
+        Command::Find { file, condition, bisect } => {
             let condition = Condition::parse(condition)?;
             let recording = Recording::read(file)?;
-            match recording.first(|data| condition.holds(data))? {
+            let holds = |data: &Data| condition.holds(data);
+            let found = if *bisect { recording.first_by_bisection(holds) } else { recording.first(holds) };
+            match found? {
                 Some(call) => println!("call {call}: {:?}", recording.data_after(call)?),
                 None => println!("the condition never holds"),
             }

@@ -12,6 +12,8 @@ use crate::cases::cases;
 const USUAL: &[&str] = &[
     "humanoid_lqr",
     #[cfg(feature = "viewer")]
+    "replay",
+    #[cfg(feature = "viewer")]
     "view",
 ];
 
@@ -42,6 +44,7 @@ pub fn build(name: &str) -> PathBuf {
             ("npz", cfg!(feature = "npz")),
             ("mcap", cfg!(feature = "mcap")),
             ("html", cfg!(feature = "html")),
+            ("live", cfg!(feature = "live")),
             ("gltf", cfg!(feature = "gltf")),
             ("serde", cfg!(feature = "serde")),
         ];

@@ -143,6 +143,39 @@ fn a_call_is_found_and_continued() {
 }
 
 #[test]
+fn bisection_finds_the_same_call_with_fewer_steps() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let mut recorder = FlightRecorder::new(&data).unwrap().with_memory(300_000);
+    let mut random = RandomController::new(3);
+    for _ in 0..2000 {
+        random.control(&mut data).unwrap();
+        recorder.step(&mut data).unwrap();
+    }
+    let recording = recorder.recording();
+    let (calls, all) = (recording.calls(), recording.calls().end - recording.calls().start);
+    let timestep = data.model().timestep();
+    for call in [calls.start, calls.start + 1, calls.start + all / 2, calls.end - 1] {
+        let (is_past, mut tests) = (|data: &Data| data.time() > (call as f64 + 0.5) * timestep, 0);
+        let found = recording.first_by_bisection(|data| {
+            tests += 1;
+            is_past(data)
+        });
+        assert_eq!(found.unwrap(), Some(call));
+        assert!(tests < all / 5, "{tests} of {all} calls");
+        assert_eq!(recording.first(is_past).unwrap(), Some(call));
+    }
+    assert_eq!(recording.first_by_bisection(|_| false).unwrap(), None);
+    // The segments of an edited model.
+    let mut recorder = FlightRecorder::new(&data).unwrap();
+    for step in 0..20 {
+        data.edit_model(|model| model.body_mass_mut()[1] = 9.0 + 0.1 * f64::from(step)).unwrap();
+        recorder.step(&mut data).unwrap();
+    }
+    let found = recorder.recording().first_by_bisection(|data| data.model().body_mass()[1] > 9.95);
+    assert_eq!(found.unwrap(), Some(10));
+}
+
+#[test]
 fn the_file_is_written_after_an_error_and_during_a_panic() {
     let folder = tempfile::tempdir().unwrap();
     let [error, panic] = ["error", "panic"].map(|name| folder.path().join(name));

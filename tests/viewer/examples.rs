@@ -8,6 +8,8 @@ use crate::cases::cases;
 use crate::display::Screen;
 use crate::example;
 use crate::input::{Input, wait_until};
+use mujoco_safe::flight::FlightRecorder;
+use mujoco_safe::{Data, sample};
 
 pub fn windows() {
     let folder = tempfile::tempdir().unwrap();
@@ -26,6 +28,12 @@ pub fn windows() {
     show("view", &["--size", "500x300"], "MuJoCo", narrow);
     let out = folder.path().to_str().unwrap();
     show("humanoid_lqr", &["--view", "--out", out], "Humanoid on one leg", wide.clone());
+    let recording = folder.path().join("steps.flight");
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut recorder = FlightRecorder::new(&data).unwrap();
+    (0..20).for_each(|_| recorder.step(&mut data).unwrap());
+    recorder.write(&recording).unwrap();
+    show("replay", &["show", recording.to_str().unwrap()], "MuJoCo", wide.clone());
     if cases(false, true) {
         show("humanoid_predictive", &["--view"], "Humanoid with predictive control", wide.clone());
         show("cartpole_lqr", &["--view"], "Cart-pole under LQR", wide.clone());
