@@ -28,6 +28,9 @@
 //! assert_eq!(recording.repeat()?.difference, None);
 //! let fast = recording.first(|data| data.qvel().iter().any(|speed| speed.abs() > 1e3))?;
 //! println!("a velocity exceeds 1000 after {fast:?} of {:?}", recording.calls());
+//! // By bisection, since this condition continues to hold.
+//! let late = recording.first_by_bisection(|data| data.time() > 0.1)?;
+//! println!("0.1 s have passed after {late:?}");
 //! let mut before = recording.data_before(recording.calls().end - 1)?;
 //! assert_eq!(before.step().unwrap_err().to_string(), failure.to_string());
 //! # std::fs::remove_file(path).ok();
