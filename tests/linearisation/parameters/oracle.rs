@@ -70,18 +70,16 @@ impl Oracle {
         Some((column, [ROUNDING * largest / width, largest]))
     }
 
-    /// Returns estimates with several steps. Those of a parameter at zero that cannot be negative
-    /// are one-sided.
-    pub(super) fn estimates(&self, parameter: ModelParameter) -> Vec<Estimate> {
+    /// Computes estimates with several steps, one after another. Those of a parameter at zero that
+    /// cannot be negative are one-sided.
+    pub(super) fn estimates(&self, parameter: ModelParameter) -> impl Iterator<Item = Estimate> {
         let model: &Model = self.data.model();
-        let value = parameter.value(model).unwrap();
-        let is_relative =
-            ["solref", "solimp", "friction["].iter().any(|part| parameter.name(model).unwrap().contains(part));
+        let (value, name) = (parameter.value(model).unwrap(), parameter.name(model).unwrap());
+        let is_relative = ["solref", "solimp", "friction["].iter().any(|part| name.contains(part));
         let size = if is_relative && value != 0.0 { value.abs() } else { value.abs().max(LEAST) };
-        let of_width = |width: f64| {
+        let ends_at_zero = NOT_NEGATIVE.iter().any(|part| name.contains(part));
+        let of_width = move |width: f64| {
             let width = width * size;
-            let name = parameter.name(model).unwrap();
-            let ends_at_zero = NOT_NEGATIVE.iter().any(|part| name.contains(part));
             let is_central = self.varied(parameter, -width).is_some() && !(ends_at_zero && value < width);
             let slopes: Option<Vec<(Vec<f64>, [f64; 2])>> = [1.0, 0.5, 0.25]
                 .map(|part| {
@@ -103,7 +101,7 @@ impl Oracle {
             let column = column.collect();
             Some(Estimate { column, error, size })
         };
-        WIDTHS.into_iter().filter_map(of_width).collect()
+        WIDTHS.into_iter().filter_map(of_width)
     }
 }
 
