@@ -24,7 +24,7 @@ export class Stage {
     stage.renderer.shadowMap.enabled = true;
     stage.renderer.shadowMap.type = PCFShadowMap;
     stage.scene = new Scene();
-    const textures = await loadTextures(binary, stage.look, stage.renderer.capabilities.getMaxAnisotropy());
+    const textures = await loadTextures(binary, stage.look);
     stage.textures = textures;
     const shapes = new Shapes(binary, stage.look);
     stage.addGeoms(shapes, description.frames);

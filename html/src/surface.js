@@ -1,15 +1,15 @@
 // Textures and materials.
 
-import { BufferAttribute, BufferGeometry, CubeTexture, LinearFilter, LinearMipmapLinearFilter } from 'three';
-import { MeshPhongMaterial, RepeatWrapping, SRGBColorSpace, Texture } from 'three';
+import { BufferAttribute, BufferGeometry, CubeTexture, DataTexture, LinearFilter } from 'three';
+import { LinearMipmapLinearFilter, MeshPhongMaterial, RepeatWrapping, SRGBColorSpace, Texture } from 'three';
 
 /** Decodes the textures of a look: a map from their indices. */
-export async function loadTextures(binary, look, anisotropy) {
-  const load = async ([index, texture]) => [index, texture && (await decode(binary, texture, anisotropy))];
+export async function loadTextures(binary, look) {
+  const load = async ([index, texture]) => [index, texture && (await decode(binary, texture))];
   return new Map(await Promise.all(Object.entries(look.textures).map(load)));
 }
 
-async function decode(binary, { cube, srgb, png }, anisotropy) {
+async function decode(binary, { cube, srgb, png }) {
   const file = new Blob([binary.subarray(png[0], png[0] + png[1])], { type: 'image/png' });
   const options = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' };
   const image = await createImageBitmap(file, options);
@@ -22,7 +22,6 @@ async function decode(binary, { cube, srgb, png }, anisotropy) {
   } else {
     texture = new Texture(image);
     texture.wrapS = texture.wrapT = RepeatWrapping;
-    texture.anisotropy = anisotropy;
     if (srgb) texture.colorSpace = SRGBColorSpace;
   }
   texture.flipY = false;
@@ -47,6 +46,10 @@ export function textured(geometry, { explicit, scale, offset }) {
   return result.setAttribute('uv', new BufferAttribute(uv, 2));
 }
 
+// Geoms without a texture have this one, so that all are drawn by one program.
+const WHITE = new DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
+WHITE.needsUpdate = true;
+
 /** `opacity` is a factor on that of the geom. */
 export function material(geom, texture, opacity) {
   const [r, g, b, a] = geom.rgba;
@@ -60,7 +63,7 @@ export function material(geom, texture, opacity) {
   result.specular.setScalar(geom.specular);
   result.emissive.setRGB(r, g, b).multiplyScalar(geom.emission);
   if (texture?.isCubeTexture) useCube(result, texture, geom.map.scale);
-  else result.map = texture ?? null;
+  else result.map = texture ?? WHITE;
   return result;
 }
 

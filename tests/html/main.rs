@@ -9,4 +9,6 @@ mod page;
 mod pages_for_browsers;
 mod poses;
 mod sizes;
+#[path = "../common/soft.rs"]
+mod soft;
 mod texts;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mujoco_safe::html::{self, HtmlOptions, Signal};
 use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
 
-use crate::{contents, deformables, sizes, texts};
+use crate::{contents, sizes, soft, texts};
 
 /// Records a motion under random control.
 fn recorded(data: &mut Data, seed: u64, seconds: f64) -> Trajectory {
@@ -55,7 +55,7 @@ fn pages_are_written() {
     save("shapes.html", &model, &[("", &shapes)], &HtmlOptions::default().with_title("Shapes").with_camera("front"));
     picture("shapes.png", &shapes, &model, "front");
 
-    let model = Model::from_xml_str(deformables::SOFT).unwrap();
+    let model = Model::from_xml_str(soft::SOFT).unwrap();
     let mut data = Data::new(model.clone()).unwrap();
     let soft = recorded(&mut data, 0, 1.0);
     save("soft.html", &model, &[("", &soft)], &HtmlOptions::default().with_title("Soft").with_camera("front"));

@@ -12,3 +12,5 @@ mod requests;
 mod run;
 mod several;
 mod slow;
+#[path = "../common/soft.rs"]
+mod soft;

@@ -8,7 +8,7 @@ use mujoco_safe::html::HtmlOptions;
 use mujoco_safe::live::{LiveOptions, LivePage};
 use mujoco_safe::{Batch, Data, MatrixView, MatrixViewMut, Model, ZeroController, sample};
 
-use crate::several::SOFT;
+use crate::soft::SOFT;
 
 /// Runs until the file `stop` is in the folder.
 #[test]
@@ -23,8 +23,7 @@ fn pages_are_served() {
            <actuator><motor name=\"{hostile}\" joint=\"{hostile}\"/></actuator></mujoco>"
     ))
     .unwrap();
-    let serve = |name: &str, mut data: Data, title: &str| {
-        let options = HtmlOptions::default().with_title(title);
+    let serve = |name: &str, mut data: Data, options: HtmlOptions| {
         let mut page = LivePage::bind(data.model(), &LiveOptions::default().with_page(options)).unwrap();
         std::fs::write(folder.join(format!("{name}.url")), page.url()).unwrap();
         let start = Instant::now();
@@ -36,9 +35,12 @@ fn pages_are_served() {
         scope.spawn(|| {
             let mut data = Data::new(sample::humanoid()).unwrap();
             data.reset_to_key("stand").unwrap();
-            serve("live", data, "Live humanoid");
+            serve("live", data, HtmlOptions::default().with_title("Live humanoid"));
         });
-        scope.spawn(|| serve("soft", Data::new(Model::from_xml_str(SOFT).unwrap()).unwrap(), "Live tendon and skin"));
+        scope.spawn(|| {
+            let data = Data::new(Model::from_xml_str(SOFT).unwrap()).unwrap();
+            serve("soft", data, HtmlOptions::default().with_title("Live tendon and skin").with_camera("front"));
+        });
         scope.spawn(|| {
             let mut batch = Batch::new(sample::humanoid(), 16).unwrap().with_chunk(16);
             let options = HtmlOptions::default().with_title("Batch of 16");
@@ -60,6 +62,9 @@ fn pages_are_served() {
                 page.wait(Duration::from_millis(5));
             }
         });
-        scope.spawn(|| serve("hostile", Data::new(hostile).unwrap(), "<script>globalThis.hacked = 1</script>"));
+        scope.spawn(|| {
+            let options = HtmlOptions::default().with_title("<script>globalThis.hacked = 1</script>");
+            serve("hostile", Data::new(hostile).unwrap(), options);
+        });
     });
 }

@@ -133,7 +133,7 @@ fn a_failed_simulation_of_a_batch_is_named_and_an_empty_batch_has_a_page() {
 }
 
 /// A tendon between two sites, and a skin of one triangle.
-pub const SOFT: &str = "<mujoco><asset>
+const SOFT: &str = "<mujoco><asset>
     <skin name='skin' vertex='0 0 0  0 0 .2  .3 0 0' face='0 1 2'>
       <bone body='arm' bindpos='0 0 0' bindquat='1 0 0 0' vertid='0 1 2' vertweight='1 1 1'/></skin></asset>
   <worldbody><site name='anchor' pos='.5 0 .6'/>
