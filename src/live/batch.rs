@@ -101,11 +101,10 @@ impl LivePage {
             batch.reset_where(|_| true, |index, _, data| data.set_state(StateSpec::INTEGRATION, start.row(index)))?;
         }
         let advance = self.advances(true);
-        if self.site.slots.is_wanted() {
+        if self.site.slots.is_wanted(self.published) {
             let shown = self.states.collect_batch(batch);
             let failure = batch.failures().next().map(|(index, error)| format!("simulation {index}: {error}"));
-            let problem = failure.or(shown.err().map(|error| error.to_string()));
-            self.publish(BATCH, problem.as_deref());
+            self.publish(BATCH, failure.or(shown.err().map(|error| error.to_string())));
         }
         Ok(Tick { advance, reset })
     }

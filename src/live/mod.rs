@@ -39,11 +39,11 @@
 //!
 //! # Cost
 //!
-//! A state is copied only if a browser waits for one, which is at most 125 times per second. The
-//! simulation never waits for a browser: there is one slot for the latest state and one for merged
-//! requests, and no queue. If a browser is copying a slot, the simulation goes on, and uses the
-//! slot in its next tick. A tick does not allocate, except for skins, flexes and tendons. `cargo
-//! bench --features live --bench live` compares with a step without a page.
+//! A state is copied only if a browser waits for one, at most 125 times per second for all browsers
+//! together. The simulation never waits for a browser: there is one slot for the latest state and
+//! one for merged requests, and no queue. If a browser is copying a slot, the simulation goes on,
+//! and uses the slot in a later tick. A tick does not allocate, except for skins, flexes and
+//! tendons. `cargo bench --features live --bench live` compares with a step without a page.
 //!
 //! # Safety of the server
 //!
@@ -85,7 +85,7 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rand::TryRng;
 use rand::rngs::SysRng;
@@ -128,6 +128,8 @@ pub struct LivePage {
     problem: Option<String>,
     /// States that a reset restores, from the first tick: a row for each simulation.
     start: Matrix,
+    /// Time of the last state.
+    published: Instant,
     /// Buffer for a state.
     buffer: Vec<f64>,
 }
@@ -191,7 +193,7 @@ impl LivePage {
         let hand = Hand::new(&data)?;
         let address = listener.local_addr().map_err(failed)?;
         let server = server::start(listener, site.clone()).map_err(failed)?;
-        let page = Self {
+        let mut page = Self {
             states,
             hand,
             requests: Requests::new(model.nu()),
@@ -199,6 +201,7 @@ impl LivePage {
             steps: 0,
             problem: None,
             start: Matrix::default(),
+            published: Instant::now(),
             buffer: Vec::new(),
             model,
             site,

@@ -4,7 +4,7 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, Shutdown, SocketAddr, TcpListener, Tc
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tungstenite::handshake::server::write_response;
 use tungstenite::protocol::frame::coding::CloseCode;
@@ -23,9 +23,6 @@ const IDLE_TIME: Duration = Duration::from_secs(30);
 
 /// Time after which a browser that receives nothing is disconnected.
 const WRITE_TIME: Duration = Duration::from_secs(5);
-
-/// Shortest time between two states for a browser.
-const SHORTEST_PERIOD: Duration = Duration::from_millis(8);
 
 /// Shortest time between two other messages of a browser that are read.
 const PAUSE: Duration = Duration::from_millis(1);
@@ -152,7 +149,7 @@ fn end(code: CloseCode, reason: &str) -> CloseFrame {
 /// Answers each request for a state by one, so a browser receives no more than it asks for. Returns
 /// the reason when the page is closed, or after a wrong message.
 fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result<CloseFrame, Error> {
-    let (mut bytes, mut last) = (Vec::new(), Instant::now());
+    let mut bytes = Vec::new();
     loop {
         let message = match socket.read()? {
             tungstenite::Message::Text(text) => site.limits.parse(&text),
@@ -172,8 +169,6 @@ fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result
                 return Ok(end(CloseCode::Policy, &reason));
             }
         }
-        thread::sleep(SHORTEST_PERIOD.saturating_sub(last.elapsed()));
-        last = Instant::now();
         if !site.slots.next(LONGEST_PERIOD, &mut bytes) {
             return Ok(end(CloseCode::Away, "the page is closed"));
         }

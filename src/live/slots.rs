@@ -1,14 +1,18 @@
 //! Slots between the simulation and the browsers: the latest state, and the merged requests.
 //!
 //! Neither slot is a queue. The simulation only tries to lock: if a browser holds a slot, the
-//! simulation goes on, and tries again in its next tick.
+//! simulation goes on, and tries again in a later tick.
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::message::{Message, Pull};
+
+/// Shortest time between two states. It limits the work of the simulation for any number of
+/// browsers.
+const SHORTEST_PERIOD: Duration = Duration::from_millis(8);
 
 /// State in the form in which browsers receive it.
 #[derive(Debug)]
@@ -99,9 +103,9 @@ impl Slots {
         self.new_snapshot.notify_all();
     }
 
-    /// Returns `true` if a browser waits for a state.
-    pub(super) fn is_wanted(&self) -> bool {
-        self.is_wanted.load(Ordering::Acquire)
+    /// Returns `true` if a browser waits for a state, and the time of the last one is long ago.
+    pub(super) fn is_wanted(&self, last: Instant) -> bool {
+        self.is_wanted.load(Ordering::Acquire) && last.elapsed() >= SHORTEST_PERIOD
     }
 
     /// Replaces the snapshot, unless a browser is copying it.
@@ -181,6 +185,7 @@ fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::Ordering;
     use std::thread;
     use std::time::Duration;
 
@@ -198,16 +203,16 @@ mod tests {
             slots.take(&mut requests);
             assert!(!requests.reset);
         }
-        assert!(slots.is_wanted(), "the next tick tries again");
+        assert!(slots.is_wanted.load(Ordering::Acquire), "the next tick tries again");
         slots.publish(|bytes| bytes.push(6));
-        assert!(!slots.is_wanted());
+        assert!(!slots.is_wanted.load(Ordering::Acquire));
         slots.take(&mut requests);
         assert!(requests.reset);
         // A browser receives a state that is published after its request.
         let mut bytes = Vec::new();
         thread::scope(|scope| {
             let received = scope.spawn(|| slots.next(Duration::from_secs(60), &mut bytes));
-            while !slots.is_wanted() {
+            while !slots.is_wanted.load(Ordering::Acquire) {
                 thread::yield_now();
             }
             slots.publish(|bytes| bytes.push(7));
@@ -222,7 +227,7 @@ mod tests {
         slots.publish(|bytes| bytes.push(7));
         let mut bytes = Vec::new();
         assert!(slots.next(Duration::from_millis(1), &mut bytes));
-        assert!(slots.is_wanted() && bytes == [7]);
+        assert!(slots.is_wanted.load(Ordering::Acquire) && bytes == [7]);
         slots.close();
         assert!(!slots.next(Duration::from_secs(60), &mut bytes));
     }

@@ -46,20 +46,21 @@ impl LivePage {
         let usable = self.carry_out(data);
         self.hold(data);
         let advance = self.advances(usable.is_ok() && self.problem.is_none());
-        if self.site.slots.is_wanted() {
+        if self.site.slots.is_wanted(self.published) {
             let refreshed = usable.and_then(|()| hand::refresh(data, &mut self.buffer));
             let shown = self.states.collect(data, refreshed.is_ok());
             let problem = refreshed.and(shown).err().map(|error| error.to_string());
-            self.publish(0, problem.as_deref().or(self.problem.as_deref()));
+            self.publish(0, problem.or_else(|| self.problem.clone()));
         }
         Ok(Tick { advance, reset: self.requests.reset })
     }
 
     /// Publishes the collected simulations.
-    pub(super) fn publish(&self, kind: u32, problem: Option<&str>) {
+    pub(super) fn publish(&mut self, kind: u32, problem: Option<String>) {
         let flags = if self.is_paused { kind | PAUSED } else { kind };
         let (held, problem) = (&self.requests.held, problem.unwrap_or_default());
-        self.site.slots.publish(|bytes| self.states.write(flags, held, problem, bytes));
+        self.site.slots.publish(|bytes| self.states.write(flags, held, &problem, bytes));
+        self.published = Instant::now();
     }
 
     /// Carries out the requests for pauses and steps.
