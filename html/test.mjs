@@ -33,16 +33,7 @@ const SAME = 0.05;
 
 const [folder, only] = process.argv.slice(2);
 
-/** Milliseconds since the start of the navigation: now, and when a pixel of the first picture can be read. */
-function firstPicture() {
-  if (!document.documentElement.dataset.state) return null;
-  const issued = performance.now();
-  const context = document.getElementById('canvas').getContext('webgl2');
-  context?.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
-  return [issued, performance.now()];
-}
-
-async function open(browser, file, { width, height, scale = 1, touch = false, dark = false, hash = '' }) {
+async function open(browser, file, { width, height, scale = 1, touch = false, dark = false, hash = '', script = () => {} }) {
   const page = await browser.newPage();
   const problems = [];
   page.on('console', (message) => ['error', 'warn'].includes(message.type()) && problems.push(message.text()));
@@ -50,26 +41,39 @@ async function open(browser, file, { width, height, scale = 1, touch = false, da
   page.on('dialog', (dialog) => problems.push(`a dialog: ${dialog.message()}`));
   await page.setViewport({ width, height, deviceScaleFactor: scale, hasTouch: touch });
   if (dark) await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }]);
+  await page.evaluateOnNewDocument(script);
   const served = file.endsWith('.url');
   const address = served ? readFileSync(join(folder, file), 'utf8') : pathToFileURL(join(folder, file)).href;
   await page.goto(address + hash);
-  const first = await page.waitForFunction(firstPicture, { timeout: 60000 });
+  await page.waitForFunction(() => document.documentElement.dataset.state, { timeout: 60000 });
   assert.equal(await page.evaluate(() => document.documentElement.dataset.state), 'ready', problems.join('\n'));
   if (served) await page.waitForFunction(() => document.documentElement.dataset.live === 'open', { timeout: 60000 });
-  return { page, problems, drawn: await first.jsonValue() };
+  return { page, problems };
 }
 
 /**
- * Prints the times from the start of a navigation in a new tab to the moment when the page has issued
- * its first drawing commands, and to the moment when a pixel of the picture can be read, so that the
- * drawing in software has ended: the medians of five tabs, after one that is not counted.
+ * Stores the milliseconds from the start of the navigation until the page has issued the commands of
+ * its first picture, and until a pixel of it can be read, so that the drawing in software has ended.
  */
+function timeFirstPicture() {
+  const observer = new MutationObserver(() => {
+    observer.disconnect();
+    const issued = performance.now();
+    const context = document.getElementById('canvas').getContext('webgl2');
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+    globalThis.firstPicture = [issued, performance.now()];
+  });
+  observer.observe(document, { subtree: true, attributeFilter: ['data-state'] });
+}
+
+/** Prints the times of the first picture: the medians of five new tabs, after one that is not counted. */
 async function printFirstPictures(browser, name) {
   for (const file of ['humanoid', 'robot', 'rollouts']) {
     const all = [];
     for (let tab = 0; tab < 6; tab++) {
-      const { page, problems, drawn } = await open(browser, `${file}.html`, { width: 1280, height: 720 });
-      all.push(drawn);
+      const size = { width: 1280, height: 720 };
+      const { page, problems } = await open(browser, `${file}.html`, { ...size, script: timeFirstPicture });
+      all.push(await page.evaluate(() => globalThis.firstPicture));
       assert.deepEqual(problems, []);
       await page.close();
     }

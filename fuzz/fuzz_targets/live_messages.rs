@@ -4,6 +4,7 @@
 
 use std::cell::RefCell;
 use std::net::TcpStream;
+use std::thread;
 use std::time::Duration;
 
 use mujoco_safe::live::{LiveOptions, LivePage};
@@ -41,13 +42,17 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         }
         // The server reads the messages in their order, unless one of them is wrong.
         let _ = browser.send(Message::text("\"next\""));
-        let is_answered = browser.read().is_ok_and(|message| message.is_binary());
-        for _ in 0..3 {
-            if page.exchange(data).unwrap().advance {
-                // A pull may be so strong that the simulation fails.
-                let _ = data.step();
+        let is_answered = thread::scope(|scope| {
+            let answer = scope.spawn(|| browser.read().is_ok_and(|message| message.is_binary()));
+            while !answer.is_finished() {
+                if page.exchange(data).unwrap().advance {
+                    // A pull may be so strong that the simulation fails.
+                    let _ = data.step();
+                }
+                thread::sleep(Duration::from_micros(200));
             }
-        }
+            answer.join().unwrap()
+        });
         assert!(data.ctrl().iter().all(|ctrl| (-1.0..=1.0).contains(ctrl)), "a control is out of its range");
         let _ = browser.close(None);
         // A new simulation after a failure.
