@@ -276,6 +276,7 @@ async function testSoftLive(browser) {
   const expected = await smallCanvas(recorded.page);
   await recorded.page.close();
   const { page, problems } = await open(browser, 'soft.url', { width: 1280, height: 720 });
+  await until(page, time, Number.isFinite, 'the page shows the first state');
   if (await isPlaying(page)) await page.keyboard.press(' ');
   await until(page, isPlaying, (playing) => !playing, 'the space bar pauses');
   await page.keyboard.press('r');
