@@ -52,8 +52,8 @@ async function open(browser, file, { width, height, scale = 1, touch = false, da
 }
 
 /**
- * Stores the milliseconds from the start of the navigation until the page has issued the commands of
- * its first picture, and until a pixel of it can be read, so that the drawing in software has ended.
+ * Stores the milliseconds from the start of the navigation until the page has issued the commands
+ * of its first picture, and until a pixel of it can be read: then the software has drawn it.
  */
 function timeFirstPicture() {
   const observer = new MutationObserver(() => {
@@ -66,7 +66,7 @@ function timeFirstPicture() {
   observer.observe(document, { subtree: true, attributeFilter: ['data-state'] });
 }
 
-/** Prints the times of the first picture: the medians of five new tabs, after one that is not counted. */
+/** Prints the times of first pictures: medians of five new tabs, after one that is not counted. */
 async function printFirstPictures(browser, name) {
   for (const file of ['humanoid', 'robot', 'rollouts']) {
     const all = [];
@@ -270,7 +270,7 @@ async function testBatch(browser, name) {
   await page.close();
 }
 
-/** A live page draws tendons and skins as the page of a recording does: the same state, camera and model. */
+/** A live page draws a tendon and a skin as the page of a recording does in the same state. */
 async function testSoftLive(browser) {
   const recorded = await open(browser, 'soft.html', { width: 1280, height: 720 });
   const expected = await smallCanvas(recorded.page);

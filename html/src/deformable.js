@@ -7,10 +7,7 @@ import { material } from './surface.js';
 const UP = new Vector3(0, 1, 0);
 
 export class Deformable {
-  /**
-   * `faces` has the indices of triangles; without them the vertices are the ends of segments.
-   * `opacity` is that of ghosts.
-   */
+  /** `faces`: corners of triangles; without them the vertices end segments. `opacity`: of ghosts. */
   constructor(look, faces, track, index, opacity) {
     Object.assign(this, { track, index });
     this.surfaces = [opacity, 1].map((factor) => material(look, null, factor));
