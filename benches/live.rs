@@ -4,9 +4,9 @@
 //! second), and with another one that never reads.
 //!
 //! With browsers, the calling thread computes the poses of at most 125 states per second, for all
-//! browsers together: 0.4 ms each for the batch. A browser that does not read adds none. The threads
-//! of the server and of the browser here, which share the processors with the batch, need about a
-//! third of that time.
+//! browsers together: 0.4 ms each for the batch. A browser that does not read adds none. The
+//! threads of the server and of the browser here, which share the processors with the batch, need
+//! about a third of that time.
 //!
 //! ```text
 //! cargo bench --features live --bench live
