@@ -1,4 +1,4 @@
-// Checks the glTF files in a folder with the validator of the Khronos Group, draws two of them in
+// Checks the glTF files in a folder with the validator of the Khronos Group, draws some of them in
 // Chromium by three.js, and stores the pictures in the folder: node gltf.mjs FOLDER
 
 import assert from 'node:assert/strict';
@@ -41,7 +41,8 @@ const viewer = `
     const renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     renderer.setSize(640, 480, false);
     renderer.render(scene, camera);
-    return { url: canvas.toDataURL('image/png'), nodes: scene.getObjectsByProperty('isMesh', true).length };
+    const count = (property) => scene.getObjectsByProperty(property, true).length;
+    return { url: canvas.toDataURL('image/png'), nodes: count('isMesh'), skins: count('isSkinnedMesh') };
   };`;
 const { outputFiles } = buildSync({
   stdin: { contents: viewer, resolveDir: fileURLToPath(new URL('.', import.meta.url)) },
@@ -64,14 +65,15 @@ try {
   await page.addScriptTag({ content: outputFiles[0].text });
   const draw = async (name, camera, time) => {
     const file = readFileSync(join(folder, `${name}.glb`)).toString('base64');
-    const { url, nodes } = await page.evaluate((...of) => globalThis.draw(...of), file, camera, time);
+    const { url, nodes, skins } = await page.evaluate((...of) => globalThis.draw(...of), file, camera, time);
     assert.ok(nodes > 5, `${name} has ${nodes} meshes`);
+    assert.equal(skins, name === 'skin' ? 1 : 0, `${name} has ${skins} meshes with bones`);
     const png = Buffer.from(url.split(',')[1], 'base64');
     writeFileSync(join(folder, `gltf-${name}-${time}.png`), png);
     return PNG.sync.read(png).data;
   };
   const difference = (a, b) => a.reduce((sum, value, i) => sum + (i % 4 < 3 ? Math.abs(value - b[i]) : 0), 0) / (640 * 480 * 3);
-  for (const [name, camera, time] of [['humanoid', 'side', 0.4], ['shapes', 'front', 0.15]]) {
+  for (const [name, camera, time] of [['humanoid', 'side', 0.4], ['shapes', 'front', 0.15], ['skin', 'front', 0.4]]) {
     const start = await draw(name, camera, 0);
     assert.ok(start.some((value, i) => i % 4 < 3 && value > 100), `${name} has a bright picture`);
     const later = difference(start, await draw(name, camera, time));

@@ -186,8 +186,8 @@ pub mod sample;
 pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
-#[cfg(any(feature = "renderer", feature = "gltf"))]
-#[cfg_attr(not(feature = "renderer"), allow(dead_code, unused_imports))] // glTF files use a part
+#[cfg(any(feature = "renderer", feature = "html", feature = "gltf"))]
+#[cfg_attr(not(feature = "renderer"), allow(dead_code, unused_imports))] // files use a part
 mod shape;
 pub mod spec;
 mod stage;

@@ -35,25 +35,45 @@ impl<'a> View<'a, Model, kind::Plugin> {
     }
 }
 
-#[cfg(any(feature = "html", feature = "mcap"))]
+#[cfg(any(feature = "html", feature = "mcap", feature = "gltf"))]
 impl Model {
     /// Returns the triangles of a flex as indices of its vertices: its elements in two dimensions,
-    /// its surface in three. `None` for a rope.
+    /// its surface in three. `None` for a rope. The second value is `true` in two dimensions, whose
+    /// triangles have two sides.
     #[cfg(engine_since = "3.0.0")]
-    pub(crate) fn flex_triangles(&self, flex: usize) -> Option<&[[i32; 3]]> {
+    pub(crate) fn flex_triangles(&self, flex: usize) -> Option<(&[[i32; 3]], bool)> {
         let (numbers, start, count) = match self.flex_dim()[flex] {
             2 => (self.flex_elem(), self.flex_elemdataadr()[flex], self.flex_elemnum()[flex]),
             3 => (self.flex_shell(), self.flex_shelldataadr()[flex], self.flex_shellnum()[flex]),
             _ => return None,
         };
         let (triangles, _) = numbers.get(start.max(0) as usize..)?.as_chunks();
-        triangles.get(..count.max(0) as usize)
+        Some((triangles.get(..count.max(0) as usize)?, self.flex_dim()[flex] == 2))
+    }
+
+    /// Returns the index of the body to which each vertex of a flex is fixed. `None` if the vertices
+    /// are interpolated between bodies.
+    #[cfg(all(feature = "gltf", engine_since = "3.0.0"))]
+    pub(crate) fn flex_bodies(&self, flex: usize) -> Option<&[i32]> {
+        #[cfg(engine_since = "3.3.0")]
+        if self.flex_interp()[flex] != 0 {
+            return None;
+        }
+        let start = self.flex_vertadr()[flex].max(0) as usize;
+        self.flex_vertbodyid().get(start..)?.get(..self.flex_vertnum()[flex].max(0) as usize)
+    }
+
+    /// Older engines have no flexes.
+    #[cfg(all(feature = "gltf", not(engine_since = "3.0.0")))]
+    #[allow(clippy::unused_self, reason = "newer engines read the model")]
+    pub(crate) fn flex_bodies(&self, _: usize) -> Option<&[i32]> {
+        None
     }
 
     /// Older engines have no flexes.
     #[cfg(not(engine_since = "3.0.0"))]
     #[allow(clippy::unused_self, reason = "newer engines read the model")]
-    pub(crate) fn flex_triangles(&self, _: usize) -> Option<&[[i32; 3]]> {
+    pub(crate) fn flex_triangles(&self, _: usize) -> Option<(&[[i32; 3]], bool)> {
         None
     }
 }

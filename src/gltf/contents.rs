@@ -12,9 +12,9 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::kind::Kind;
-use crate::math::{norm, rot_vec_quat};
+use crate::math::{Pose, norm, trn_vec_pose};
 use crate::model::Model;
-use crate::replay::{self, CameraLook, Frame, Look, Pose, label};
+use crate::replay::{self, CameraLook, Frame, Look, label};
 use crate::scene::SceneOptions;
 
 /// Writes a file, and returns what is left out. `data` has the positions of the first record.
@@ -30,7 +30,7 @@ pub(super) fn write(
         return Err(Error::out_of_range("GltfOptions::rotation_error", value, "at least 1e-6"));
     }
     let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
-    let (mut look, _) = Look::new(data, frames, &groups)?;
+    let (mut look, scene) = Look::new(data, frames, &groups)?;
     let model = data.model();
     let parents = parents(model, frames);
     let poses: Vec<Vec<Vec<Pose>>> = clips.iter().map(|clip| clip.in_parents(&parents)).collect();
@@ -40,6 +40,8 @@ pub(super) fn write(
     let mut document = Document::new(model, std::mem::take(&mut look.left_out));
     document.add_frames(frames, &rest, &parents)?;
     document.add_geoms(&look, farthest(model.nbody(), clips))?;
+    document.add_deformables(data, &scene, &groups, &mut look);
+    document.left_out.append(&mut look.left_out);
     let free = document.add_cameras(&look)?;
     document.add_lights(&look, free, &world)?;
     for (clip, poses) in clips.iter().zip(&poses) {
@@ -98,15 +100,11 @@ impl Document<'_> {
         }
         let far = (5.0 * self.model.statistics().extent + farthest) as f32;
         for geom in &look.geoms {
-            let texture = geom.texture.and_then(|index| look.textures[&index].as_ref());
-            if let Some(index) = geom.texture.filter(|_| texture.is_some_and(|texture| texture.is_cube)) {
-                let name = label(self.model, Kind::Texture, index);
-                self.left_out.insert(format!("the pattern of the cube texture {name}"));
-            }
+            let texture = geom.texture.and_then(|index| Some((index, look.textures[&index].as_ref()?)));
             let of_body = || format!("{} of {}", geom.element, label(self.model, Kind::Body, geom.frame));
             let name = geom.name.clone().unwrap_or_else(of_body);
-            let material = self.material(geom, texture);
-            let map = texture.filter(|texture| !texture.is_cube).map(|_| geom.map);
+            let material = self.material(&geom.surface, geom.material, texture, false);
+            let map = texture.filter(|(_, texture)| !texture.is_cube).map(|_| geom.map);
             match self.mesh(geom, far, material, map) {
                 Ok(mesh) => {
                     let node = node::node(name, Pose { pos: geom.pos, quat: geom.quat })?;
@@ -143,9 +141,9 @@ impl Document<'_> {
         let center = self.model.statistics().center;
         for light in &look.lights {
             let (parent, pose) = light.frame.map_or((free, None), |frame| (self.nodes[frame], Some(world[frame])));
-            let distance = pose.map_or(0.0, |Pose { pos, quat }| {
-                let place = rot_vec_quat(&light.pos, &quat);
-                (0..3).map(|axis| (pos[axis] + place[axis] - center[axis]).powi(2)).sum::<f64>().sqrt()
+            let distance = pose.map_or(0.0, |pose| {
+                let place = trn_vec_pose(&pose, &light.pos);
+                norm(&[0, 1, 2].map(|axis| place[axis] - center[axis]))
             });
             let node = node::light(&mut self.root, self.model, light, distance)?;
             node::add_child(&mut self.root, parent, node);

@@ -35,6 +35,12 @@ pub(super) enum Kind {
     Position,
     Normal,
     Texcoord,
+    /// Four bones of a vertex.
+    Bones,
+    /// Their weights.
+    Weights,
+    /// Matrices from meshes at rest to the frames of bones.
+    InverseBind,
     /// Times of an animation, s.
     Times,
     Translations,
@@ -49,15 +55,15 @@ pub(super) enum Kind {
 impl Kind {
     fn target(self) -> Option<Target> {
         match self {
-            Self::Position | Self::Normal | Self::Texcoord => Some(Target::ArrayBuffer),
+            Self::Position | Self::Normal | Self::Texcoord | Self::Bones | Self::Weights => Some(Target::ArrayBuffer),
             Self::ShortIndices | Self::LongIndices => Some(Target::ElementArrayBuffer),
-            Self::Times | Self::Translations | Self::Rotations | Self::ShortRotations => None,
+            _ => None,
         }
     }
 
     fn component(self) -> ComponentType {
         match self {
-            Self::ShortIndices => ComponentType::U16,
+            Self::ShortIndices | Self::Bones => ComponentType::U16,
             Self::LongIndices => ComponentType::U32,
             Self::ShortRotations => ComponentType::I16,
             _ => ComponentType::F32,
@@ -92,7 +98,7 @@ impl<'m> Document<'m> {
         // glTF asks for the bounds of these, exactly.
         let bounds = matches!(kind, Kind::Position | Kind::Times)
             .then(|| [bound(f32::INFINITY, f32::min), bound(f32::NEG_INFINITY, f32::max)]);
-        let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][N - 1];
+        let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4].get(N - 1).copied().unwrap_or(Type::Mat4);
         self.accessor(kind, of_size, values.len(), bytes, bounds)
     }
 
@@ -112,6 +118,12 @@ impl<'m> Document<'m> {
         let short = |part: &f32| ((part * 32767.0).round() as i16).to_le_bytes();
         let bytes = values.as_flattened().iter().flat_map(short).collect();
         self.accessor(Kind::ShortRotations, Type::Vec4, values.len(), bytes, None)
+    }
+
+    /// Stores the bones of vertices.
+    pub(super) fn bones(&mut self, values: &[[u16; 4]]) -> Index<Accessor> {
+        let bytes = values.as_flattened().iter().flat_map(|bone| bone.to_le_bytes()).collect();
+        self.accessor(Kind::Bones, Type::Vec4, values.len(), bytes, None)
     }
 
     fn accessor(

@@ -9,7 +9,6 @@ use gltf_json::{Accessor, Extras, Index, Material};
 use super::document::{Document, Kind};
 use crate::error::Result;
 use crate::kind;
-use crate::math::cross;
 use crate::model::Model;
 use crate::replay::{Geom, Shape, TextureMap};
 use crate::shape::{self, Tessellation, Triangles};
@@ -19,7 +18,7 @@ use crate::shape::{self, Tessellation, Triangles};
 const FINEST: [u32; 2] = [24, 12];
 
 /// Accessors of the attributes of vertices.
-type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
+pub(super) type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 impl Document<'_> {
     /// Adds the mesh of a geom. `None` for a shape without triangles. `far` is half the length of
@@ -45,8 +44,26 @@ impl Document<'_> {
         if triangles.indices.is_empty() {
             return Ok(None);
         }
+        let asset = geom.asset.and_then(|index| match geom.shape {
+            Shape::HeightField => self.model.name_at(kind::Kind::HeightField, index),
+            _ => self.model.name_at(kind::Kind::Mesh, index),
+        });
+        let name = asset.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
+        let attributes = self.attributes(&triangles, map);
+        let mesh = self.add_mesh(name, attributes, &triangles, material);
+        self.meshes.insert(key, mesh);
+        Ok(Some(mesh))
+    }
+
+    pub(super) fn add_mesh(
+        &mut self,
+        name: String,
+        attributes: Attributes,
+        triangles: &Triangles,
+        material: Index<Material>,
+    ) -> Index<Mesh> {
         let primitive = Primitive {
-            attributes: self.attributes(&triangles, map),
+            attributes,
             extensions: None,
             extras: Extras::default(),
             indices: Some(self.indices(&triangles.indices, triangles.vertices.len())),
@@ -54,24 +71,17 @@ impl Document<'_> {
             mode: Valid(Mode::Triangles),
             targets: None,
         };
-        let asset = geom.asset.and_then(|index| match geom.shape {
-            Shape::HeightField => self.model.name_at(kind::Kind::HeightField, index),
-            _ => self.model.name_at(kind::Kind::Mesh, index),
-        });
-        let name = asset.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
-        let mesh = self.root.push(Mesh {
+        self.root.push(Mesh {
             extensions: None,
             extras: Extras::default(),
             name: Some(name),
             primitives: vec![primitive],
             weights: None,
-        });
-        self.meshes.insert(key, mesh);
-        Ok(Some(mesh))
+        })
     }
 
     /// Stores positions, normals and texture coordinates.
-    fn attributes(&mut self, triangles: &Triangles, map: Option<TextureMap>) -> Attributes {
+    pub(super) fn attributes(&mut self, triangles: &Triangles, map: Option<TextureMap>) -> Attributes {
         let positions: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.position).collect();
         let normals: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.normal).collect();
         let mut attributes = Attributes::from([
@@ -93,12 +103,12 @@ fn triangles(model: &Model, geom: &Geom, far: f32) -> Result<Triangles> {
     let mut triangles = match geom.shape {
         Shape::Plane => {
             let half = |length: f32| if length > 0.0 { length } else { far };
-            scaled(&shape::plane(1), [half(geom.size[0]), half(geom.size[1]), 1.0])
+            shape::plane(1).scaled([half(geom.size[0]), half(geom.size[1]), 1.0])
         }
-        Shape::Ellipsoid => scaled(&shape::sphere(round), geom.size),
-        Shape::Box => scaled(&shape::cuboid(1), geom.size),
-        Shape::Capsule => tube(round.slices, geom.size, &shape::hemisphere(round)),
-        Shape::Cylinder => tube(round.slices, geom.size, &shape::disk(round.slices, 1)),
+        Shape::Ellipsoid => shape::sphere(round).scaled(geom.size),
+        Shape::Box => shape::cuboid(1).scaled(geom.size),
+        Shape::Capsule => shape::tube(round.slices, geom.size, &shape::hemisphere(round)),
+        Shape::Cylinder => shape::tube(round.slices, geom.size, &shape::disk(round.slices, 1)),
         Shape::Mesh => {
             let mesh = model.meshes().nth(asset);
             mesh.map(|mesh| shape::mesh(model, mesh.id(), usize::MAX)).transpose()?.unwrap_or_default()
@@ -111,53 +121,9 @@ fn triangles(model: &Model, geom: &Geom, far: f32) -> Result<Triangles> {
     if !triangles.vertices.iter().all(|vertex| vertex.position.iter().all(|number| number.is_finite())) {
         return Err(crate::Error::Unsupported("a size that is not finite".to_owned()));
     }
-    for vertex in &mut triangles.vertices {
-        vertex.normal = unit(vertex.normal);
-    }
-    face_outwards(&mut triangles);
+    triangles.unit_normals();
+    triangles.face_outwards();
     Ok(triangles)
-}
-
-/// Scales a shape about its centre.
-fn scaled(shape: &Triangles, [x, y, z]: [f32; 3]) -> Triangles {
-    let mut result = Triangles::default();
-    result.extend_by(shape, |at| [x * at[0], y * at[1], z * at[2]], |n| [n[0] / x, n[1] / y, n[2] / z]);
-    result
-}
-
-/// Returns a cylinder with two ends, of which the upper one is given for a radius of 1.
-fn tube(slices: u32, [radius, _, half]: [f32; 3], end: &Triangles) -> Triangles {
-    let turned = |[x, y, z]: [f32; 3]| [x, -y, -z];
-    let raised = |[x, y, z]: [f32; 3]| [radius * x, radius * y, radius * z + half];
-    let mut tube = scaled(&shape::cylinder(slices, 1), [radius, radius, half]);
-    tube.extend_by(end, raised, |normal| normal);
-    tube.extend_by(end, |at| turned(raised(at)), turned);
-    tube
-}
-
-/// Replaces normals that point to the inside of a triangle, as the engine computes some at sharp
-/// corners of meshes with texture coordinates.
-fn face_outwards(triangles: &mut Triangles) {
-    for face in triangles.indices.as_chunks_mut::<3>().0 {
-        let [a, b, c] = face.map(|index| triangles.vertices[index as usize].position.map(f64::from));
-        let edge = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| to[axis] - a[axis]) };
-        let flat = cross(&edge(b), &edge(c)).map(|part| part as f32);
-        for index in face {
-            let mut vertex = triangles.vertices[*index as usize];
-            if vertex.normal.iter().zip(flat).map(|(a, b)| a * b).sum::<f32>() < 0.0 {
-                vertex.normal = unit(flat);
-                *index = triangles.vertices.len() as u32;
-                triangles.vertices.push(vertex);
-            }
-        }
-    }
-}
-
-/// Returns a vector of length 1: the z-axis for a vector without a direction.
-fn unit(vector: [f32; 3]) -> [f32; 3] {
-    let vector = vector.map(f64::from);
-    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if length > 0.0 && length.is_finite() { vector.map(|part| (part / length) as f32) } else { [0.0, 0.0, 1.0] }
 }
 
 /// Returns the texture coordinates of vertices.

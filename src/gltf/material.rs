@@ -14,28 +14,36 @@ use gltf_json::{Extras, Index, Material};
 use super::document::Document;
 use crate::kind::Kind;
 use crate::model::Model;
-use crate::replay::{self, Geom};
+use crate::replay::{self, Surface, label};
 
 impl Document<'_> {
-    /// Adds the material of a geom.
-    pub(super) fn material(&mut self, geom: &Geom, texture: Option<&replay::Texture>) -> Index<Material> {
-        let mut color = geom.surface.rgba.map(unit);
+    /// Adds the material of a surface. `material` and the number of the texture are indices of the
+    /// model.
+    pub(super) fn material(
+        &mut self,
+        surface: &Surface,
+        material: Option<usize>,
+        texture: Option<(usize, &replay::Texture)>,
+        double_sided: bool,
+    ) -> Index<Material> {
+        let mut color = surface.rgba.map(unit);
         let mut info = None;
-        match (texture, geom.texture) {
-            (Some(cube), _) if cube.is_cube => {
-                for (channel, mean) in color.iter_mut().zip(cube.mean) {
-                    *channel *= mean as f32;
-                }
+        match texture {
+            Some((index, cube)) if cube.is_cube => {
+                let name = label(self.model, Kind::Texture, index);
+                self.left_out.insert(format!("the pattern of the cube texture {name}"));
+                color.iter_mut().zip(cube.mean).for_each(|(channel, mean)| *channel *= mean as f32);
             }
-            (Some(flat), Some(index)) => info = Some(self.texture(index, flat)),
-            _ => {}
+            Some((index, flat)) => info = Some(self.texture(index, flat)),
+            None => {}
         }
-        let is_clear = color[3] < 1.0 || info.is_some() && texture.is_some_and(|texture| texture.has_alpha);
+        let is_clear = color[3] < 1.0 || info.is_some() && texture.is_some_and(|(_, texture)| texture.has_alpha);
         let [r, g, b, alpha] = color;
-        let emission = geom.surface.emission;
-        let [metallic, roughness] = surface(self.model, geom);
+        let emission = surface.emission;
+        let [metallic, roughness] = coefficients(self.model, surface, material);
         let material = Material {
-            name: geom.material.and_then(|index| self.model.name_at(Kind::Material, index)).map(str::to_owned),
+            name: material.and_then(|index| self.model.name_at(Kind::Material, index)).map(str::to_owned),
+            double_sided,
             alpha_mode: Valid(if is_clear { AlphaMode::Blend } else { AlphaMode::Opaque }),
             pbr_metallic_roughness: PbrMetallicRoughness {
                 base_color_factor: PbrBaseColorFactor([linear(r), linear(g), linear(b), alpha]),
@@ -75,16 +83,16 @@ impl Document<'_> {
 }
 
 /// Returns the metallic and the roughness coefficient: those of the material where it has them.
-fn surface(model: &Model, geom: &Geom) -> [f32; 2] {
-    let exponent = 128.0 * unit(geom.surface.shininess);
-    let rough = if geom.surface.specular > 0.0 { (2.0 / (exponent + 2.0)).powf(0.25) } else { 1.0 };
+fn coefficients(model: &Model, surface: &Surface, material: Option<usize>) -> [f32; 2] {
+    let exponent = 128.0 * unit(surface.shininess);
+    let rough = if surface.specular > 0.0 { (2.0 / (exponent + 2.0)).powf(0.25) } else { 1.0 };
     #[cfg(engine_since = "3.2.0")]
-    if let Some(index) = geom.material {
+    if let Some(index) = material {
         let own = |value: f32, default: f32| if value >= 0.0 { unit(value) } else { default };
         return [own(model.mat_metallic()[index], 0.0), own(model.mat_roughness()[index], rough)];
     }
     #[cfg(not(engine_since = "3.2.0"))]
-    let _ = model;
+    let _ = (model, material);
     [0.0, rough]
 }
 

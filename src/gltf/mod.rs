@@ -45,6 +45,7 @@ mod geometry;
 mod material;
 mod motion;
 mod node;
+mod skin;
 
 use std::path::Path;
 

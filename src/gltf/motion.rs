@@ -1,5 +1,7 @@
 //! Motion: poses of the frames in their parents, and the animations of nodes.
 
+use std::ops::Range;
+
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Extras, Index};
@@ -7,8 +9,7 @@ use gltf_json::{Extras, Index};
 use super::document::{Document, Kind};
 use super::node::{rotation, translation};
 use crate::error::{Error, Result};
-use crate::math::{mul_quat, neg_quat, rot_vec_quat};
-use crate::replay::Pose;
+use crate::math::{Pose, mul_pose, neg_pose};
 
 /// Smallest error of quaternions as integers of 16 bits: half a step in each of four components
 /// moves a unit quaternion by at most a step of 1/32,767, and its rotation by twice that angle.
@@ -46,20 +47,13 @@ impl Clip<'_> {
         let local = |(poses, parent): (&Vec<Pose>, &Option<usize>)| {
             let mut locals: Vec<Pose> = Vec::with_capacity(poses.len());
             for (record, &pose) in poses.iter().enumerate() {
-                let pose = parent.map_or(pose, |parent| relative(self.poses[parent][record], pose));
+                let pose = parent.map_or(pose, |parent| mul_pose(&neg_pose(&self.poses[parent][record]), &pose));
                 locals.push(pose.near(locals.last().map(|pose| pose.quat)));
             }
             locals
         };
         self.poses.iter().zip(parents).map(local).collect()
     }
-}
-
-/// Returns the pose in the frame of `parent`.
-fn relative(parent: Pose, child: Pose) -> Pose {
-    let inverse = neg_quat(&parent.quat);
-    let offset: [f64; 3] = std::array::from_fn(|axis| child.pos[axis] - parent.pos[axis]);
-    Pose { pos: rot_vec_quat(&offset, &inverse), quat: mul_quat(&inverse, &child.quat) }
 }
 
 impl Document<'_> {
@@ -74,19 +68,18 @@ impl Document<'_> {
     ) -> Result<()> {
         let extent = self.model.statistics().extent;
         let scale = if extent > 0.0 { extent.min(1.0) } else { 1.0 };
-        let moves = |value: f64, start: f64, scale: f64| (value - start).abs() > STILL * scale;
         let mut outputs = Vec::new();
         for (index, (rest, poses)) in rest.iter().zip(poses).enumerate() {
-            let shifts = |pose: &Pose| (0..3).any(|axis| moves(pose.pos[axis], rest.pos[axis], scale));
-            if poses.iter().any(shifts) {
+            let moves = |parts: Range<usize>, scale: f64| {
+                let start = rest.numbers();
+                let mut numbers = poses.iter().map(|pose| pose.near(Some(rest.quat)).numbers());
+                numbers.any(|now| parts.clone().any(|part| (now[part] - start[part]).abs() > STILL * scale))
+            };
+            if moves(0..3, scale) {
                 let values = poses.iter().map(|pose| translation(pose.pos)).collect::<Result<Vec<_>>>()?;
                 outputs.push((index, Property::Translation, self.floats(Kind::Translations, &values)));
             }
-            let turns = |pose: &Pose| {
-                let pose = pose.near(Some(rest.quat));
-                (0..4).any(|part| moves(pose.quat[part], rest.quat[part], 1.0))
-            };
-            if poses.iter().any(turns) {
+            if moves(3..7, 1.0) {
                 let values = poses.iter().map(|pose| rotation(pose.quat)).collect::<Result<Vec<_>>>()?;
                 let is_short = rotation_error >= SHORT_ERROR;
                 let output =

@@ -13,9 +13,9 @@ use gltf_json::{Extras, Index, Node, Root};
 use super::material::unit;
 use crate::error::{Error, Result};
 use crate::kind::Kind;
-use crate::math::{normalize4, quat_z2vec};
+use crate::math::{Pose, normalize4, quat_z2vec};
 use crate::model::Model;
-use crate::replay::{Light, Pose, label};
+use crate::replay::{Light, label};
 use crate::scene::Viewpoint;
 
 /// Returns a node in a pose.

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::simplify::simplified;
 use super::stream::{Binary, Interval, Part, Prediction};
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
 use crate::replay;
+use crate::shape::simplified;
 
 /// Triangle mesh. The page computes its normals.
 #[derive(Debug, Serialize)]

@@ -61,7 +61,6 @@ mod motion;
 mod options;
 mod page;
 mod signal;
-mod simplify;
 mod stream;
 
 use std::io::Write;

@@ -1,15 +1,12 @@
 //! Skins and flexes, whose vertices differ in every record, as a `foxglove.SceneUpdate`: one entity
 //! for each, in the frame of the world.
 
-use std::collections::BTreeSet;
-
 use super::geometry::{put_entity, put_pose, put_triangles};
 use super::protobuf::Message;
 use crate::data::Data;
-use crate::element::Object;
 use crate::error::Result;
 use crate::model::Model;
-use crate::scene::{Camera, Scene, SceneOptions};
+use crate::scene::{Camera, DeformableId, Scene, SceneOptions};
 
 /// Field of a `SceneEntity`.
 const LINES: u32 = 11;
@@ -40,35 +37,23 @@ impl Deformables {
         copy.clone_from(data);
         scene.update_and_grow(copy, &SceneOptions::default(), &mut Camera::free(data.model()))?;
         message.clear();
-        let mut seen = BTreeSet::new();
-        for geom in scene.geoms() {
-            let (color, flex) = (geom.rgba().map(f64::from), geom.flex().and_then(|index| scene.flexes().nth(index)));
-            let (id, vertices, faces) = match (flex, geom.object()) {
-                (Some(flex), _) => {
-                    (format!("flex{}", flex.flex), flex.vertices, data.model().flex_triangles(flex.flex))
-                }
-                (_, Some(Object::Skin(id))) => {
-                    let Some(skin) = scene.skins().find(|skin| skin.skin == id) else { continue };
-                    (format!("skin{}", id.index()), skin.vertices, Some(data.model().skin(id).face()))
-                }
-                _ => continue,
+        for shape in scene.deformables(data.model()) {
+            let color = shape.geom.rgba().map(f64::from);
+            let id = match shape.id {
+                DeformableId::Skin(id) => format!("skin{}", id.index()),
+                DeformableId::Flex(index) => format!("flex{index}"),
             };
-            if !seen.insert(id.clone()) {
-                continue;
-            }
             put_entity(message, world, &id, |entity| {
-                if let Some(faces) = faces {
-                    let points = vertices.iter().map(|vertex| vertex.map(f64::from));
+                if let Some(faces) = shape.faces {
+                    let points = shape.vertices.iter().map(|vertex| vertex.map(f64::from));
                     let indices = faces.as_flattened().iter().map(|&index| index as u32);
                     put_triangles(entity, POSE, points, indices, &color);
                 }
-                // A rope.
-                let edges = flex.filter(|_| faces.is_none()).map_or(&[][..], |flex| flex.edges);
-                for edge in edges {
+                for edge in shape.edges {
                     entity.put_message(LINES, |line| {
                         put_pose(line, POSE.0, POSE.1);
-                        line.put_double(3, 2.0 * f64::from(geom.size()[0])); // thickness
-                        let ends = edge.iter().filter_map(|&index| vertices.get(index as usize));
+                        line.put_double(3, 2.0 * f64::from(shape.geom.size()[0])); // thickness
+                        let ends = edge.iter().filter_map(|&index| shape.vertices.get(index as usize));
                         ends.for_each(|end| line.put_tuple(5, &end.map(f64::from)));
                         line.put_tuple(6, &color);
                     });

@@ -165,7 +165,7 @@ impl Look {
     }
 
     /// Adds a texture unless it is known, and returns its index.
-    fn texture(&mut self, model: &Model, id: TextureId) -> usize {
+    pub(crate) fn texture(&mut self, model: &Model, id: TextureId) -> usize {
         if !self.textures.contains_key(&id.index()) {
             let texture = Texture::new(model, id).map_err(|error| {
                 self.left_out.insert(format!("{}: {error}", description(model, Kind::Texture, id.index())));

@@ -3,7 +3,7 @@
 
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
-use crate::math::{mat2quat, quat_z2vec};
+use crate::math::{Pose, mat2quat, quat_z2vec};
 use crate::model::Model;
 use crate::trajectory::Trajectory;
 
@@ -28,13 +28,6 @@ pub(crate) fn all(model: &Model) -> Vec<Frame> {
     (0..model.nbody()).map(Frame::Body).chain(cameras).chain(lights).collect()
 }
 
-/// Position, m, and orientation in the world frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
-    pub(crate) pos: [f64; 3],
-    pub(crate) quat: [f64; 4],
-}
-
 impl Pose {
     /// Returns the position and the quaternion.
     pub(crate) fn numbers(&self) -> [f64; 7] {
@@ -50,7 +43,7 @@ impl Pose {
     }
 }
 
-/// Returns the pose of a frame, of which the positions have been computed.
+/// Returns the pose of a frame in the world, of which the positions have been computed.
 pub(crate) fn pose(data: &Data, frame: Frame) -> Pose {
     match frame {
         Frame::Body(index) => Pose { pos: data.xpos()[index], quat: data.xquat()[index] },

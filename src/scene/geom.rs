@@ -184,7 +184,7 @@ impl<'s> SceneGeom<'s> {
 
     /// Returns the index of the material; `None` if there is none, and with engines before 3.2,
     /// whose geoms have only the texture.
-    #[cfg(feature = "renderer")]
+    #[cfg(any(feature = "renderer", feature = "gltf"))]
     pub(crate) fn material(self) -> Option<usize> {
         // SAFETY: a valid geom, of which the function reads numbers.
         usize::try_from(unsafe { adapted::scene_geom_texture(self.raw) }.material).ok()

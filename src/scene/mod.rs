@@ -44,6 +44,9 @@
 mod camera;
 #[cfg(feature = "renderer")]
 mod camera_source;
+#[cfg(any(feature = "html", feature = "mcap", feature = "gltf"))]
+#[cfg_attr(not(all(feature = "html", feature = "mcap", feature = "gltf")), allow(dead_code))] // each uses a part
+mod deformable;
 mod flex;
 mod geom;
 mod light;
@@ -66,6 +69,9 @@ use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
 #[cfg(feature = "renderer")]
 pub use self::camera_source::CameraSource;
+#[cfg(any(feature = "html", feature = "mcap", feature = "gltf"))]
+#[cfg_attr(not(feature = "gltf"), allow(unused_imports))] // the others have no name for it
+pub(crate) use self::deformable::{Deformable, DeformableId};
 pub use self::flex::SceneFlex;
 use self::geom::MaterialTexture;
 pub use self::geom::{SceneGeomMut, SceneSkin};

@@ -10,6 +10,12 @@ mod flex;
 mod height_field;
 mod mesh;
 mod revolution;
+#[cfg(feature = "html")]
+mod simplify;
+#[cfg(feature = "gltf")]
+mod skinned;
+#[cfg(feature = "gltf")]
+mod solid;
 #[cfg(test)]
 mod test_support;
 
@@ -19,6 +25,12 @@ pub(crate) use self::flex::{flex_faces, flex_skeleton};
 pub(crate) use self::height_field::height_field;
 pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
 pub(crate) use self::revolution::{cone, cylinder, disk, hemisphere, sphere};
+#[cfg(feature = "html")]
+pub(crate) use self::simplify::simplified;
+#[cfg(feature = "gltf")]
+pub(crate) use self::skinned::Skinned;
+#[cfg(feature = "gltf")]
+pub(crate) use self::solid::tube;
 use crate::error::{Error, Result};
 use crate::model::Model;
 

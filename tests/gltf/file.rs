@@ -1,11 +1,11 @@
 //! An independent reader of glTF files, and models for the tests.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use gltf::animation::util::ReadOutputs;
 use gltf::{Gltf, Node};
 use mujoco_safe::gltf::GltfOptions;
-use mujoco_safe::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use mujoco_safe::nalgebra::{Isometry3, Matrix4, Point3, Quaternion, Translation3, UnitQuaternion};
 use mujoco_safe::{Data, Model, RandomController, Trajectory};
 
 /// A file that was read.
@@ -116,6 +116,41 @@ impl File {
         }
         assert_eq!(world.len(), self.gltf.nodes().len(), "all nodes are in the scene");
         world
+    }
+}
+
+impl File {
+    /// Returns the vertices of a node with a skin in the world, by the equation of the specification:
+    /// the sum of the weights times the pose of the joint times its inverse bind matrix. Axes are the
+    /// engine's.
+    pub fn skinned(&self, name: &str, key: Option<(usize, usize)>) -> Vec<Point3<f64>> {
+        let node = self.shown(name);
+        let is_at_root = |root: Node<'_>| root.index() == node.index();
+        assert!(self.gltf.default_scene().unwrap().nodes().any(is_at_root), "programs ignore its pose");
+        let skin = node.skin().unwrap();
+        let (world, reader) = (self.world(key), skin.reader(|_| Some(self.blob())));
+        let inverse = reader.read_inverse_bind_matrices().unwrap();
+        let inverse: Vec<Matrix4<f64>> = inverse.map(|columns| Matrix4::from(columns).cast()).collect();
+        let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
+        assert_eq!(joints.iter().collect::<HashSet<_>>().len(), inverse.len(), "joints are different nodes");
+        let primitive = node.mesh().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| Some(self.blob()));
+        let mut result = vec![Matrix4::zeros(); reader.read_positions().unwrap().count()];
+        let mut sums = vec![0.0; result.len()];
+        for set in 0.. {
+            let Some(bones) = reader.read_joints(set) else { break };
+            let weights = reader.read_weights(set).unwrap().into_f32();
+            for ((bones, weights), (result, sum)) in bones.into_u16().zip(weights).zip(result.iter_mut().zip(&mut sums))
+            {
+                for (bone, weight) in bones.map(usize::from).into_iter().zip(weights.map(f64::from)) {
+                    *result += weight * world[&joints[bone]].to_homogeneous() * inverse[bone];
+                    *sum += weight;
+                }
+            }
+        }
+        assert!(sums.iter().all(|sum| (sum - 1.0_f64).abs() < 1e-6), "{sums:?}");
+        let positions = reader.read_positions().unwrap().map(|position| Point3::from(position.map(f64::from)));
+        positions.zip(result).map(|(position, matrix)| z_up(matrix.transform_point(&position))).collect()
     }
 }
 

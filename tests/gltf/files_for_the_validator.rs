@@ -6,6 +6,7 @@ use mujoco_safe::gltf::GltfOptions;
 use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
 
 use crate::file::{SHAPES, recorded};
+use crate::skins;
 
 /// Models of single features, next to those of the sample models.
 const MODELS: [(&str, &str); 7] = [
@@ -47,6 +48,16 @@ fn files_are_written() {
     for (name, xml) in MODELS {
         write(name, &Model::from_xml_str(xml).unwrap(), 100.0);
     }
+    let skin = skins::arm();
+    write("skin", &skin, 200.0);
+    let mut hostile = skin;
+    let mut edit = hostile.edit();
+    edit.skin_bonevertweight_mut()[0] = -1.0;
+    edit.skin_bonevertweight_mut()[1] = 1e-30;
+    edit.skin_bonebindquat_mut()[1] = [0.0; 4];
+    write("hostile_skin", &hostile, 100.0);
+    #[cfg(engine_since = "3.0.0")]
+    write("flex", &Model::from_xml_str(skins::FLEX).unwrap(), 100.0);
     write("cartpole", &sample::cartpole(), 100.0);
     write("humanoid", &sample::humanoid(), 100.0);
     write("hopper", &sample::hopper(), 100.0);

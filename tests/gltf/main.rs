@@ -10,3 +10,4 @@ mod looks;
 mod motion;
 mod shapes;
 mod sizes;
+mod skins;

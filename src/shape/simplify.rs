@@ -9,12 +9,12 @@ use meshopt::SimplifyOptions;
 const ESTIMATE: f64 = 0.4;
 
 /// Vertices and triangles of a mesh.
-pub(super) type Surface = (Vec<[f32; 3]>, Vec<[i32; 3]>);
+pub(crate) type Surface = (Vec<[f32; 3]>, Vec<[i32; 3]>);
 
 /// Returns a mesh whose surface is at most about `error` apart, m. `None` for a mesh that is not
 /// simplified: without room for fewer triangles, or with an index or a coordinate that only an
 /// edited model can have.
-pub(super) fn simplified(vertices: &[[f32; 3]], faces: &[[i32; 3]], error: f64) -> Option<Surface> {
+pub(crate) fn simplified(vertices: &[[f32; 3]], faces: &[[i32; 3]], error: f64) -> Option<Surface> {
     // The library does not check them.
     let is_finite = vertices.as_flattened().iter().all(|coordinate| coordinate.abs() <= 1e15);
     let index = |&index: &i32| u32::try_from(index).ok().filter(|&index| (index as usize) < vertices.len());
