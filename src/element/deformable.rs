@@ -51,8 +51,8 @@ impl Model {
         Some((triangles.get(..count.max(0) as usize)?, self.flex_dim()[flex] == 2))
     }
 
-    /// Returns the index of the body to which each vertex of a flex is fixed. `None` if the vertices
-    /// are interpolated between bodies.
+    /// Returns the index of the body to which each vertex of a flex is fixed. `None` if the
+    /// vertices are interpolated between bodies.
     #[cfg(all(feature = "gltf", engine_since = "3.0.0"))]
     pub(crate) fn flex_bodies(&self, flex: usize) -> Option<&[i32]> {
         #[cfg(engine_since = "3.3.0")]

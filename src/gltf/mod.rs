@@ -25,6 +25,13 @@
 //! - Materials: the colour, the emission, the opacity, and `metallic` and `roughness` where the
 //!   model has them; otherwise the roughness follows from the shininess. 2D textures as PNG. A cube
 //!   texture becomes its mean colour.
+//! - A mesh with bones for each skin of the groups 0 to 2, and for each flex in two or three
+//!   dimensions. Its joints are the nodes of the bodies, so it has no animation of its own. A
+//!   vertex has the weights of the model, in sets of four with the largest first: programs that
+//!   read only one set, such as three.js, draw a vertex of more than four bones with the four
+//!   largest weights. Normals are those at rest, and turn with the bodies: the shading of a flex
+//!   whose bodies only slide does not change. The offset `inflate` of a skin is along the normals
+//!   at rest. A flex has the positions of its vertices, without its radius.
 //! - The cameras, the free camera, and the active lights. The headlight, which moves with the
 //!   viewer in MuJoCo, shines from the free camera. A white surface that faces a light of colour 1
 //!   is white in programs that take a surface of luminance 1 as white, such as three.js: select
@@ -34,10 +41,14 @@
 //!   that change by less than 1 µm (or a millionth of the model's extent, if that is less) do not
 //!   move.
 //!
-//! Skins, flexes, tendons, the sky and the patterns of cube textures are left out; [`save`] returns
-//! their names. Reflection, fog, haze, shadows, ambient light and the attenuation of lights are
-//! left out too. So are animations of colours, since a trajectory has none, and the positions of
-//! mocap bodies, which a trajectory does not have: only [`Data::save_glb`] has them.
+//! Tendons, the sky and the patterns of cube textures are left out; [`save`] returns their names.
+//! So are skins and flexes without the motion of bones, with the reason: ropes, flexes whose
+//! vertices are interpolated (`dof` in MJCF), and skins whose weights do not sum to 1, or with
+//! numbers that are not finite, as only an edited model has them. A vertex without its negative
+//! weights, or with only the 16 largest, is named with the sum of the others. Reflection, fog,
+//! haze, shadows, ambient light and the attenuation of lights are left out too. So are animations
+//! of colours, since a trajectory has none, and the positions of mocap bodies, which a trajectory
+//! does not have: only [`Data::save_glb`] has them.
 
 mod contents;
 mod document;

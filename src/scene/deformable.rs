@@ -64,8 +64,8 @@ impl Scene {
         found.unwrap_or_default()
     }
 
-    /// Iterates over the ends of the edges of a flex, m, world frame. An index that is out of range,
-    /// which only an edited model can have, is the origin.
+    /// Iterates over the ends of the edges of a flex, m, world frame. An index that is out of
+    /// range, which only an edited model can have, is the origin.
     pub(crate) fn rope_segments(&self, id: DeformableId) -> impl Iterator<Item = [[f32; 3]; 2]> + '_ {
         let (vertices, edges) = self.deformable(id);
         let vertex = |index: i32| usize::try_from(index).ok().and_then(|index| vertices.get(index)).copied();

@@ -76,7 +76,8 @@ impl Skinned {
         let mut weights = vec![Vec::new(); triangles.vertices.len()];
         for (index, bone) in view.bones().enumerate() {
             for (&vertex, &weight) in bone.vertid.iter().zip(bone.vertweight) {
-                let weights: &mut Vec<(usize, f32)> = &mut weights[vertex as usize];
+                let Some(weights) = weights.get_mut(vertex as usize) else { continue };
+                let weights: &mut Vec<(usize, f32)> = weights;
                 match weights.last_mut() {
                     Some((known, sum)) if *known == index => *sum += weight,
                     _ => weights.push((index, weight)),
@@ -95,8 +96,12 @@ impl Skinned {
         let Some(bodies) = data.model().flex_bodies(index) else {
             return unsupported("vertices that are interpolated between bodies".to_owned());
         };
+        let count = bodies.len().min(shape.vertices.len());
+        if !bodies.iter().all(|&body| usize::try_from(body).is_ok_and(|body| body < data.model().nbody())) {
+            return unsupported("vertices without a body".to_owned());
+        }
         let corners = |face: &[i32; 3]| face.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX));
-        let is_valid = |&(_, face): &(usize, [usize; 3])| face.iter().all(|&corner| corner < bodies.len());
+        let is_valid = |&(_, face): &(usize, [usize; 3])| face.iter().all(|&corner| corner < count);
         let faces: Vec<_> = faces.iter().map(corners).enumerate().filter(is_valid).collect();
         let indices = faces.iter().flat_map(|(_, face)| face.map(|corner| corner as u32)).collect();
         let smooth = Triangles::smooth(shape.vertices, indices);
@@ -112,7 +117,7 @@ impl Skinned {
             for (corner, texcoord) in corners.into_iter().zip(texcoords(face)) {
                 let texcoord = texcoord.map(super::finite_or_zero);
                 let at = *known.entry((corner, texcoord.map(f32::to_bits))).or_insert_with(|| {
-                    let body = usize::try_from(bodies[corner]).unwrap_or_default();
+                    let body = bodies[corner] as usize;
                     let bone = *bone_of_body.entry(body).or_insert_with(|| {
                         bones.push(Bone::new(body, data.xpos()[body], data.xquat()[body]));
                         bones.len() - 1

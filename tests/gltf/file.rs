@@ -120,9 +120,9 @@ impl File {
 }
 
 impl File {
-    /// Returns the vertices of a node with a skin in the world, by the equation of the specification:
-    /// the sum of the weights times the pose of the joint times its inverse bind matrix. Axes are the
-    /// engine's.
+    /// Returns the vertices of a node with a skin in the world, by the equation of the
+    /// specification: the sum of the weights times the pose of the joint times its inverse bind
+    /// matrix. Axes are the engine's.
     pub fn skinned(&self, name: &str, key: Option<(usize, usize)>) -> Vec<Point3<f64>> {
         let node = self.shown(name);
         let is_at_root = |root: Node<'_>| root.index() == node.index();

@@ -9,8 +9,8 @@ use mujoco_safe::{Data, Model};
 
 use crate::file::{File, recorded, saved, still};
 
-/// A chain of six bodies in a tube with a texture. Four vertices follow all bodies, and two bones have
-/// the same body.
+/// A chain of six bodies in a tube with a texture. Four vertices follow all bodies, and two bones
+/// have the same body.
 pub fn arm() -> Model {
     let (mut bodies, mut vertices, mut texcoords, mut faces) =
         (String::new(), String::new(), String::new(), String::new());
@@ -214,13 +214,14 @@ pub const FLEX: &str = "<mujoco><statistic extent='1' center='0 0 .8'/>
   <worldbody><light pos='.4 -2 3' dir='0 .5 -1' castshadow='false'/>
     <camera name='front' pos='.1 -1.6 1' xyaxes='1 0 0 0 .2 1'/>
     <geom type='plane' size='2 2 .1'/><geom size='.1' pos='-.4 0 .7'/>
-    <body pos='-.4 0 1'><flexcomp name='sheet' type='grid' count='5 4 1' dim='2' spacing='.1 .1 .1' radius='.005' mass='1'
+    <body name='a' pos='-.4 0 1'><flexcomp name='sheet' type='grid' count='5 4 1' dim='2' spacing='.1 .1 .1' radius='.005' mass='1'
         material='checked'><edge equality='true'/></flexcomp></body>
-    <body pos='.2 0 1'><freejoint/><geom size='.02' pos='.1 0 .3'/><flexcomp name='block' type='grid' count='3 3 3' dim='3' spacing='.1 .1 .1' radius='.005'
+    <body name='b' pos='.2 0 1'><flexcomp name='block' type='grid' count='3 3 3' dim='3' spacing='.1 .1 .1' radius='.005'
         mass='1' rgba='.2 .8 .3 1'><edge equality='true'/></flexcomp></body>
-    <body pos='.6 0 1'><freejoint/><geom size='.02' pos='.1 0 .1'/><flexcomp name='board' type='grid' count='3 3 1' dim='2' spacing='.1 .1 .1' radius='.005'
+    <body name='c' pos='.6 0 1'><freejoint/><geom size='.02' pos='.1 0 .1'/>
+      <flexcomp name='board' type='grid' count='3 3 1' dim='2' spacing='.1 .1 .1' radius='.005'
         mass='1' rigid='true'><contact selfcollide='none'/></flexcomp></body>
-    <body pos='0 0 2'><flexcomp name='rope' type='grid' count='5 1 1' dim='1' spacing='.1 .1 .1' radius='.01' mass='1'>
+    <body name='d' pos='0 0 2'><flexcomp name='rope' type='grid' count='5 1 1' dim='1' spacing='.1 .1 .1' radius='.01' mass='1'>
         <edge equality='true'/></flexcomp></body>
   </worldbody></mujoco>";
 
@@ -267,7 +268,7 @@ fn vertices_of_flexes_are_those_of_the_engine() {
 #[cfg(engine_since = "3.5.0")]
 fn an_interpolated_flex_is_left_out_with_the_reason() {
     let model = Model::from_xml_str(
-        "<mujoco><worldbody><body pos='0 0 1'><flexcomp name='soft' type='grid' count='4 4 4' dim='3' spacing='.1 .1 .1'
+        "<mujoco><worldbody><body name='a' pos='0 0 1'><flexcomp name='soft' type='grid' count='4 4 4' dim='3' spacing='.1 .1 .1'
            radius='.01' mass='1' dof='trilinear'><contact selfcollide='none'/></flexcomp></body></worldbody></mujoco>",
     )
     .unwrap();
