@@ -159,7 +159,9 @@ impl Skinned {
             weights.retain(|&(_, weight)| weight > 0.0);
             let kept = total(weights);
             lost = lost.max(all - kept);
-            weights.iter_mut().for_each(|(_, weight)| *weight = (f64::from(*weight) / kept) as f32);
+            for (_, weight) in weights.iter_mut() {
+                *weight = (f64::from(*weight) / kept) as f32;
+            }
             weights.retain(|&(_, weight)| weight > 0.0);
         }
         Ok(Self { triangles, bones, weights, lost })

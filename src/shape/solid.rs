@@ -13,7 +13,9 @@ impl Triangles {
 
     /// Gives each normal the length 1. Normals without a direction become the z-axis.
     pub(crate) fn unit_normals(&mut self) {
-        self.vertices.iter_mut().for_each(|vertex| vertex.normal = unit(vertex.normal));
+        for vertex in &mut self.vertices {
+            vertex.normal = unit(vertex.normal);
+        }
     }
 
     /// Replaces normals that point to the inside of a triangle, as the engine computes some at
