@@ -1,5 +1,6 @@
 //! The error type of the crate, and the conversion of panics into messages.
 
+mod check;
 mod instability;
 mod outcome;
 mod suggestion;
@@ -369,18 +370,6 @@ impl Error {
     /// Checks that the engine has a constant. `what` describes its meaning.
     pub(crate) fn check_constant(constant: &str, what: impl fmt::Display) -> Result<()> {
         mujoco_sys::absent::versions(constant).map_or(Ok(()), |versions| Err(Self::lacks(&what.to_string(), versions)))
-    }
-
-    /// Checks the length of a vector.
-    #[inline]
-    pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<()> {
-        Self::check_shape(what, (found, 1), (expected, 1))
-    }
-
-    /// Checks the shape of a matrix.
-    #[inline]
-    pub(crate) fn check_shape(what: &'static str, found: (usize, usize), expected: (usize, usize)) -> Result<()> {
-        if found == expected { Ok(()) } else { Err(Self::Shape { what, expected, found }) }
     }
 
     /// Returns a function that adds a path to an error of the operating system.

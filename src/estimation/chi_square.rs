@@ -30,14 +30,10 @@ const MOST_DEGREES: usize = 1_000_000;
 #[doc(alias = "NEES")]
 #[doc(alias = "NIS")]
 pub fn chi_square_quantile(probability: f64, degrees: usize) -> Result<f64> {
-    if !(probability > 0.0 && probability < 1.0) {
-        let expected = "between 0 and 1, exclusive";
-        return Err(Error::out_of_range("the probability of chi_square_quantile", probability, expected));
-    }
-    if !(1..=MOST_DEGREES).contains(&degrees) {
-        let expected = format!("from 1 to {MOST_DEGREES}");
-        return Err(Error::out_of_range("the degrees of freedom of chi_square_quantile", degrees, expected));
-    }
+    let (is_valid, what) = (probability > 0.0 && probability < 1.0, "the probability of chi_square_quantile");
+    Error::check_range(is_valid, what, probability, "between 0 and 1, exclusive")?;
+    let (is_valid, what) = ((1..=MOST_DEGREES).contains(&degrees), "the degrees of freedom of chi_square_quantile");
+    Error::check_range(is_valid, what, degrees, format_args!("from 1 to {MOST_DEGREES}"))?;
     let (mut low, mut high) = (0.0, degrees as f64);
     while 1.0 - tail(high, degrees) < probability {
         (low, high) = (high, 2.0 * high);

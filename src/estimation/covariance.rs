@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use nalgebra::DMatrix;
+
 use crate::enums::JointType;
 use crate::error::{Error, InvalidKind, Result};
 use crate::math;
@@ -19,25 +21,20 @@ const TOLERANCE: f64 = 1e-9;
 pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()> {
     Error::check_shape(what, matrix.shape(), (n, n))?;
     let entry = |row: usize, column: usize| format!("entry ({row}, {column}) of {what}");
+    Error::check_finite(matrix.as_slice(), |index| entry(index / n, index % n))?;
     for row in 0..n {
-        for column in 0..n {
-            let value = matrix[(row, column)];
-            if !value.is_finite() {
-                return Err(Error::not_finite(entry(row, column), value));
-            }
-        }
         if matrix[(row, row)] < 0.0 {
             return Err(Error::out_of_range(entry(row, row), matrix[(row, row)], "a variance, which is not negative"));
         }
     }
     // The correlations do not depend on units. Those of a variable without variance are zero.
-    let mut rest = Matrix::zeros(n, n);
+    let mut correlations = DMatrix::zeros(n, n);
     for row in 0..n {
         for column in 0..n {
             let mean = matrix[(row, row)].sqrt() * matrix[(column, column)].sqrt();
             let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
             // Of numbers below 1e-154, the product of two roots can be zero.
-            rest[(row, column)] = if value == 0.0 { 0.0 } else { value / mean };
+            correlations[(row, column)] = if value == 0.0 { 0.0 } else { value / mean };
             if (value - mirrored).abs() > TOLERANCE * mean {
                 return Err(Error::invalid(
                     InvalidKind::OutOfRange,
@@ -48,38 +45,10 @@ pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()>
             }
         }
     }
-    if is_semidefinite(&mut rest) {
-        return Ok(());
-    }
-    Err(Error::invalid(InvalidKind::OutOfRange, what, "indefinite", "positive semidefinite"))
-}
-
-/// Eliminates a symmetric matrix with a diagonal of zeros and ones, with pivoting. Returns `false`
-/// unless it is positive semidefinite up to rounding.
-fn is_semidefinite(matrix: &mut Matrix) -> bool {
-    let n = matrix.nrows();
-    let mut remaining: Vec<usize> = (0..n).collect();
-    let tolerance = TOLERANCE * n as f64;
-    loop {
-        let largest = (0..remaining.len())
-            .max_by(|&a, &b| matrix[(remaining[a], remaining[a])].total_cmp(&matrix[(remaining[b], remaining[b])]));
-        let Some(largest) = largest else { return true };
-        let pivot = remaining.swap_remove(largest);
-        let value = matrix[(pivot, pivot)];
-        if value <= tolerance || value.is_nan() {
-            // The rest of a semidefinite matrix is zero up to rounding.
-            remaining.push(pivot);
-            let entries = remaining.iter().flat_map(|&row| remaining.iter().map(move |&column| (row, column)));
-            return entries.map(|index| matrix[index]).all(|value| value.abs() <= tolerance);
-        }
-        for &row in &remaining {
-            let factor = matrix[(row, pivot)] / value;
-            for &column in &remaining {
-                let product = factor * matrix[(pivot, column)];
-                matrix[(row, column)] -= product;
-            }
-        }
-    }
+    let is_not_negative = |&value: &f64| value >= -TOLERANCE * n as f64;
+    let is_semidefinite = n == 0
+        || (is_finite(correlations.as_slice()) && correlations.symmetric_eigenvalues().iter().all(is_not_negative));
+    Error::check_range(is_semidefinite, what, "indefinite", "positive semidefinite")
 }
 
 /// Buffers for the propagation of a covariance.

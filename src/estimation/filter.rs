@@ -329,10 +329,8 @@ impl ExtendedKalmanFilter {
     #[doc(alias = "consistency")]
     pub fn nees(&self, truth: &Data, components: Range<usize>) -> Result<Option<f64>> {
         let nx = self.covariance.nrows();
-        if components.start > components.end || components.end > nx {
-            let expected = format!("a range in 0..{nx}");
-            return Err(Error::out_of_range("the components of nees", format!("{components:?}"), expected));
-        }
+        let (is_valid, found) = (components.start <= components.end && components.end <= nx, format!("{components:?}"));
+        Error::check_range(is_valid, "the components of nees", found, format_args!("a range in 0..{nx}"))?;
         let mut error = vec![0.0; nx];
         self.error_into(truth, &mut error)?;
         Ok(normalised_square(&self.covariance, &error, components))

@@ -136,10 +136,8 @@ impl Measurement {
     }
 
     fn add_part(&mut self, size: usize, deviation: f64) -> Result<()> {
-        if !(1e-100..=1e100).contains(&deviation) {
-            let what = "the standard deviation of a sensor or residual";
-            return Err(Error::out_of_range(what, deviation, "from 1e-100 to 1e100"));
-        }
+        let what = "the standard deviation of a sensor or residual";
+        Error::check_range((1e-100..=1e100).contains(&deviation), what, deviation, "from 1e-100 to 1e100")?;
         let first = self.len();
         crate::memory::check("components of a Measurement", size, size_of::<f64>())?;
         self.variances.resize(first + size, deviation * deviation);
@@ -274,12 +272,9 @@ impl Measurement {
             *innovation = reading - predicted;
         }
         for (sensor, part) in self.sensors.iter().zip(&self.parts) {
-            let (reading, predicted) = (&readings[part.clone()], &predicted[part.clone()]);
-            if sensor.is_quaternion && dot(reading, predicted) < 0.0 {
-                for ((innovation, reading), predicted) in
-                    innovations[part.clone()].iter_mut().zip(reading).zip(predicted)
-                {
-                    *innovation = -reading - predicted;
+            if sensor.is_quaternion && dot(&readings[part.clone()], &predicted[part.clone()]) < 0.0 {
+                for component in part.clone() {
+                    innovations[component] = -readings[component] - predicted[component];
                 }
             }
         }

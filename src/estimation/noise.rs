@@ -221,7 +221,7 @@ impl Disturbance {
         }
         // F is symmetric, so its rows are its columns: M⁻¹ F, transposed, is F M⁻¹.
         data.solve_m_into(self.matrix.as_slice(), self.solved.as_mut_slice())?;
-        transpose(&self.solved, &mut self.matrix);
+        self.solved.transposed().transpose_to(&mut self.matrix.transposed_mut());
         data.solve_m_into(self.matrix.as_slice(), self.solved.as_mut_slice())?;
         self.matrix.as_mut_slice().copy_from_slice(self.solved.as_slice());
         symmetrise(&mut self.matrix);
@@ -256,12 +256,6 @@ impl Disturbance {
             }
         }
         Ok(())
-    }
-}
-
-fn transpose(from: &Matrix, to: &mut Matrix) {
-    for (row, values) in from.rows().enumerate() {
-        values.iter().enumerate().for_each(|(column, &value)| to[(column, row)] = value);
     }
 }
 

@@ -58,11 +58,9 @@ pub(super) struct Gate {
 
 impl Gate {
     pub(super) fn new(probability: f64, parts: &[Range<usize>]) -> Result<Self> {
-        // Checks the probability also without components.
-        let first = chi_square_quantile(probability, 1)?;
         let longest = parts.iter().map(Range::len).max().unwrap_or(0);
-        let bounds = (1..=longest.max(1)).map(|size| chi_square_quantile(probability, size));
-        Ok(Self { bounds: [Ok(first)].into_iter().chain(bounds).collect::<Result<_>>()? })
+        let bounds = (0..=longest).map(|size| chi_square_quantile(probability, size.max(1)));
+        Ok(Self { bounds: bounds.collect::<Result<_>>()? })
     }
 }
 

@@ -6,7 +6,6 @@
 //! degrees of freedom", ICRA 1987).
 
 use super::Ik;
-use super::limit::Limit;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -35,7 +34,7 @@ impl Default for Avoidance {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
-    geoms: [GeomId; 2],
+    pub(super) geoms: [GeomId; 2],
     avoidance: Avoidance,
 }
 
@@ -79,19 +78,10 @@ impl Ik {
             return Err(Error::out_of_range("the second geom of a pair", geoms[1], "another than the first"));
         }
         let Avoidance { minimum, detection, gain } = avoidance;
-        if !(minimum >= 0.0 && minimum.is_finite()) {
-            return Err(Error::out_of_range("the minimum of an Avoidance", minimum, "finite and not negative"));
-        }
-        if !(detection >= minimum && detection.is_finite()) {
-            return Err(Error::out_of_range(
-                "the detection of an Avoidance",
-                detection,
-                "finite and at least the minimum",
-            ));
-        }
-        if !(gain > 0.0 && gain <= 1.0) {
-            return Err(Error::out_of_range("the gain of an Avoidance", gain, "above 0 and at most 1"));
-        }
+        Error::check_not_negative("the minimum of an Avoidance", minimum)?;
+        let (is_valid, expected) = (detection >= minimum && detection.is_finite(), "finite and at least the minimum");
+        Error::check_range(is_valid, "the detection of an Avoidance", detection, expected)?;
+        Error::check_range(gain > 0.0 && gain <= 1.0, "the gain of an Avoidance", gain, "above 0 and at most 1")?;
         self.pairs.push(Pair { geoms, avoidance });
         self.is_prepared = false;
         Ok(())
@@ -99,10 +89,6 @@ impl Ik {
 }
 
 impl Pair {
-    pub(super) fn limit(&self) -> Limit {
-        Limit::Distance(self.geoms[0], self.geoms[1])
-    }
-
     /// Returns the distance below the minimum, or zero.
     pub(super) fn violation(&self, data: &mut Data) -> Result<f64> {
         let minimum = self.avoidance.minimum;

@@ -15,17 +15,6 @@ use crate::id::{Id, JointId};
 use crate::math::quat2vel;
 use crate::model::Model;
 
-/// Cause of a bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cause {
-    None,
-    Position,
-    Velocity,
-    Acceleration,
-    Prescribed,
-    Step,
-}
-
 /// Positions and degrees of freedom of a ball with a range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
@@ -43,10 +32,10 @@ pub(super) struct JointLimits {
     pub(super) accelerations: Vec<f64>,
     pub(super) prescribed: Vec<Option<f64>>,
     pub(super) margin: f64,
-    /// `(nv)`: bounds of the displacement, and their causes.
+    /// `(nv)`: bounds of the displacement, and the limits of the lower and the upper ones.
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
-    causes: Vec<[Cause; 2]>,
+    pub(super) causes: Vec<[Option<Limit>; 2]>,
     pub(super) limited_balls: Vec<Ball>,
 }
 
@@ -54,13 +43,13 @@ pub(super) struct JointLimits {
 #[derive(Clone, Copy, Debug)]
 struct Interval {
     ends: [f64; 2],
-    causes: [Cause; 2],
+    causes: [Option<Limit>; 2],
 }
 
 impl Interval {
     /// Intersects with another interval. If they have no common point, keeps the point nearest to
     /// the other, and returns `false` unless rounding explains the gap.
-    fn intersect(&mut self, [lower, upper]: [f64; 2], cause: Cause) -> bool {
+    fn intersect(&mut self, [lower, upper]: [f64; 2], cause: Option<Limit>) -> bool {
         const ROUNDING: f64 = 1e-12;
         let (lower, upper) = (lower.min(f64::MAX), upper.max(f64::MIN));
         if lower > self.ends[1] {
@@ -109,13 +98,9 @@ impl JointLimits {
             margin: 0.0,
             lower: vec![0.0; nv],
             upper: vec![0.0; nv],
-            causes: vec![[Cause::None; 2]; nv],
+            causes: vec![[None; 2]; nv],
             limited_balls: balls.map(ball).collect(),
         }
-    }
-
-    pub(super) fn balls(&self) -> usize {
-        self.limited_balls.len()
     }
 
     pub(super) fn fill_velocities(&mut self, model: &Model, limit: f64) {
@@ -138,26 +123,26 @@ impl JointLimits {
         let model = &**data.model();
         for (dof, last) in last.iter().enumerate() {
             let joint = ffi::size(model.dof_jntid()[dof]);
-            let mut interval =
-                Interval { ends: [f64::NEG_INFINITY, f64::INFINITY], causes: [Cause::None, Cause::None] };
+            let id: JointId = Id::new(joint, model.lineage());
+            let mut interval = Interval { ends: [f64::NEG_INFINITY, f64::INFINITY], causes: [None; 2] };
             match (self.prescribed[dof], motion) {
-                (Some(velocity), Motion::Timed(dt)) => {
+                (Some(velocity), _) => {
+                    let dt = if let Motion::Timed(dt) = motion { dt } else { 0.0 };
                     let change = (velocity * dt).clamp(f64::MIN, f64::MAX);
-                    interval = Interval { ends: [change; 2], causes: [Cause::Prescribed; 2] };
+                    interval = Interval { ends: [change; 2], causes: [Some(Limit::Prescribed(id)); 2] };
                 }
-                (Some(_), Motion::Free(_)) => interval = Interval { ends: [0.0; 2], causes: [Cause::Prescribed; 2] },
                 (None, Motion::Free(largest)) => {
-                    interval.intersect([-largest, largest], Cause::Step);
+                    interval.intersect([-largest, largest], None);
                 }
                 (None, Motion::Timed(dt)) => {
                     let change = self.accelerations[dof] * dt;
                     if change < f64::INFINITY {
                         let ends = [(last - change) * dt, (last + change) * dt];
-                        interval.intersect(ends, Cause::Acceleration);
+                        interval.intersect(ends, Some(Limit::Acceleration(id)));
                     }
                     let largest = self.velocities[dof] * dt;
-                    if !interval.intersect([-largest, largest], Cause::Velocity) {
-                        conflicts.push(limit(model, joint, Cause::Velocity));
+                    if !interval.intersect([-largest, largest], Some(Limit::Velocity(id))) {
+                        conflicts.push(Limit::Velocity(id));
                     }
                 }
             }
@@ -176,26 +161,14 @@ impl JointLimits {
                 if ends[0] > ends[1] {
                     ends = [0.5 * (ends[0] + ends[1]); 2];
                 }
-                if !interval.intersect(ends, Cause::Position) {
-                    conflicts.push(limit(model, joint, Cause::Position));
+                if !interval.intersect(ends, Some(Limit::Position(id))) {
+                    conflicts.push(Limit::Position(id));
                 }
             }
             [self.lower[dof], self.upper[dof]] = interval.ends;
             self.causes[dof] = interval.causes;
         }
         Ok(())
-    }
-
-    /// Returns the limit that causes a bound.
-    pub(super) fn cause(&self, model: &Model, dof: usize, is_upper: bool) -> Option<Limit> {
-        let cause = self.causes[dof][usize::from(is_upper)];
-        let joint = ffi::size(model.dof_jntid()[dof]);
-        (!matches!(cause, Cause::None | Cause::Step)).then(|| limit(model, joint, cause))
-    }
-
-    /// Returns the limit of a ball.
-    pub(super) fn ball_limit(&self, model: &Model, index: usize) -> Option<Limit> {
-        self.limited_balls.get(index).map(|ball| limit(model, ball.joint, Cause::Position))
     }
 
     /// Returns the largest distance of a position from its range.
@@ -264,16 +237,6 @@ impl Ball {
 fn has_range(model: &Model, joint: usize) -> bool {
     model.jnt_limited()[joint] != 0
         && matches!(JointType::of_field(model.jnt_type()[joint]), JointType::Hinge | JointType::Slide)
-}
-
-fn limit(model: &Model, joint: usize, cause: Cause) -> Limit {
-    let joint: JointId = Id::new(joint, model.lineage());
-    match cause {
-        Cause::Velocity => Limit::Velocity(joint),
-        Cause::Acceleration => Limit::Acceleration(joint),
-        Cause::Prescribed => Limit::Prescribed(joint),
-        Cause::Position | Cause::None | Cause::Step => Limit::Position(joint),
-    }
 }
 
 /// Returns the largest displacement in a tick from which a joint can stop within a distance, if a

@@ -124,6 +124,7 @@ use self::objective::Objective;
 use self::tendons::TendonLimits;
 use self::tick::Level;
 use crate::error::Result;
+use crate::id::Id;
 use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
 
@@ -146,6 +147,8 @@ pub struct Ik {
     constraints: Matrix,
     /// `(rows)` each.
     row_limits: [Vec<f64>; 2],
+    /// Limit of each row.
+    row_causes: Vec<Limit>,
     /// `(nv)`: displacement of the tick.
     displacement: Vec<f64>,
     /// `(nv)`: velocity of the last tick.
@@ -182,6 +185,7 @@ impl Ik {
             levels: Vec::new(),
             constraints: Matrix::zeros(0, nv),
             row_limits: [Vec::new(), Vec::new()],
+            row_causes: Vec::new(),
             displacement: vec![0.0; nv],
             velocity: vec![0.0; nv],
             active: Vec::new(),
@@ -279,7 +283,13 @@ impl Ik {
             priorities.push(0);
         }
         let equations = if self.model.neq() > 0 || priorities.len() > 1 { nv } else { 0 };
-        let rows = equations + self.pairs.len() + self.limits.balls() + self.tendons.len();
+        let pairs = self.pairs.iter().map(|pair| Limit::Distance(pair.geoms[0], pair.geoms[1]));
+        let balls =
+            self.limits.limited_balls.iter().map(|ball| Limit::Position(Id::new(ball.joint, self.model.lineage())));
+        let tendons = self.tendons.tendons.iter().map(|&tendon| Limit::Tendon(tendon));
+        self.row_causes = vec![Limit::Equation; equations];
+        self.row_causes.extend(pairs.chain(balls).chain(tendons));
+        let rows = self.row_causes.len();
         self.equations = Equations::new(equations, nv);
         self.levels = priorities.into_iter().map(|priority| Level::new(priority, nv, rows)).collect();
         self.constraints = Matrix::zeros(rows, nv);

@@ -53,10 +53,7 @@ impl Objective {
         self.matrix.as_mut_slice().fill(0.0);
         self.gradient.fill(0.0);
         let mut diagonal = 0.0;
-        for (index, task) in tasks.iter_mut().enumerate().filter(|(_, task)| task.priority == priority) {
-            if task.weight == 0.0 {
-                continue;
-            }
+        for (index, task) in weighted(tasks, priority) {
             task.check(index)?;
             self.evaluate(task, index, data)?;
             let range = if task.is_rate { nv..2 * nv } else { 0..nv };
@@ -90,10 +87,7 @@ impl Objective {
     /// Computes the residual and the Jacobian of a task.
     fn evaluate(&mut self, task: &mut Task, index: usize, data: &mut Data) -> Result<()> {
         task.residual.evaluate(data, &mut task.error)?;
-        if let Some(component) = task.error.iter().position(|value| !value.is_finite()) {
-            let what = format!("component {component} of the residual of task {index}");
-            return Err(Error::not_finite(what, task.error[component]));
-        }
+        Error::check_finite(&task.error, |component| format!("component {component} of the residual of task {index}"))?;
         self.jacobian.clear(task.error.len());
         task.residual.differentiate(data, &mut self.jacobian)
     }
@@ -107,10 +101,7 @@ impl Objective {
         mut found: impl FnMut(&[f64]),
     ) -> Result<()> {
         let nv = self.gradient.len();
-        for (index, task) in tasks.iter_mut().enumerate().filter(|(_, task)| task.priority == priority) {
-            if task.weight == 0.0 {
-                continue;
-            }
+        for (index, task) in weighted(tasks, priority) {
             self.evaluate(task, index, data)?;
             let range = if task.is_rate { nv..2 * nv } else { 0..nv };
             for component in (0..task.error.len()).filter(|&component| task.weights[component] != 0.0) {
@@ -128,6 +119,11 @@ pub(super) struct Damping {
     pub(super) relative: f64,
     /// Relative to the weighted square of the residual.
     pub(super) of_residual: f64,
+}
+
+/// Returns the tasks of a priority that have a weight, with their indices.
+fn weighted(tasks: &mut [Task], priority: u32) -> impl Iterator<Item = (usize, &mut Task)> {
+    tasks.iter_mut().enumerate().filter(move |(_, task)| task.priority == priority && task.weight != 0.0)
 }
 
 /// Adds the matrix and the gradient of `½ weight (row x)² + slope row x`.

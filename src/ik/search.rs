@@ -114,9 +114,8 @@ impl Ik {
         for (what, value) in
             [("the tolerance", tolerance), ("the step", step), ("the number of starts", f64::from(starts))]
         {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::out_of_range(format!("{what} of a search"), value, "above zero and finite"));
-            }
+            let what = format_args!("{what} of a search");
+            Error::check_range(value > 0.0 && value.is_finite(), what, value, "above zero and finite")?;
         }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         self.start.clear();
@@ -165,7 +164,7 @@ impl Ik {
 
     /// Returns the error at the positions before the last displacement.
     fn search_error(&self, data: &mut Data, tolerance: f64) -> Result<f64> {
-        let first = self.levels[0].priority();
+        let first = self.levels[0].priority;
         let mut error = self.equations.violation;
         for task in self.tasks.iter().filter(|task| task.priority == first && task.weight != 0.0 && !task.is_rate) {
             for (value, weight) in task.error.iter().zip(&task.weights) {

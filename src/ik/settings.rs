@@ -62,9 +62,7 @@ impl Ik {
     ///
     /// [`Error::Invalid`] for a number that is negative or not finite.
     pub fn set_position_margin(&mut self, margin: f64) -> Result<()> {
-        if !(margin >= 0.0 && margin.is_finite()) {
-            return Err(Error::out_of_range("a margin of positions", margin, "finite and not negative"));
-        }
+        Error::check_not_negative("a margin of positions", margin)?;
         self.limits.margin = margin;
         Ok(())
     }
@@ -87,9 +85,7 @@ impl Ik {
             return Ok(());
         };
         Error::check_length("a prescribed velocity", velocity.len(), dofs.len())?;
-        if let Some(value) = velocity.iter().find(|value| !value.is_finite()) {
-            return Err(Error::not_finite("a prescribed velocity", value));
-        }
+        Error::check_finite(velocity, |_| "a prescribed velocity".to_owned())?;
         self.limits.prescribed[dofs].iter_mut().zip(velocity).for_each(|(place, value)| *place = Some(*value));
         Ok(())
     }
@@ -101,9 +97,7 @@ impl Ik {
     ///
     /// [`Error::Invalid`] for a number that is negative or not finite.
     pub fn set_regularisation(&mut self, regularisation: f64) -> Result<()> {
-        if !(regularisation >= 0.0 && regularisation.is_finite()) {
-            return Err(Error::out_of_range("the regularisation", regularisation, "finite and not negative"));
-        }
+        Error::check_not_negative("the regularisation", regularisation)?;
         self.regularisation = regularisation;
         Ok(())
     }
@@ -117,5 +111,5 @@ impl Ik {
 }
 
 fn check(what: &str, limit: f64) -> Result<()> {
-    if limit >= 0.0 { Ok(()) } else { Err(Error::out_of_range(what, limit, "not negative")) }
+    Error::check_range(limit >= 0.0, what, limit, "not negative")
 }

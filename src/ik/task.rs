@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::control::residual::Residual;
 use crate::error::{Error, InvalidKind, Result};
+use crate::macros::with_methods;
 
 /// Task of an [`Ik`](super::Ik), in the order of their addition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,33 +76,12 @@ impl Task {
         Self { is_rate: true, ..Self::new(residual) }
     }
 
-    /// Sets [`weight`](Self#structfield.weight).
-    #[must_use]
-    pub fn with_weight(mut self, weight: f64) -> Self {
-        self.weight = weight;
-        self
-    }
-
     /// Sets the weights of the components, which are multiplied by the weight of the task. A
     /// component with the weight zero is free. [`Ik::prepare`](super::Ik::prepare) checks that
     /// there is one for each component.
     #[must_use]
     pub fn with_weights(mut self, weights: impl Into<Vec<f64>>) -> Self {
         self.weights = weights.into();
-        self
-    }
-
-    /// Sets [`gain`](Self#structfield.gain).
-    #[must_use]
-    pub fn with_gain(mut self, gain: f64) -> Self {
-        self.gain = gain;
-        self
-    }
-
-    /// Sets [`damping`](Self#structfield.damping).
-    #[must_use]
-    pub fn with_damping(mut self, damping: f64) -> Self {
-        self.damping = damping;
         self
     }
 
@@ -129,9 +109,7 @@ impl Task {
             return Err(Error::Unsupported("the residual of the task has no target".to_owned()));
         };
         Error::check_length("the target of a task", target.len(), present.len())?;
-        if let Some(index) = target.iter().position(|value| !value.is_finite()) {
-            return Err(Error::not_finite(format!("component {index} of the target of a task"), target[index]));
-        }
+        Error::check_finite(target, |index| format!("component {index} of the target of a task"))?;
         present.copy_from_slice(target);
         Ok(())
     }
@@ -156,17 +134,13 @@ impl Task {
         let numbers = [("weight", self.weight), ("gain", self.gain), ("damping", self.damping)];
         let weights = self.weights.iter().map(|weight| ("weight of a component", *weight));
         for (what, value) in numbers.into_iter().chain(weights) {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::out_of_range(
-                    format!("the {what} of task {index}"),
-                    value,
-                    "finite and not negative",
-                ));
-            }
+            Error::check_not_negative(format_args!("the {what} of task {index}"), value)?;
         }
         Ok(())
     }
 }
+
+with_methods!(Task { with_weight(weight: f64), with_gain(gain: f64), with_damping(damping: f64) });
 
 impl fmt::Debug for Task {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,6 +1,5 @@
 //! Limits of the lengths of tendons, as inequalities of the displacement.
 
-use super::limit::Limit;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::id::{Id, TendonId};
@@ -9,7 +8,7 @@ use crate::model::Model;
 /// Tendons with a range.
 #[derive(Debug)]
 pub(super) struct TendonLimits {
-    tendons: Vec<TendonId>,
+    pub(super) tendons: Vec<TendonId>,
 }
 
 impl TendonLimits {
@@ -20,10 +19,6 @@ impl TendonLimits {
 
     pub(super) fn len(&self) -> usize {
         self.tendons.len()
-    }
-
-    pub(super) fn limit(&self, index: usize) -> Option<Limit> {
-        self.tendons.get(index).map(|&tendon| Limit::Tendon(tendon))
     }
 
     /// Writes the derivative of a length, and returns its smallest and its largest change. Outside

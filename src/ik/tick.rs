@@ -1,16 +1,13 @@
 //! One tick: the constraints, the quadratic programs of all priorities, and the result.
 
 use super::Ik;
-use super::collision::Pair;
 use super::limit::Limit;
-use super::limits::{JointLimits, Motion};
+use super::limits::Motion;
 use super::objective::{Damping, Objective};
-use super::tendons::TendonLimits;
 use crate::control::residual::Needs;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::math::{Qp, QpProblem, QpSolution, QpStatus};
-use crate::model::Model;
 use crate::numerics::linear_algebra::dot;
 
 /// Half the width of the equations of higher priorities, relative to `1 + |x|`.
@@ -86,7 +83,7 @@ impl<'a> Tick<'a> {
 /// Solver of a priority.
 #[derive(Debug)]
 pub(super) struct Level {
-    priority: u32,
+    pub(super) priority: u32,
     pub(super) solver: Qp,
     /// `(nv)`
     displacement: Vec<f64>,
@@ -95,10 +92,6 @@ pub(super) struct Level {
 impl Level {
     pub(super) fn new(priority: u32, nv: usize, rows: usize) -> Self {
         Self { priority, solver: Qp::new(nv, rows), displacement: vec![0.0; nv] }
-    }
-
-    pub(super) fn priority(&self) -> u32 {
-        self.priority
     }
 }
 
@@ -121,9 +114,7 @@ impl Ik {
     ///
     /// If the residual of a task was created for another model.
     pub fn solve(&mut self, data: &mut Data, dt: f64) -> Result<Tick<'_>> {
-        if !(dt > 0.0 && dt.is_finite()) {
-            return Err(Error::out_of_range("dt of Ik::solve", dt, "above zero and finite"));
-        }
+        Error::check_range(dt > 0.0 && dt.is_finite(), "dt of Ik::solve", dt, "above zero and finite")?;
         let damping = Damping { relative: self.regularisation, of_residual: 0.0 };
         let (mut status, iterations) = self.displace(data, Motion::Timed(dt), damping)?;
         self.velocity.iter_mut().zip(&self.displacement).for_each(|(velocity, change)| *velocity = change / dt);
@@ -203,10 +194,10 @@ impl Ik {
             let priority = self.levels[index].priority;
             self.objective.assemble(&mut self.tasks, priority, data, dt, damping)?;
             self.write_equations(index > 0);
-            let mut solved = self.solve_level(data.model(), index)?;
+            let mut solved = self.solve_level(index)?;
             iterations += solved.1;
             if solved.0 == IkStatus::Infeasible && self.relax_rows() {
-                solved = self.solve_level(data.model(), index)?;
+                solved = self.solve_level(index)?;
                 iterations += solved.1;
             }
             if solved.0 != IkStatus::Solved {
@@ -226,7 +217,7 @@ impl Ik {
 
     /// Solves the quadratic program of a priority. Writes the displacement and the active limits,
     /// or a limit that contradicts others. Returns the status and the number of iterations.
-    fn solve_level(&mut self, model: &Model, index: usize) -> Result<(IkStatus, u32)> {
+    fn solve_level(&mut self, index: usize) -> Result<(IkStatus, u32)> {
         let numbers = self.objective.gradient.iter().chain(self.row_limits[0].iter().take(self.equations.count()));
         if !numbers.copied().all(f64::is_finite) {
             return Ok((IkStatus::Overflow, 0));
@@ -247,24 +238,20 @@ impl Ik {
             QpStatus::Overflow => IkStatus::Overflow,
         };
         let equations = self.equations.capacity();
-        let joint_limit = |dof, is_upper| self.limits.cause(model, dof, is_upper);
-        let row_limit = |row: usize| match row.checked_sub(equations) {
-            None => Some(Limit::Equation),
-            Some(row) => limit_of_row(model, (&self.pairs, &self.limits, &self.tendons), row),
-        };
         if status != IkStatus::Solved {
             let limit = conflict.and_then(|conflict| match conflict.checked_sub(bound_multipliers.len()) {
-                None => joint_limit(conflict, self.limits.lower[conflict] <= 0.0),
-                Some(row) => row_limit(row),
+                None => self.limits.causes[conflict][usize::from(self.limits.lower[conflict] <= 0.0)],
+                Some(row) => Some(self.row_causes[row]),
             });
             self.conflicts.extend(limit);
             return Ok((status, iterations));
         }
         self.active.clear();
         let of_joints = bound_multipliers.iter().enumerate().filter(|(_, multiplier)| **multiplier != 0.0);
-        self.active.extend(of_joints.filter_map(|(dof, multiplier)| joint_limit(dof, *multiplier > 0.0)));
+        self.active
+            .extend(of_joints.filter_map(|(dof, multiplier)| self.limits.causes[dof][usize::from(*multiplier > 0.0)]));
         let of_rows = constraint_multipliers.iter().enumerate().skip(equations).filter(|(_, value)| **value != 0.0);
-        self.active.extend(of_rows.filter_map(|(row, _)| row_limit(row)));
+        self.active.extend(of_rows.map(|(row, _)| self.row_causes[row]));
         self.displacement.copy_from_slice(displacement);
         Ok((status, iterations))
     }
@@ -274,11 +261,11 @@ impl Ik {
     fn relax_rows(&mut self) -> bool {
         let before = self.conflicts.len();
         let first = self.equations.capacity();
-        let Self { model, pairs, limits, tendons, row_limits: [lower, upper], conflicts, .. } = self;
+        let Self { row_limits: [lower, upper], row_causes, conflicts, .. } = self;
         for row in first..lower.len() {
             if lower[row] > 0.0 || upper[row] < 0.0 {
                 (lower[row], upper[row]) = (lower[row].min(0.0), upper[row].max(0.0));
-                conflicts.extend(limit_of_row(model, (pairs, limits, tendons), row - first));
+                conflicts.push(row_causes[row]);
             }
         }
         conflicts.len() > before
@@ -300,7 +287,7 @@ impl Ik {
         if self.model.neq() > 0 {
             self.equations.push_constraints(data);
         }
-        let (pairs, balls) = (self.pairs.len(), self.limits.balls());
+        let (pairs, balls) = (self.pairs.len(), self.limits.limited_balls.len());
         let first = self.equations.capacity();
         let [lower, upper] = &mut self.row_limits;
         let buffers = &mut self.buffers;
@@ -346,17 +333,4 @@ impl Ik {
             }
         }
     }
-}
-
-/// Returns the limit of a row after those of the equations.
-fn limit_of_row(
-    model: &Model,
-    (pairs, limits, tendons): (&[Pair], &JointLimits, &TendonLimits),
-    row: usize,
-) -> Option<Limit> {
-    if let Some(pair) = pairs.get(row) {
-        return Some(pair.limit());
-    }
-    let row = row - pairs.len();
-    limits.ball_limit(model, row).or_else(|| tendons.limit(row - limits.balls()))
 }

@@ -60,9 +60,7 @@ impl<'x, F: ResidualFunction> Function<'x, F> {
     ///
     /// [`Error::Invalid`] if a coordinate is not finite.
     pub fn new(x: &'x mut [f64], m: usize, function: F) -> Result<Self> {
-        if let Some(index) = x.iter().position(|value| !value.is_finite()) {
-            return Err(Error::not_finite(format!("coordinate {index} of the first point"), x[index]));
-        }
+        Error::check_finite(x, |index| format!("coordinate {index} of the first point"))?;
         let n = x.len();
         Ok(Self {
             residual: function,
@@ -95,10 +93,8 @@ impl<'x, F: ResidualFunction> Function<'x, F> {
         Error::check_length("the lower bounds", lower.len(), self.x.len())?;
         Error::check_length("the upper bounds", upper.len(), self.x.len())?;
         for (index, (low, high)) in lower.iter().zip(upper).enumerate() {
-            if !matches!(low.partial_cmp(high), Some(order) if order.is_le()) {
-                let what = format!("the lower bound of coordinate {index}");
-                return Err(Error::out_of_range(what, low, format!("at most the upper one, {high}")));
-            }
+            let what = format_args!("the lower bound of coordinate {index}");
+            Error::check_range(low <= high, what, low, format_args!("at most the upper one, {high}"))?;
             self.x[index] = self.x[index].clamp(*low, *high);
         }
         self.lower.copy_from_slice(lower);

@@ -173,10 +173,7 @@ impl LeastSquares {
     /// If the number of values of an `(n, n)` matrix overflows `usize`.
     pub fn new(n: usize, options: LeastSquaresOptions) -> Result<Self> {
         for (what, value) in [("tolerance", options.tolerance), ("least_cost", options.least_cost)] {
-            if !(value.is_finite() && value >= 0.0) {
-                let what = format!("{what} of LeastSquaresOptions");
-                return Err(Error::out_of_range(what, value, "finite and not negative"));
-            }
+            Error::check_not_negative(format_args!("{what} of LeastSquaresOptions"), value)?;
         }
         let qp = BoxQp::new(n);
         let vector = || vec![0.0; n];

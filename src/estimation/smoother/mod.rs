@@ -96,9 +96,7 @@ impl FixedLagSmoother {
     /// [`Error::Invalid`] for an empty window or one for which there is no memory, and the errors
     /// of [`Data::try_clone`].
     pub fn new(filter: ExtendedKalmanFilter, window: usize) -> Result<Self> {
-        if window == 0 {
-            return Err(Error::out_of_range("the window of a FixedLagSmoother", window, "at least 1"));
-        }
+        Error::check_range(window > 0, "the window of a FixedLagSmoother", window, "at least 1")?;
         let (nx, inputs) = filter.plant.sizes();
         let model = filter.data().model();
         let sizes = [nx, inputs, model.nu(), filter.measurement().len()];
@@ -120,12 +118,8 @@ impl FixedLagSmoother {
     ///
     /// [`Error::Invalid`] for no iterations, and for a tolerance that is negative or NaN.
     pub fn with_iterations(mut self, iterations: usize, tolerance: f64) -> Result<Self> {
-        if iterations == 0 {
-            return Err(Error::out_of_range("the iterations of a FixedLagSmoother", iterations, "at least 1"));
-        }
-        if tolerance.is_nan() || tolerance < 0.0 {
-            return Err(Error::out_of_range("the tolerance of a FixedLagSmoother", tolerance, "not negative"));
-        }
+        Error::check_range(iterations > 0, "the iterations of a FixedLagSmoother", iterations, "at least 1")?;
+        Error::check_range(tolerance >= 0.0, "the tolerance of a FixedLagSmoother", tolerance, "not negative")?;
         (self.iterations, self.tolerance) = (iterations, tolerance);
         Ok(self)
     }
