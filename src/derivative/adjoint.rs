@@ -347,9 +347,7 @@ impl Lineariser {
             report.merge(self.linear_system_with_parameters_into(&mut copy, system, parameters, outputs)?);
             let present = states.last().expect("Bug: the initial state is in the list");
             for row in 0..nx {
-                for (factor, values) in a.row(row).iter().zip(present.rows()) {
-                    add(next.row_mut(row), values, *factor);
-                }
+                add_product(next.row_mut(row), present, a.row(row), 1.0);
             }
             states.push(next);
             copy.step()?;

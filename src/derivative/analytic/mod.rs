@@ -55,7 +55,7 @@ pub(super) use self::fluid::is_obstacle as has_fluid_obstacle;
 use self::implicit_step::ImplicitStep;
 pub(super) use self::implicit_step::is_obstacle as has_implicit_step_obstacle;
 use self::inverse::Inverse;
-use self::parameters::Parameters;
+pub(super) use self::parameters::Parameters;
 use self::rigid_body::RigidBodies;
 pub(super) use self::sensors::reads_tendons;
 use self::sensors::{Point, Sensors};
@@ -87,8 +87,7 @@ pub(super) struct Analytic {
     sensors: Sensors,
     /// Created when inverse dynamics is first differentiated.
     inverse: Option<Inverse>,
-    /// Created when a parameter is first differentiated.
-    parameters: Option<Parameters>,
+    pub(super) parameters: Parameters,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
     /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions,
@@ -131,7 +130,7 @@ impl Analytic {
             implicit_step: None,
             sensors: Sensors::new(model, nx + nu),
             inverse: None,
-            parameters: None,
+            parameters: Parameters::new(model),
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],

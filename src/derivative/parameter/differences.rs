@@ -40,47 +40,50 @@ const SMOOTH: f64 = 0.005;
 const CENTRAL: [f64; 5] = [-2.0, -1.0, 1.0, 2.0, 0.0];
 const RIGHT: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
 
-/// Function that writes the difference quotient of two samples with a width.
-type Quotient<'a> = dyn Fn(&mut [f64], &[f64], &[f64], f64) -> Result<()> + 'a;
-/// Function that writes a sample, given the change of the parameter.
+/// Function that writes a sample of the simulation with the varied model, given the change of the
+/// parameter.
 type Evaluation<'a> = dyn FnMut(&mut Data, f64, &mut [f64]) -> Result<()> + 'a;
 
-/// A simulation whose model is varied.
+/// Differences at a base point.
 #[derive(Debug)]
 pub(in crate::derivative) struct ParameterDifferences {
-    data: Data,
-    /// Model to which the numbers of the copy are restored.
-    source: Arc<Model>,
     /// [`StateSpec::INTEGRATION`] and accelerations at the base point.
     state: Vec<f64>,
     accelerations: Vec<f64>,
-    buffers: Buffers,
+    varied: Varied,
 }
 
-#[derive(Debug, Default)]
-struct Buffers {
+/// A simulation whose model is varied.
+#[derive(Debug)]
+struct Varied {
+    data: Data,
+    /// Model to which the numbers of the copy are restored.
+    source: Arc<Model>,
     samples: [Vec<f64>; 5],
     slopes: [Vec<f64>; 3],
-    best: Vec<f64>,
 }
 
 impl ParameterDifferences {
     pub(super) fn new(data: &Data) -> Result<Self> {
         let model = data.model();
         Ok(Self {
-            data: Data::new(model.clone())?,
-            source: model.clone(),
             state: vec![0.0; model.state_size(StateSpec::INTEGRATION)],
             accelerations: vec![0.0; model.nv()],
-            buffers: Buffers::default(),
+            varied: Varied {
+                data: Data::new(model.clone())?,
+                source: model.clone(),
+                samples: Default::default(),
+                slopes: Default::default(),
+            },
         })
     }
 
     /// Moves to the present state and accelerations of a simulation, and adopts its model.
     pub(super) fn set_base(&mut self, data: &Data) -> Result<()> {
-        if !Arc::ptr_eq(&self.source, data.model()) {
-            self.data.clone_from(data);
-            self.source = data.model().clone();
+        let varied = &mut self.varied;
+        if !Arc::ptr_eq(&varied.source, data.model()) {
+            varied.data.clone_from(data);
+            varied.source = data.model().clone();
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
         self.accelerations.copy_from_slice(data.qacc());
@@ -94,10 +97,10 @@ impl ParameterDifferences {
         spread: Option<&[f64]>,
         result: &mut Vec<f64>,
     ) -> Result<Kinks> {
-        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
-        let (nv, na) = (self.source.nv(), self.source.na());
-        let kinks = self.difference((resolved, 1.0), 2 * nv + na, result, subtract, |data, _, sample| {
-            compute_forces(data, &state, |dof| accelerations[dof])?;
+        let Self { state, accelerations, varied } = self;
+        let (nv, na) = (varied.source.nv(), varied.source.na());
+        varied.difference(resolved, false, 2 * nv + na, result, &mut |data, _, sample| {
+            compute_forces(data, state, |dof| accelerations[dof])?;
             let (residual, rest) = sample.split_at_mut(nv);
             let (inertial, activations) = rest.split_at_mut(nv);
             Residual::of(data).evaluate(data, residual)?;
@@ -111,9 +114,7 @@ impl ParameterDifferences {
                 }
             }
             Ok(())
-        });
-        (self.state, self.accelerations) = (state, accelerations);
-        kinks
+        })
     }
 
     /// Differences the sensors, while the accelerations change by `−X` times the change.
@@ -123,36 +124,29 @@ impl ParameterDifferences {
         deceleration: impl Fn(usize) -> f64,
         result: &mut Vec<f64>,
     ) -> Result<Kinks> {
-        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
-        let kinks =
-            self.difference((resolved, 1.0), self.source.nsensordata(), result, subtract, |data, change, sample| {
-                compute_forces(data, &state, |dof| accelerations[dof] - change * deceleration(dof))?;
-                data.sensor_acc()?;
-                sample.copy_from_slice(data.sensordata());
-                Ok(())
-            });
-        (self.state, self.accelerations) = (state, accelerations);
-        kinks
+        let Self { state, accelerations, varied } = self;
+        varied.difference(resolved, false, varied.source.nsensordata(), result, &mut |data, change, sample| {
+            compute_forces(data, state, |dof| accelerations[dof] - change * deceleration(dof))?;
+            data.sensor_acc()?;
+            sample.copy_from_slice(data.sensordata());
+            Ok(())
+        })
     }
 
     /// Differences a complete step: the next state, and the sensors.
     pub(in crate::derivative) fn of_step(&mut self, resolved: &Resolved, result: &mut Vec<f64>) -> Result<Kinks> {
-        let state = std::mem::take(&mut self.state);
-        let source = self.source.clone();
-        let (nq, nv, na) = (source.nq(), source.nv(), source.na());
-        let length = nq + nv + na + source.nsensordata();
-        let difference = |row: &mut [f64], from: &[f64], to: &[f64], width: f64| {
-            // With quaternions the result is shorter than the samples.
-            columns::difference(&source, &mut row[..length - (nq - nv)], from, to, width)
-        };
-        let kinks = self.difference((resolved, FACTOR_OF_STEPS), length, result, difference, |data, _, sample| {
-            data.set_state(StateSpec::INTEGRATION, &state)?;
+        let Self { state, varied, .. } = self;
+        let model = &varied.source;
+        let (nq, nv) = (model.nq(), model.nv());
+        let length = nq + nv + model.na() + model.nsensordata();
+        let kinks = varied.difference(resolved, true, length, result, &mut |data, _, sample| {
+            data.set_state(StateSpec::INTEGRATION, state)?;
             data.step_for_differences()?;
             columns::sample(data, sample);
             Ok(())
         });
+        // With quaternions the result is shorter than the samples.
         result.truncate(length - (nq - nv));
-        self.state = state;
         kinks
     }
 
@@ -163,10 +157,10 @@ impl ParameterDifferences {
         force: InverseForce,
         result: &mut Vec<f64>,
     ) -> Result<Kinks> {
-        let (state, accelerations) = (std::mem::take(&mut self.state), std::mem::take(&mut self.accelerations));
-        let kinks = self.difference((resolved, 1.0), self.source.nv(), result, subtract, |data, _, sample| {
-            data.set_state(StateSpec::INTEGRATION, &state)?;
-            data.qacc_mut().copy_from_slice(&accelerations);
+        let Self { state, accelerations, varied } = self;
+        varied.difference(resolved, false, varied.source.nv(), result, &mut |data, _, sample| {
+            data.set_state(StateSpec::INTEGRATION, state)?;
+            data.qacc_mut().copy_from_slice(accelerations);
             data.inverse_skip(Stage::None, SensorUpdate::Skip)?;
             sample.copy_from_slice(data.qfrc_inverse());
             if force == InverseForce::WithoutActuators {
@@ -174,65 +168,57 @@ impl ParameterDifferences {
                 sample.iter_mut().zip(data.qfrc_actuator()).for_each(|(total, actuator)| *total -= actuator);
             }
             Ok(())
-        });
-        (self.state, self.accelerations) = (state, accelerations);
-        kinks
+        })
     }
+}
 
-    /// Differences a function of the model by a parameter. The function gets the simulation with
-    /// the varied model, and the change of the parameter. `factor` is a factor of the step.
+impl Varied {
+    /// Differences samples of a length by a parameter. Those of a complete step begin with
+    /// positions, whose differences are in tangent coordinates.
     fn difference(
         &mut self,
-        (resolved, factor): (&Resolved, f64),
+        resolved: &Resolved,
+        is_step: bool,
         length: usize,
         result: &mut Vec<f64>,
-        subtract: impl Fn(&mut [f64], &[f64], &[f64], f64) -> Result<()>,
-        mut evaluate: impl FnMut(&mut Data, f64, &mut [f64]) -> Result<()>,
+        evaluate: &mut Evaluation<'_>,
     ) -> Result<Kinks> {
-        let mut buffers = std::mem::take(&mut self.buffers);
-        result.clear();
-        result.resize(length, 0.0);
-        let outcome = self.try_difference((resolved, factor), result, &mut buffers, &subtract, &mut evaluate);
-        self.buffers = buffers;
-        let source = self.source.clone();
-        let restored = self.data.edit_model(|model| {
-            resolved.parameter.restore(&source, model)?;
-            resolved.update_inertia(&source, model)
-        });
+        for buffer in self.samples.iter_mut().chain(&mut self.slopes).chain([&mut *result]) {
+            buffer.clear();
+            buffer.resize(length, 0.0);
+        }
+        let outcome = self.try_difference(resolved, is_step, result, evaluate);
+        let restored = self.set(resolved, None);
         let kinks = outcome?;
         restored.map(|()| kinks)
     }
 
     fn try_difference(
         &mut self,
-        (resolved, factor): (&Resolved, f64),
+        resolved: &Resolved,
+        is_step: bool,
         result: &mut [f64],
-        buffers: &mut Buffers,
-        subtract: &Quotient<'_>,
         evaluate: &mut Evaluation<'_>,
     ) -> Result<Kinks> {
-        let source = self.source.clone();
-        let Buffers { samples, slopes, best } = buffers;
-        samples.iter_mut().chain(&mut *slopes).chain([&mut *best]).for_each(|buffer| {
-            buffer.clear();
-            buffer.resize(result.len(), 0.0);
-        });
         let (mut best_score, mut least) = (f64::INFINITY, f64::INFINITY);
         for trial in TRIALS {
-            let step = factor * trial * resolved.step();
+            let step = if is_step { FACTOR_OF_STEPS } else { 1.0 } * trial * resolved.step();
             let is_central = !resolved.is_bounded || resolved.value >= 2.0 * step;
             let offsets: &[f64] = if is_central { &CENTRAL } else { &RIGHT };
-            for (offset, sample) in offsets.iter().zip(&mut *samples) {
+            for (sample, offset) in offsets.iter().enumerate() {
                 let change = offset * step;
-                self.data.edit_model(|model| {
-                    resolved.parameter.restore(&source, model)?;
-                    resolved.parameter.write(model, resolved.value + change)?;
-                    resolved.update_inertia(&source, model)
-                })?;
-                evaluate(&mut self.data, change, sample)?;
+                self.set(resolved, Some(resolved.value + change))?;
+                evaluate(&mut self.data, change, &mut self.samples[sample])?;
             }
-            let [a, b, c, d, base] = &*samples;
-            let [first, second, third] = &mut *slopes;
+            let subtract = |slope: &mut [f64], from: &[f64], to: &[f64], width: f64| {
+                if is_step {
+                    return columns::difference(&self.source, slope, from, to, width);
+                }
+                quotient(slope, from, to, width);
+                Ok(())
+            };
+            let [a, b, c, d, base] = &self.samples;
+            let [first, second, third] = &mut self.slopes;
             let factors = if is_central {
                 subtract(first, b, c, 2.0 * step)?;
                 subtract(second, a, d, 4.0 * step)?;
@@ -258,7 +244,7 @@ impl ParameterDifferences {
             let score = worst.max(between / SMOOTH);
             if score < best_score || best_score.is_infinite() {
                 (best_score, least) = (score, worst);
-                for (at, best) in best.iter_mut().enumerate() {
+                for (at, best) in result.iter_mut().enumerate() {
                     *best = factors[0] * first[at] + factors[1] * second[at];
                     if !is_central {
                         *best += factors[2] * third[at];
@@ -269,8 +255,19 @@ impl ParameterDifferences {
                 break;
             }
         }
-        result.copy_from_slice(best);
         Ok(if least <= 1.0 { Kinks::empty() } else { Kinks::DIFFERENCES })
+    }
+
+    /// Restores the numbers that a parameter changes, and writes a value.
+    fn set(&mut self, resolved: &Resolved, value: Option<f64>) -> Result<()> {
+        let source = &self.source;
+        self.data.edit_model(|model| {
+            resolved.parameter.restore(source, model)?;
+            if let Some(value) = value {
+                resolved.parameter.write(model, value)?;
+            }
+            resolved.update_inertia(source, model)
+        })
     }
 }
 
@@ -296,12 +293,6 @@ impl Resolved {
         let size = self.value.abs();
         if self.is_relative && size > 0.0 { RELATIVE_STEP * size } else { STEP * size.max(LEAST) }
     }
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "the type of the function for states is the same")]
-fn subtract(result: &mut [f64], from: &[f64], to: &[f64], width: f64) -> Result<()> {
-    quotient(result, from, to, width);
-    Ok(())
 }
 
 /// Computes all forces at a state and accelerations.

@@ -5,16 +5,27 @@
 
 use std::ops::Range;
 
-use super::inertial::{self, InertialParameters};
+use nalgebra::Vector4;
+
+use super::inertial::{self, InertialParameters, unit};
 use super::solver::SolverNumber;
 use super::{ModelParameter, coordinates};
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, TransmissionType};
 use crate::error::Result;
 use crate::ffi;
-use crate::id::{BodyId, JointId};
+use crate::id::BodyId;
 use crate::model::Model;
 use crate::numerics::spatial::Vec3;
 use crate::rollout::Parameter;
+
+/// Parts of the names of arrays whose numbers the engine uses only if they are positive.
+const BOUNDED: [&str; 8] =
+    ["body_mass", "armature", "damping", "friction", "geom_margin", "size", "solmix", "stiffness"];
+/// Parts of the names of arrays on which neither the inertia matrix nor the integrator depends.
+const OF_CONSTRAINTS: [&str; 8] =
+    ["solref", "solimp", "solmix", "friction", "margin", "gap", "jnt_range", "tendon_range"];
+/// Parts of the names of arrays of numbers of different magnitudes.
+const RELATIVE: [&str; 4] = ["solref", "solimp", "friction", "dynprm"];
 
 /// Way in which a parameter acts.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,100 +111,41 @@ impl Resolved {
     /// Checks a parameter and resolves it.
     pub(in crate::derivative) fn new(model: &Model, parameter: ModelParameter) -> Result<Self> {
         let value = parameter.value(model)?;
-        let effect = match parameter {
-            ModelParameter::Number(parameter) => number(model, parameter),
-            _ => inertial_effect(model, parameter),
+        let place = match parameter {
+            ModelParameter::Number(parameter) => parameter.place(model),
+            _ => None,
+        };
+        let array = place.as_ref().map_or("", |(array, ..)| array);
+        let effect = match place {
+            Some((array, rows, column)) => number(model, array, rows, column),
+            None => effect(model, parameter),
         };
         // The forces of a medium depend on boxes with the same inertia.
         let options = &model.raw().opt;
         let has_medium = options.density != 0.0 || options.viscosity != 0.0;
         let is_inertial = matches!(effect, Effect::Inertial { .. });
         let is_differenced = effect == Effect::Other || (is_inertial && has_medium);
-        let array = match parameter {
-            ModelParameter::Number(parameter) => parameter.place(model).map_or("", |(array, ..)| array),
-            _ => "",
-        };
-        let is_relative = ["solref", "solimp", "friction", "dynprm"].iter().any(|part| array.contains(part));
-        let is_bounded = is_bounded(parameter, array);
-        let acts_by_constraints = acts_by_constraints(parameter, array);
+        let is_of = |parts: &[&str]| parts.iter().any(|part| array.contains(part));
+        let is_relative = is_of(&RELATIVE);
+        let is_bounded = matches!(parameter, ModelParameter::Mass(_)) || is_of(&BOUNDED);
+        let acts_by_constraints = is_of(&OF_CONSTRAINTS);
         Ok(Self { parameter, effect, is_differenced, value, is_bounded, acts_by_constraints, is_relative })
     }
 }
 
-/// Returns `true` for a parameter that the engine uses only if it is positive.
-fn is_bounded(parameter: ModelParameter, array: &str) -> bool {
-    const ARRAYS: [&str; 14] = [
-        "body_mass",
-        "dof_armature",
-        "dof_damping",
-        "dof_frictionloss",
-        "geom_friction",
-        "geom_margin",
-        "geom_size",
-        "geom_solmix",
-        "jnt_stiffness",
-        "pair_friction",
-        "site_size",
-        "tendon_damping",
-        "tendon_frictionloss",
-        "tendon_stiffness",
-    ];
-    match parameter {
-        ModelParameter::Mass(_)
-        | ModelParameter::Number(
-            Parameter::JointDamping(_) | Parameter::JointFrictionLoss(_) | Parameter::JointArmature(_),
-        ) => true,
-        _ => ARRAYS.contains(&array),
-    }
-}
-
-/// Returns `true` for a number on which neither the inertia matrix nor the integrator depends.
-fn acts_by_constraints(parameter: ModelParameter, array: &str) -> bool {
-    const ARRAYS: [&str; 22] = [
-        "dof_frictionloss",
-        "dof_solimp",
-        "dof_solref",
-        "eq_solimp",
-        "eq_solref",
-        "geom_friction",
-        "geom_gap",
-        "geom_margin",
-        "geom_solimp",
-        "geom_solmix",
-        "geom_solref",
-        "jnt_margin",
-        "jnt_range",
-        "jnt_solimp",
-        "jnt_solref",
-        "pair_friction",
-        "pair_solimp",
-        "pair_solref",
-        "tendon_frictionloss",
-        "tendon_range",
-        "tendon_solref_lim",
-        "tendon_solimp_lim",
-    ];
-    matches!(parameter, ModelParameter::Number(Parameter::JointFrictionLoss(_))) || ARRAYS.contains(&array)
-}
-
-/// Returns the effect of a parameter of the inertia of a body.
-fn inertial_effect(model: &Model, parameter: ModelParameter) -> Effect {
+/// Returns the effect of a parameter that is no number in an array.
+fn effect(model: &Model, parameter: ModelParameter) -> Effect {
     let (body, change) = match parameter {
-        ModelParameter::Mass(body) => (body, of_mass(model, body.index())),
-        ModelParameter::Inertia(body, at) => {
-            let mut change = [0.0; 10];
-            change[4 + at] = 1.0;
-            (body, change)
-        }
-        ModelParameter::Inertial(body, at) => {
-            let mut change = [0.0; 10];
-            change[at] = 1.0;
-            (body, change)
-        }
+        ModelParameter::Number(Parameter::Gravity(axis)) => return Effect::Gravity(axis),
+        ModelParameter::Number(Parameter::MassFactor(body)) => (body, InertialParameters::of(model, body).0),
+        ModelParameter::Number(_) => return Effect::Other,
+        // At constant inertia about the centre.
+        ModelParameter::Mass(body) => (body, InertialParameters::point(1.0, &model.body_ipos()[body.index()]).0),
+        ModelParameter::Inertia(body, at) => (body, unit(4 + at)),
+        ModelParameter::Inertial(body, at) => (body, unit(at)),
         ModelParameter::LogCholesky(body, at) => {
             (body, InertialParameters::log_cholesky_derivative(&coordinates(model, body))[at])
         }
-        ModelParameter::Number(_) => return Effect::Other,
     };
     of_change(model, body, change)
 }
@@ -203,45 +155,25 @@ fn of_change(model: &Model, body: BodyId, change: [f64; 10]) -> Effect {
     Effect::Inertial { body: body.index(), change, centre }
 }
 
-/// Returns the change of the inertial parameters by the mass, at constant inertia about the centre.
-fn of_mass(model: &Model, body: usize) -> [f64; 10] {
-    let centre @ [x, y, z] = model.body_ipos()[body];
-    let [xx, yy, zz, xy, xz, yz] = inertial::shift(1.0, &centre);
-    [1.0, x, y, z, xx, yy, zz, xy, xz, yz]
-}
-
-/// Returns the effect of a parameter of batches.
-fn number(model: &Model, parameter: Parameter) -> Effect {
-    let dofs = |joint: JointId| model.joint(joint).dofs();
-    match parameter {
-        Parameter::Gravity(axis) => return Effect::Gravity(axis),
-        Parameter::MassFactor(body) => return of_change(model, body, InertialParameters::of(model, body).0),
-        Parameter::JointArmature(joint) => return Effect::Armature(dofs(joint)),
-        Parameter::JointDamping(joint) => return damping(model, dofs(joint)),
-        Parameter::JointFrictionLoss(joint) => return friction_loss(model, dofs(joint)),
-        _ => {}
-    }
-    let Some((array, row, column)) = parameter.place(model) else { return Effect::Other };
-    let body = || BodyId::new(row, model.lineage());
+/// Returns the effect of numbers in an array: one, or one for each degree of freedom of a joint.
+fn number(model: &Model, array: &str, rows: Range<usize>, column: usize) -> Effect {
+    let row = rows.start;
     match array {
-        "body_mass" => inertial_effect(model, ModelParameter::Mass(body())),
+        "body_mass" => effect(model, ModelParameter::Mass(BodyId::new(row, model.lineage()))),
         "body_ipos" => {
-            let (mass, centre) = (model.body_mass()[row], model.body_ipos()[row]);
-            let mut unit = [0.0; 3];
-            unit[column] = 1.0;
-            let [xx, yy, zz, xy, xz, yz] = inertial::shift_change(mass, &centre, &unit);
-            let [x, y, z] = unit.map(|value| mass * value);
-            Effect::Inertial { body: row, change: [0.0, x, y, z, xx, yy, zz, xy, xz, yz], centre: unit }
+            let (mass, [x, y, z]) = (model.body_mass()[row], model.body_ipos()[row]);
+            let shift = mass * Vector4::ith(column, 1.0) * Vector4::new(x, y, z, 1.0).transpose();
+            let change = InertialParameters::of_product(&shift).0;
+            Effect::Inertial { body: row, change, centre: unit(column) }
         }
         "body_inertia" => {
-            let axis = inertial::column(&inertial::inertial_axes(model, row), column);
-            let [xx, yy, zz, xy, xz, yz] = inertial::outer(&axis);
-            let change = [0.0, 0.0, 0.0, 0.0, xx, yy, zz, xy, xz, yz];
+            let moment = inertial::principal_moment(model, row, column);
+            let change = InertialParameters([0.0; 10]).with_inertia(&moment).0;
             Effect::Inertial { body: row, change, centre: [0.0; 3] }
         }
-        "dof_armature" => Effect::Armature(row..row + 1),
-        "dof_damping" => damping(model, row..row + 1),
-        "dof_frictionloss" => friction_loss(model, row..row + 1),
+        "dof_armature" => Effect::Armature(rows),
+        "dof_damping" => damping(model, rows),
+        "dof_frictionloss" => friction_loss(model, rows),
         "jnt_stiffness" => Effect::Stiffness(row),
         "qpos_spring" => spring_reference(model, row),
         "tendon_stiffness" => Effect::TendonStiffness(row),
@@ -289,26 +221,27 @@ fn rest_length(model: &Model, tendon: usize, column: usize) -> Effect {
     Effect::TendonRestLength { tendon, is_lower: is_only || column == 0, is_upper: is_only || column == 1 }
 }
 
-fn factor(column: usize) -> Factor {
-    [Factor::One, Factor::Length, Factor::Velocity].get(column).copied().unwrap_or(Factor::Zero)
+/// Returns what a coefficient multiplies, if the first `used` ones have an effect.
+fn factor(column: usize, used: usize) -> Factor {
+    [Factor::One, Factor::Length, Factor::Velocity][..used].get(column).copied().unwrap_or(Factor::Zero)
 }
 
 fn gain(model: &Model, actuator: usize, column: usize) -> Effect {
-    match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
-        Some(ActuatorGain::Fixed) => {
-            Effect::Gain { actuator, factor: if column == 0 { Factor::One } else { Factor::Zero } }
-        }
-        Some(ActuatorGain::Affine) => Effect::Gain { actuator, factor: factor(column) },
-        _ => Effect::Other,
-    }
+    let used = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
+        Some(ActuatorGain::Fixed) => 1,
+        Some(ActuatorGain::Affine) => 3,
+        _ => return Effect::Other,
+    };
+    Effect::Gain { actuator, factor: factor(column, used) }
 }
 
 fn bias(model: &Model, actuator: usize, column: usize) -> Effect {
-    match ActuatorBias::from_raw(model.actuator_biastype()[actuator]) {
-        Some(ActuatorBias::None) => Effect::Bias { actuator, factor: Factor::Zero },
-        Some(ActuatorBias::Affine) => Effect::Bias { actuator, factor: factor(column) },
-        _ => Effect::Other,
-    }
+    let used = match ActuatorBias::from_raw(model.actuator_biastype()[actuator]) {
+        Some(ActuatorBias::None) => 0,
+        Some(ActuatorBias::Affine) => 3,
+        _ => return Effect::Other,
+    };
+    Effect::Bias { actuator, factor: factor(column, used) }
 }
 
 fn time_constant(model: &Model, actuator: usize) -> Effect {

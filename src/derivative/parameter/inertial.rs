@@ -10,20 +10,22 @@
 //! Hence `m = e^2α`, the centre of mass is t, and `Σ = m (U₃ U₃ᵀ + t tᵀ)` with the upper left part
 //! U₃ of `e^−α U`.
 
-use nalgebra::{Matrix3, SymmetricEigen};
+use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector4};
 
 use crate::error::{Error, InvalidKind, Result};
 use crate::id::BodyId;
 use crate::kind::Kind;
 use crate::math;
 use crate::model::{Model, ModelMut};
-use crate::numerics::spatial::{Vec3, dot, scale};
+use crate::numerics::spatial::{Vec3, add, dot, scale, sub};
 
 /// Symmetric matrix: `xx`, `yy`, `zz`, `xy`, `xz`, `yz`.
-pub(crate) type Symmetric = [f64; 6];
+type Symmetric = [f64; 6];
 
 /// Rows and columns of the numbers of a symmetric matrix.
-pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+/// Those of the log-Cholesky coordinates after the first in U.
+const ELEMENTS: [(usize, usize); 9] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)];
 
 /// Ten inertial parameters of a rigid body, on which its equations of motion depend linearly.
 ///
@@ -70,16 +72,30 @@ impl InertialParameters {
     pub fn of(model: &Model, body: BodyId) -> Self {
         let body = model.body(body).id().index();
         let (mass, centre) = (model.body_mass()[body], model.body_ipos()[body]);
-        let mut inertia = shift(mass, &centre);
-        let rotation = inertial_axes(model, body);
-        for (axis, moment) in model.body_inertia()[body].into_iter().enumerate() {
-            add(&mut inertia, &outer(&column(&rotation, axis)), moment);
-        }
-        let [x, y, z] = scale(&centre, mass);
-        Self::new(mass, &[x, y, z], &inertia)
+        let axes = inertial_axes(model, body);
+        let central = axes * Matrix3::from_diagonal(&model.body_inertia()[body].into()) * axes.transpose();
+        Self::point(mass, &centre).with_inertia(&PLACES.map(|place| central[place]))
     }
 
-    fn new(mass: f64, &[x, y, z]: &Vec3, &[xx, yy, zz, xy, xz, yz]: &Symmetric) -> Self {
+    /// Returns the parameters with the pseudo-inertia `P + Pᵀ`.
+    pub(super) fn of_product(product: &Matrix4<f64>) -> Self {
+        let pseudo = product + product.transpose();
+        let trace = pseudo[(0, 0)] + pseudo[(1, 1)] + pseudo[(2, 2)];
+        let [xx, yy, zz, xy, xz, yz] = PLACES.map(|place| -pseudo[place]);
+        let [x, y, z, mass] = pseudo.column(3).into_owned().into();
+        Self([mass, x, y, z, trace + xx, trace + yy, trace + zz, xy, xz, yz])
+    }
+
+    /// Returns the parameters of a mass at a point.
+    pub(super) fn point(mass: f64, &[x, y, z]: &Vec3) -> Self {
+        let point = Vector4::new(x, y, z, 1.0);
+        Self::of_product(&(0.5 * mass * point * point.transpose()))
+    }
+
+    /// Returns the parameters with more rotational inertia.
+    pub(super) fn with_inertia(self, more: &Symmetric) -> Self {
+        let [mass, x, y, z, ..] = self.0;
+        let [xx, yy, zz, xy, xz, yz] = add(&self.inertia(), more);
         Self([mass, x, y, z, xx, yy, zz, xy, xz, yz])
     }
 
@@ -90,11 +106,8 @@ impl InertialParameters {
 
     /// Returns the centre of mass in the frame of the body, m. Not finite without mass.
     pub fn centre_of_mass(&self) -> [f64; 3] {
-        scale(&self.first_moment(), 1.0 / self.0[0])
-    }
-
-    pub(super) fn first_moment(&self) -> Vec3 {
-        [self.0[1], self.0[2], self.0[3]]
+        let [mass, x, y, z, ..] = self.0;
+        scale(&[x, y, z], 1.0 / mass)
     }
 
     fn inertia(&self) -> Symmetric {
@@ -104,9 +117,7 @@ impl InertialParameters {
     /// Returns the rotational inertia about the centre of mass, in the axes of the body: `xx`,
     /// `yy`, `zz`, `xy`, `xz`, `yz`.
     pub fn central_inertia(&self) -> [f64; 6] {
-        let mut inertia = self.inertia();
-        add(&mut inertia, &shift(self.0[0], &self.centre_of_mass()), -1.0);
-        inertia
+        sub(&self.inertia(), &Self::point(self.mass(), &self.centre_of_mass()).inertia())
     }
 
     /// Returns the log-Cholesky coordinates `[α, d₁, d₂, d₃, s₁₂, s₂₃, s₁₃, t₁, t₂, t₃]` of C.
@@ -133,39 +144,23 @@ impl InertialParameters {
     /// Returns the parameters for log-Cholesky coordinates: the inverse of
     /// [`log_cholesky`](Self::log_cholesky).
     pub fn from_log_cholesky(coordinates: &[f64; 10]) -> Self {
-        let (factor, centre) = (upper(coordinates), [coordinates[7], coordinates[8], coordinates[9]]);
-        let mass = (2.0 * coordinates[0]).exp();
-        let mut moments = scale(&outer(&centre), mass);
-        for axis in 0..3 {
-            add(&mut moments, &outer(&factor.map(|row| row[axis])), mass);
-        }
-        Self::new(mass, &scale(&centre, mass), &inertia_of(&moments))
+        let upper = upper(coordinates);
+        Self::of_product(&(0.5 * upper * upper.transpose()))
     }
 
     /// Returns the derivatives of the parameters by the log-Cholesky coordinates: row k is the
     /// derivative by coordinate k.
     pub fn log_cholesky_derivative(coordinates: &[f64; 10]) -> [[f64; 10]; 10] {
-        let (factor, centre) = (upper(coordinates), [coordinates[7], coordinates[8], coordinates[9]]);
-        let mass = (2.0 * coordinates[0]).exp();
-        let columns: [Vec3; 3] = std::array::from_fn(|axis| factor.map(|row| row[axis]));
-        let of_element = |row: usize, column: usize, slope: f64| {
-            let mut change = [0.0; 3];
-            change[row] = slope;
-            Self::new(0.0, &[0.0; 3], &inertia_of(&scale(&products(&columns[column], &change), mass)))
-        };
-        let mut derivative = [[0.0; 10]; 10];
-        derivative[0] = Self::from_log_cholesky(coordinates).0.map(|value| 2.0 * value);
-        for axis in 0..3 {
-            derivative[1 + axis] = of_element(axis, axis, factor[axis][axis]).0;
-            let mut unit = [0.0; 3];
-            unit[axis] = 1.0;
-            let moments = scale(&products(&centre, &unit), mass);
-            derivative[7 + axis] = Self::new(0.0, &scale(&unit, mass), &inertia_of(&moments)).0;
-        }
-        for (at, (row, column)) in [(0, 1), (1, 2), (0, 2)].into_iter().enumerate() {
-            derivative[4 + at] = of_element(row, column, 1.0).0;
-        }
-        derivative
+        let upper = upper(coordinates);
+        std::array::from_fn(|at| {
+            let mut change = Matrix4::zeros();
+            match at {
+                0 => change = upper,
+                1..4 => change[ELEMENTS[at - 1]] = upper[ELEMENTS[at - 1]],
+                _ => change[ELEMENTS[at - 1]] = upper[(3, 3)],
+            }
+            Self::of_product(&(change * upper.transpose())).0
+        })
     }
 
     /// Writes the parameters to `body_mass`, `body_ipos`, `body_iquat` and `body_inertia` of a
@@ -212,61 +207,28 @@ impl InertialParameters {
         model.body_iquat_mut()[index] = math::mat2quat(&std::array::from_fn(|at| rotation[at / 3][at % 3]));
         Ok(())
     }
-
-    /// Returns the same parameters with another rotational inertia about the centre of mass.
-    pub(super) fn with_central_inertia(&self, central: &Symmetric) -> Self {
-        let mut inertia = shift(self.mass(), &self.centre_of_mass());
-        add(&mut inertia, central, 1.0);
-        Self::new(self.mass(), &self.first_moment(), &inertia)
-    }
 }
 
-/// Returns the inertia `m (c² 1 − c cᵀ)` of a mass at a point.
-pub(super) fn shift(mass: f64, centre: &Vec3) -> Symmetric {
-    inertia_of(&scale(&outer(centre), mass))
-}
-
-/// Returns the inertia `tr(Σ) 1 − Σ` for second moments Σ.
-pub(super) fn inertia_of(moments: &Symmetric) -> Symmetric {
-    let trace = moments[0] + moments[1] + moments[2];
-    std::array::from_fn(|at| if at < 3 { trace - moments[at] } else { -moments[at] })
-}
-
-/// Returns `v vᵀ`.
-pub(super) fn outer(vector: &Vec3) -> Symmetric {
-    PLACES.map(|(row, column)| vector[row] * vector[column])
-}
-
-/// Returns `a bᵀ + b aᵀ`.
-pub(super) fn products(a: &Vec3, b: &Vec3) -> Symmetric {
-    PLACES.map(|(row, column)| a[row] * b[column] + b[row] * a[column])
-}
-
-/// Returns the rotation matrix from the inertial frame of a body to its frame, row-major.
-pub(super) fn inertial_axes(model: &Model, body: usize) -> [f64; 9] {
+/// Returns the rotation matrix from the inertial frame of a body to its frame.
+fn inertial_axes(model: &Model, body: usize) -> Matrix3<f64> {
     let mut quat = model.body_iquat()[body];
     math::normalize4(&mut quat);
-    math::quat2mat(&quat)
+    Matrix3::from_row_slice(&math::quat2mat(&quat))
 }
 
-/// Returns a column of a row-major matrix.
-pub(super) fn column(matrix: &[f64; 9], at: usize) -> Vec3 {
-    [matrix[at], matrix[3 + at], matrix[6 + at]]
+/// Returns `v vᵀ` for a principal axis of the inertia of a body in its frame.
+pub(super) fn principal_moment(model: &Model, body: usize, axis: usize) -> Symmetric {
+    let axes = inertial_axes(model, body);
+    PLACES.map(|(row, column)| axes[(row, axis)] * axes[(column, axis)])
 }
 
-/// Returns U₃.
-fn upper(coordinates: &[f64; 10]) -> [Vec3; 3] {
-    let [_, d1, d2, d3, s12, s23, s13, ..] = *coordinates;
-    [[d1.exp(), s12, s13], [0.0, d2.exp(), s23], [0.0, 0.0, d3.exp()]]
-}
-
-fn add(to: &mut Symmetric, other: &Symmetric, factor: f64) {
-    crate::numerics::spatial::add_scaled(to, other, factor);
-}
-
-/// Returns the change of the rotational inertia about the origin by a shift of the centre of mass.
-pub(super) fn shift_change(mass: f64, centre: &Vec3, change: &Vec3) -> Symmetric {
-    inertia_of(&scale(&products(centre, change), mass))
+/// Returns U.
+fn upper(coordinates: &[f64; 10]) -> Matrix4<f64> {
+    let mut upper = Matrix4::identity();
+    for (at, (&place, &value)) in ELEMENTS.iter().zip(&coordinates[1..]).enumerate() {
+        upper[place] = if at < 3 { value.exp() } else { value };
+    }
+    coordinates[0].exp() * upper
 }
 
 /// Returns the change of the centre of mass by a change of the parameters.
@@ -274,4 +236,11 @@ pub(super) fn centre_change(parameters: &InertialParameters, change: &[f64; 10])
     let (mass, centre) = (parameters.mass(), parameters.centre_of_mass());
     let change: Vec3 = std::array::from_fn(|axis| (change[1 + axis] - change[0] * centre[axis]) / mass);
     if dot(&change, &change).is_finite() { change } else { [0.0; 3] }
+}
+
+/// Returns the unit vector of a coordinate.
+pub(super) fn unit<const N: usize>(at: usize) -> [f64; N] {
+    let mut vector = [0.0; N];
+    vector[at] = 1.0;
+    vector
 }

@@ -207,13 +207,7 @@ impl ModelParameter {
     /// Writes a value, which may be outside of the range of valid ones by the step of a difference.
     fn write(self, model: &mut ModelMut<'_>, value: f64) -> Result<()> {
         match self {
-            Self::Number(Parameter::MassFactor(body)) => {
-                let index = body.index();
-                model.body_mass_mut()[index] *= value;
-                model.body_inertia_mut()[index].iter_mut().for_each(|moment| *moment *= value);
-                Ok(())
-            }
-            Self::Number(parameter) => write_number(parameter, value, model),
+            Self::Number(parameter) => parameter.set(value, model),
             Self::Mass(body) => {
                 model.body_mass_mut()[body.index()] = value;
                 Ok(())
@@ -222,7 +216,8 @@ impl ModelParameter {
                 let parameters = InertialParameters::of(model, body);
                 let mut central = parameters.central_inertia();
                 central[at] = value;
-                parameters.with_central_inertia(&central).write(model, body)
+                let point = InertialParameters::point(parameters.mass(), &parameters.centre_of_mass());
+                point.with_inertia(&central).write(model, body)
             }
             Self::Inertial(body, at) => {
                 let mut parameters = InertialParameters::of(model, body);
@@ -236,33 +231,22 @@ impl ModelParameter {
             }
         }
     }
-}
 
-impl ModelParameter {
     /// Copies all numbers that the parameter changes from another copy of the model.
     fn restore(self, from: &Model, to: &mut ModelMut<'_>) -> Result<()> {
         let body = match self {
-            Self::Number(Parameter::JointDamping(joint)) => {
-                let dofs = from.joint(joint).dofs();
-                to.dof_damping_mut()[dofs.clone()].copy_from_slice(&from.dof_damping()[dofs]);
-                return Ok(());
-            }
-            Self::Number(Parameter::JointFrictionLoss(joint)) => {
-                let dofs = from.joint(joint).dofs();
-                to.dof_frictionloss_mut()[dofs.clone()].copy_from_slice(&from.dof_frictionloss()[dofs]);
-                return Ok(());
-            }
-            Self::Number(Parameter::JointArmature(joint)) => {
-                let dofs = from.joint(joint).dofs();
-                to.dof_armature_mut()[dofs.clone()].copy_from_slice(&from.dof_armature()[dofs]);
-                return Ok(());
-            }
             Self::Number(Parameter::MassFactor(body))
             | Self::Mass(body)
             | Self::Inertia(body, _)
             | Self::Inertial(body, _)
             | Self::LogCholesky(body, _) => body,
-            Self::Number(parameter) => return write_number(parameter, parameter.nominal(from), to),
+            Self::Number(parameter) => {
+                let Some((array, rows, column)) = parameter.place(from) else {
+                    return parameter.set(parameter.nominal(from), to);
+                };
+                rows.for_each(|row| to.set_number(array, row, column, from.number(array, row, column)));
+                return Ok(());
+            }
         };
         let body = body.index();
         to.body_mass_mut()[body] = from.body_mass()[body];
@@ -276,28 +260,4 @@ impl ModelParameter {
 /// Returns the log-Cholesky coordinates of a body that has them.
 fn coordinates(model: &Model, body: BodyId) -> [f64; 10] {
     InertialParameters::of(model, body).log_cholesky().unwrap_or([f64::NAN; 10])
-}
-
-/// Writes a parameter of a batch, except for a factor of the mass.
-fn write_number(parameter: Parameter, value: f64, model: &mut ModelMut<'_>) -> Result<()> {
-    match parameter {
-        Parameter::Gravity(axis) => return model.edit_options(|options| options.gravity[axis] = value),
-        Parameter::JointDamping(joint) => {
-            let dofs = model.joint(joint).dofs();
-            model.dof_damping_mut()[dofs].fill(value);
-        }
-        Parameter::JointFrictionLoss(joint) => {
-            let dofs = model.joint(joint).dofs();
-            model.dof_frictionloss_mut()[dofs].fill(value);
-        }
-        Parameter::JointArmature(joint) => {
-            let dofs = model.joint(joint).dofs();
-            model.dof_armature_mut()[dofs].fill(value);
-        }
-        _ => {
-            let (array, row, column) = parameter.place(model).expect("Bug: a parameter without a place");
-            model.set_number(array, row, column, value);
-        }
-    }
-    Ok(())
 }

@@ -4,7 +4,7 @@
 //! are the forces `τ_k = Σ S_k · f` of inverse dynamics. The acceleration of the world is minus
 //! gravity.
 
-use super::inertial::InertialParameters;
+use super::inertial::unit;
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -111,9 +111,10 @@ fn acceleration(data: &Data, body: usize) -> Spatial {
 /// # Regressors
 impl Data {
     /// Returns the regressor of the spatial equation of a body, `(6, 10)`: its product with the
-    /// [inertial parameters](InertialParameters) is the sum `[torque; force]` of all forces except
-    /// gravity that the motion of the body takes, about the origin of the body and in its axes,
-    /// N·m and N, at the present positions, velocities and accelerations ([`qacc`](Self::qacc)).
+    /// [inertial parameters](super::InertialParameters) is the sum `[torque; force]` of all forces
+    /// except gravity that the motion of the body takes, about the origin of the body and in its
+    /// axes, N·m and N, at the present positions, velocities and accelerations
+    /// ([`qacc`](Self::qacc)).
     ///
     /// # Errors
     ///
@@ -170,9 +171,9 @@ impl Data {
     }
 
     /// Returns the regressor of inverse dynamics, `(nv, 10 nbody)`: its product with the
-    /// [inertial parameters](InertialParameters) of all bodies, in their order, is the generalised
-    /// force `M a + c` of the rigid bodies without armature, at the present positions, velocities
-    /// and accelerations ([`qacc`](Self::qacc)). The columns of the world are zero.
+    /// [inertial parameters](super::InertialParameters) of all bodies, in their order, is the
+    /// generalised force `M a + c` of the rigid bodies without armature, at the present positions,
+    /// velocities and accelerations ([`qacc`](Self::qacc)). The columns of the world are zero.
     ///
     /// # Errors
     ///
@@ -229,11 +230,4 @@ impl Data {
         }
         Ok(())
     }
-}
-
-/// Returns the unit vector of an inertial parameter.
-fn unit(at: usize) -> [f64; 10] {
-    let mut change = InertialParameters([0.0; 10]).0;
-    change[at] = 1.0;
-    change
 }

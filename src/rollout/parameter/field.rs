@@ -1,5 +1,7 @@
 //! Quantities of the model that can differ between the simulations of a batch.
 
+use std::ops::Range;
+
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 use crate::id::{ActuatorId, BodyId, GeomId, JointId, Lineage};
@@ -323,10 +325,14 @@ impl Parameter {
         }
     }
 
-    /// Returns the name of the array, the row and the column of the number that a parameter is, if
-    /// it is one number.
-    pub(crate) fn place(self, model: &Model) -> Option<(&'static str, usize, usize)> {
-        Some(match self {
+    /// Returns the name of the array, the rows and the column of the numbers that a parameter is.
+    /// `None` for gravity and a factor of the mass.
+    pub(crate) fn place(self, model: &Model) -> Option<(&'static str, Range<usize>, usize)> {
+        let (array, row, column) = match self {
+            Self::Gravity(_) | Self::MassFactor(_) => return None,
+            Self::JointDamping(joint) => return Some(("dof_damping", model.joint(joint).dofs(), 0)),
+            Self::JointFrictionLoss(joint) => return Some(("dof_frictionloss", model.joint(joint).dofs(), 0)),
+            Self::JointArmature(joint) => return Some(("dof_armature", model.joint(joint).dofs(), 0)),
             Self::CentreOfMass(body, axis) => ("body_ipos", body.index(), axis),
             Self::JointStiffness(joint) => ("jnt_stiffness", joint.index(), 0),
             Self::GeomFriction(geom, at) => ("geom_friction", geom.index(), at),
@@ -335,59 +341,41 @@ impl Parameter {
             Self::ActuatorBias(actuator, at) => ("actuator_biasprm", actuator.index(), at),
             Self::ActuatorGear(actuator) => ("actuator_gear", model.first_output(actuator.index()), 0),
             Self::Field(FieldNumber { array, row, column, .. }) => (array, row, column),
-            _ => return None,
-        })
+        };
+        Some((array, row..row + 1, column))
     }
 
     /// Returns the value in the model of the batch.
     pub(crate) fn nominal(self, model: &Model) -> f64 {
-        match self {
-            Self::Gravity(axis) => model.options().gravity[axis],
-            Self::MassFactor(_) => 1.0,
-            Self::CentreOfMass(body, axis) => model.body_ipos()[body.index()][axis],
-            Self::JointStiffness(joint) => model.jnt_stiffness()[joint.index()],
-            Self::JointDamping(joint) => first(model, joint, model.dof_damping()),
-            Self::JointFrictionLoss(joint) => first(model, joint, model.dof_frictionloss()),
-            Self::JointArmature(joint) => first(model, joint, model.dof_armature()),
-            Self::GeomFriction(geom, at) => model.geom_friction()[geom.index()][at],
-            Self::GeomSize(geom, at) => model.geom_size()[geom.index()][at],
-            Self::ActuatorGain(actuator, at) => model.actuator_gainprm()[actuator.index()][at],
-            Self::ActuatorBias(actuator, at) => model.actuator_biasprm()[actuator.index()][at],
-            Self::ActuatorGear(actuator) => model.actuator_gear()[model.first_output(actuator.index())][0],
-            Self::Field(FieldNumber { array, row, column, .. }) => model.number(array, row, column),
+        match (self, self.place(model)) {
+            (_, Some((array, rows, column))) => model.number(array, rows.start, column),
+            (Self::Gravity(axis), _) => model.options().gravity[axis],
+            _ => 1.0,
         }
     }
 
     /// Writes a valid value to a copy of the model of the batch.
     pub(crate) fn write(self, value: f64, model: &Model, copy: &mut ModelMut<'_>) -> Result<()> {
-        match self {
-            Self::Gravity(axis) => copy.edit_options(|options| options.gravity[axis] = value)?,
-            Self::MassFactor(body) => {
+        if let Self::MassFactor(body) = self {
+            let index = body.index();
+            copy.body_mass_mut()[index] = model.body_mass()[index];
+            copy.body_inertia_mut()[index] = model.body_inertia()[index];
+        }
+        self.set(value, copy)
+    }
+
+    /// Writes a valid value. A factor multiplies the present mass.
+    pub(crate) fn set(self, value: f64, model: &mut ModelMut<'_>) -> Result<()> {
+        match (self, self.place(model)) {
+            (_, Some((array, rows, column))) => rows.for_each(|row| model.set_number(array, row, column, value)),
+            (Self::Gravity(axis), _) => model.edit_options(|options| options.gravity[axis] = value)?,
+            (Self::MassFactor(body), _) => {
                 let index = body.index();
-                copy.body_mass_mut()[index] = model.body_mass()[index] * value;
-                copy.body_inertia_mut()[index] = model.body_inertia()[index].map(|moment| moment * value);
+                model.body_mass_mut()[index] *= value;
+                model.body_inertia_mut()[index].iter_mut().for_each(|moment| *moment *= value);
             }
-            Self::CentreOfMass(body, axis) => copy.body_ipos_mut()[body.index()][axis] = value,
-            Self::JointStiffness(joint) => copy.jnt_stiffness_mut()[joint.index()] = value,
-            Self::JointDamping(joint) => copy.dof_damping_mut()[dofs(model, joint)].fill(value),
-            Self::JointFrictionLoss(joint) => copy.dof_frictionloss_mut()[dofs(model, joint)].fill(value),
-            Self::JointArmature(joint) => copy.dof_armature_mut()[dofs(model, joint)].fill(value),
-            Self::GeomFriction(geom, at) => copy.geom_friction_mut()[geom.index()][at] = value,
-            Self::GeomSize(geom, at) => copy.geom_size_mut()[geom.index()][at] = value,
-            Self::ActuatorGain(actuator, at) => copy.actuator_gainprm_mut()[actuator.index()][at] = value,
-            Self::ActuatorBias(actuator, at) => copy.actuator_biasprm_mut()[actuator.index()][at] = value,
-            Self::ActuatorGear(actuator) => copy.actuator_gear_mut()[model.first_output(actuator.index())][0] = value,
-            Self::Field(FieldNumber { array, row, column, .. }) => copy.set_number(array, row, column, value),
+            _ => unreachable!("Bug: a parameter without a place"),
         }
         Ok(())
     }
-}
-
-fn dofs(model: &Model, joint: JointId) -> std::ops::Range<usize> {
-    model.joint(joint).dofs()
-}
-
-/// Returns the value of the joint's first degree of freedom.
-fn first(model: &Model, joint: JointId, values: &[f64]) -> f64 {
-    values[dofs(model, joint).start]
 }

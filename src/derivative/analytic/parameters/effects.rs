@@ -36,37 +36,20 @@ pub(super) struct Point<'a> {
     pub(super) data: &'a Data,
     pub(super) tree: &'a Tree,
     /// Integrator with implicit damping, if the step has it.
-    pub(super) damping: Damping<'a>,
+    pub(super) damping: Option<Damping<'a>>,
     pub(super) wants_sensors: bool,
     /// True if actuators are part of g, and forces applied to bodies.
     pub(super) has_actuators: bool,
     pub(super) has_applied: bool,
 }
 
-/// Implicit damping of an integrator.
+/// Vectors of an integrator with implicit damping: w, and the accelerations of the step.
 #[derive(Clone, Copy)]
-pub(super) enum Damping<'a> {
-    None,
-    /// w and s of the Euler integrator.
-    Euler {
-        spread: &'a [f64],
-        acceleration: &'a [f64],
-    },
-    /// w and s of the implicit integrator, and the motions of the bodies at `v + s`, v and s.
-    Implicit {
-        spread: &'a [f64],
-        acceleration: &'a [f64],
-        motions: [&'a [[Spatial; 2]]; 3],
-    },
-}
-
-impl<'a> Damping<'a> {
-    pub(super) fn spread(self) -> Option<&'a [f64]> {
-        match self {
-            Self::None => None,
-            Self::Euler { spread, .. } | Self::Implicit { spread, .. } => Some(spread),
-        }
-    }
+pub(super) struct Damping<'a> {
+    pub(super) spread: &'a [f64],
+    pub(super) acceleration: &'a [f64],
+    /// Motions of the bodies with `v + s`, v and s, if the integrator depends on all velocities.
+    pub(super) motions: Option<[&'a [[Spatial; 2]]; 3]>,
 }
 
 /// Terms that are the same in the derivatives by all inertial parameters of a body.
@@ -84,16 +67,15 @@ impl BodyTerms {
         let Point { data, tree, damping, .. } = point;
         let frame = BodyFrame::of(data, body);
         let mut velocity = [0.0; 6];
-        if let Some(spread) = damping.spread() {
+        if let Some(Damping { spread, .. }) = damping {
             tree.chain(tree.last[body]).for_each(|dof| add_scaled(&mut velocity, &data.cdof()[dof], spread[dof]));
         }
-        let motions = match damping {
-            Damping::Implicit { motions, .. } => Some(motions.map(|motions| {
+        let motions = damping.and_then(|damping| damping.motions).map(|all| {
+            all.map(|motions| {
                 let [velocity, acceleration] = motions[body].map(|motion| frame.motion(&motion));
                 BodyMotion { velocity, acceleration }
-            })),
-            _ => None,
-        };
+            })
+        });
         Self { body, frame, motion: frame.present_motion(data, body), spread: frame.motion(&velocity), motions }
     }
 }
@@ -101,7 +83,7 @@ impl BodyTerms {
 /// Passes the derivatives by a parameter on. `terms` are those of the last inertial parameter at
 /// this point, if there was one.
 pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Option<BodyTerms>, sink: &mut impl Sink) {
-    let Point { data, tree, damping, .. } = point;
+    let Point { data, damping, .. } = point;
     let model = data.model();
     let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
     match *effect {
@@ -117,7 +99,7 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
         Effect::Armature(ref dofs) => {
             for dof in dofs.clone() {
                 sink.residual(dof, data.qacc()[dof]);
-                if let Some(spread) = damping.spread() {
+                if let Some(Damping { spread, .. }) = damping {
                     sink.spread(dof, spread[dof]);
                 }
             }
@@ -128,10 +110,10 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
                 if has_passive {
                     sink.residual(dof, data.qvel()[dof]);
                 }
-                match damping {
-                    Damping::Euler { acceleration, .. } => sink.spread(dof, -h * acceleration[dof]),
-                    Damping::Implicit { acceleration, .. } if has_passive => sink.spread(dof, -h * acceleration[dof]),
-                    _ => {}
+                if let Some(Damping { acceleration, motions, .. }) = damping
+                    && (has_passive || motions.is_none())
+                {
+                    sink.spread(dof, -h * acceleration[dof]);
                 }
             }
         }
@@ -154,26 +136,16 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
         }
         Effect::TendonDamping(tendon) if has_passive => {
             add_tendon(data, tendon, data.ten_velocity()[tendon], sink);
-            if let Damping::Implicit { acceleration, .. } = damping {
-                let row = data.tendon_row(tendon);
-                let h = model.raw().opt.timestep;
-                add_on_chains(tree, row, acceleration, -h, |dof, value| sink.spread(dof, value));
-            }
+            add_damping(point, data.tendon_row(tendon), -1.0, sink);
         }
-        Effect::Gain { actuator, factor } => {
-            let slopes = ForceSlopes::new(data, actuator);
-            let input = slopes.map_or(0.0, |slopes| slopes.input);
+        Effect::Gain { actuator, factor } | Effect::Bias { actuator, factor } => {
+            let input_of = |input: f64| if matches!(effect, Effect::Gain { .. }) { input } else { 1.0 };
+            let input = ForceSlopes::new(data, actuator).map_or(0.0, |slopes| input_of(slopes.input));
             add_actuator(point, actuator, input * value_of(data, actuator, factor), sink);
-            let gain = actuators::velocity_gain_input(data, actuator).map_or(0.0, |(input, _)| input);
-            if factor == Factor::Velocity {
-                add_velocity_gain(point, actuator, gain, sink);
-            }
-        }
-        Effect::Bias { actuator, factor } => {
-            let has_slope = ForceSlopes::new(data, actuator).is_some();
-            add_actuator(point, actuator, if has_slope { value_of(data, actuator, factor) } else { 0.0 }, sink);
-            if factor == Factor::Velocity && actuators::velocity_gain_input(data, actuator).is_some() {
-                add_velocity_gain(point, actuator, 1.0, sink);
+            if factor == Factor::Velocity
+                && let Some((input, _)) = actuators::velocity_gain_input(data, actuator)
+            {
+                add_damping(point, data.moment_row(actuator), input_of(input), sink);
             }
         }
         Effect::TimeConstant { actuator, activation } => {
@@ -203,7 +175,7 @@ fn inertial(point: Point<'_>, terms: &BodyTerms, change: &[f64; 10], centre: &[f
     if point.wants_sensors {
         explicit::add_force(data, body, &force, |address, value| sink.sensor(address, value));
     }
-    if damping.spread().is_none() {
+    if damping.is_none() {
         return;
     }
     let mut local = momentum(&in_engine_order(change), spread);
@@ -279,15 +251,17 @@ fn add_tendon(data: &Data, tendon: usize, force: f64, sink: &mut impl Sink) {
     }
 }
 
-/// Passes `factor · m mᵀ s` on, without products of two degrees of freedom of which neither moves
-/// the other, as the engine has it.
-fn add_on_chains(tree: &Tree, row: Row<'_>, acceleration: &[f64], factor: f64, mut add: impl FnMut(usize, f64)) {
+/// Adds the change of the damping matrix by `factor · rowᵀ row` to the implicit integrator, as far
+/// as its dofs are on the same chain.
+fn add_damping(point: Point<'_>, row: Row<'_>, factor: f64, sink: &mut impl Sink) {
+    let Some(Damping { acceleration, motions: Some(_), .. }) = point.damping else { return };
+    let factor = factor * point.data.model().raw().opt.timestep;
     for (dof, arm) in row.iter() {
-        add(dof, factor * arm * arm * acceleration[dof]);
-        for above in tree.chain(tree.parent[dof]) {
+        sink.spread(dof, factor * arm * arm * acceleration[dof]);
+        for above in point.tree.chain(point.tree.parent[dof]) {
             if let Some((_, other)) = row.iter().find(|&(other, _)| other == above) {
-                add(dof, factor * arm * other * acceleration[above]);
-                add(above, factor * arm * other * acceleration[dof]);
+                sink.spread(dof, factor * arm * other * acceleration[above]);
+                sink.spread(above, factor * arm * other * acceleration[dof]);
             }
         }
     }
@@ -315,15 +289,6 @@ fn add_actuator(point: Point<'_>, actuator: usize, force: f64, sink: &mut impl S
     }
 }
 
-/// Adds the derivative of Q by a velocity gain.
-fn add_velocity_gain(point: Point<'_>, actuator: usize, gain: f64, sink: &mut impl Sink) {
-    if let Damping::Implicit { acceleration, .. } = point.damping {
-        let h = point.data.model().raw().opt.timestep;
-        let row = point.data.moment_row(actuator);
-        add_on_chains(point.tree, row, acceleration, h * gain, |dof, value| sink.spread(dof, value));
-    }
-}
-
 fn add_gear(point: Point<'_>, actuator: usize, sink: &mut impl Sink) {
     let data = point.data;
     let model = data.model();
@@ -341,7 +306,8 @@ fn add_gear(point: Point<'_>, actuator: usize, sink: &mut impl Sink) {
     add_actuator(point, actuator, slope, sink);
     let force = inverse * data.actuator_force()[actuator];
     data.moment_row(actuator).iter().for_each(|(dof, arm)| sink.residual(dof, -arm * force));
-    add_velocity_gain(point, actuator, 2.0 * inverse * actuators::velocity_gain(data, actuator).total, sink);
+    let change = 2.0 * inverse * actuators::velocity_gain(data, actuator).total;
+    add_damping(point, data.moment_row(actuator), change, sink);
 }
 
 /// Returns the derivative of the activation after a step by the time constant of its filter.

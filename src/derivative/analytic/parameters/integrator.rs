@@ -16,7 +16,7 @@ use crate::numerics::spatial::Spatial;
 
 /// Integrator, with its buffers.
 #[derive(Debug)]
-pub(super) struct Integrator {
+pub(in crate::derivative) struct Integrator {
     kind: Kind,
     inertia: DampedInertia,
     /// `(nv, 1)`: w of the Euler integrator.
@@ -97,21 +97,23 @@ impl Integrator {
     }
 
     /// Returns w and s for the derivatives of the terms.
-    pub(super) fn damping(&self) -> Damping<'_> {
+    pub(super) fn damping(&self) -> Option<Damping<'_>> {
         match (self.kind, &self.implicit) {
-            (Kind::Implicit, Some(step)) => Damping::Implicit {
+            (Kind::Implicit, Some(step)) => Some(Damping {
                 spread: step.spread.as_slice(),
                 acceleration: &step.acceleration,
-                motions: [&self.motions[0], &self.motions[1], &self.motions[2]],
-            },
-            (Kind::Euler, _) => Damping::Euler { spread: self.spread.as_slice(), acceleration: &self.acceleration },
-            _ => Damping::None,
+                motions: Some([&self.motions[0], &self.motions[1], &self.motions[2]]),
+            }),
+            (Kind::Euler, _) => {
+                Some(Damping { spread: self.spread.as_slice(), acceleration: &self.acceleration, motions: None })
+            }
+            _ => None,
         }
     }
 
     /// Returns w, unless it is zero.
     pub(in crate::derivative) fn spread(&self) -> Option<&[f64]> {
-        self.damping().spread()
+        self.damping().map(|damping| damping.spread)
     }
 
     /// Returns `true` if Q depends on more than damping.

@@ -21,7 +21,7 @@ mod sink;
 mod solver;
 
 use self::columns::{Column, Columns, Product};
-use self::effects::{Damping, Point};
+use self::effects::Point;
 use self::integrator::Integrator;
 use super::inverse::Inverse;
 use super::sensors::explicit;
@@ -38,9 +38,9 @@ use crate::numerics::linear_algebra::{add, solve_cholesky};
 
 /// Derivatives by parameters, with their buffers.
 #[derive(Debug)]
-pub(super) struct Parameters {
-    integrator: Integrator,
-    columns: Columns,
+pub(in crate::derivative) struct Parameters {
+    pub(in crate::derivative) integrator: Integrator,
+    pub(in crate::derivative) columns: Columns,
     /// `(nv, 1)`: μ and h η.
     weights: [Matrix; 2],
 }
@@ -49,7 +49,7 @@ pub(super) struct Parameters {
 pub(in crate::derivative) type Preparation = std::result::Result<(), Fallback>;
 
 impl Parameters {
-    fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let column = Matrix::zeros(model.nv(), 1);
         Self { integrator: Integrator::new(model), columns: Columns::default(), weights: [column.clone(), column] }
     }
@@ -74,7 +74,6 @@ impl Analytic {
         let Some(kinks) = solver::examine(data, resolved) else { return Ok(Err(Fallback::Constraint)) };
         let Self { tree, bodies, parameters, .. } = self;
         self.kinks |= kinks;
-        let parameters = parameters.get_or_insert_with(|| Parameters::new(data.model()));
         let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
         parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
         Ok(Ok(()))
@@ -112,35 +111,17 @@ impl Analytic {
         data: &Data,
         resolved: &[Resolved],
         wants_sensors: bool,
-    ) -> &mut Columns {
-        let Self { tree, parameters, .. } = self;
-        let Parameters { integrator, columns, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+    ) {
+        let Self { tree, parameters: Parameters { integrator, columns, .. }, .. } = self;
         columns.clear(data.model(), resolved.len(), wants_sensors);
         let damping = integrator.damping();
         let point = Point { data, tree, damping, wants_sensors, has_actuators: true, has_applied: true };
         add_all(point, resolved, columns);
-        columns
-    }
-
-    /// Returns w of the integrator, unless it is zero.
-    pub(in crate::derivative) fn spread(&self) -> Option<&[f64]> {
-        self.parameters.as_ref().and_then(|parameters| parameters.integrator.spread())
-    }
-
-    /// Returns `true` if the integrator depends on forces in more ways than by damping.
-    pub(in crate::derivative) fn is_integrator_implicit(&self) -> bool {
-        self.parameters.as_ref().is_some_and(|parameters| parameters.integrator.is_implicit())
-    }
-
-    /// Returns the columns of the parameters.
-    pub(in crate::derivative) fn columns(&mut self) -> &mut Columns {
-        &mut self.parameters.as_mut().expect("Bug: parameters are not prepared").columns
     }
 
     /// Converts the terms to derivatives of the next velocities and of the sensors.
     pub(in crate::derivative) fn finish_columns(&mut self, data: &Data, wants_sensors: bool) -> &mut Columns {
-        let Self { tree, parameters, newton, inverse, .. } = self;
-        let Parameters { integrator, columns, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+        let Self { tree, parameters: Parameters { integrator, columns, .. }, newton, inverse, .. } = self;
         solve_cholesky(&newton.factor, &mut columns.residual);
         if wants_sensors {
             columns.deceleration.as_mut_slice().copy_from_slice(columns.residual.as_slice());
@@ -157,11 +138,6 @@ impl Analytic {
         }
         integrator.finish(data, tree, &mut columns.residual, &mut columns.spread);
         columns
-    }
-
-    /// Returns the columns of the parameters for reading.
-    pub(in crate::derivative) fn present_columns(&self) -> &Columns {
-        &self.parameters.as_ref().expect("Bug: parameters are not prepared").columns
     }
 
     /// Returns `true` if the derivative of a reading by a parameter has a formula.
@@ -183,8 +159,7 @@ impl Analytic {
 
     /// Writes the derivatives of the next state, `(nx, n)`.
     pub(in crate::derivative) fn write_columns(&self, model: &Model, state: &mut Matrix) {
-        let Parameters { integrator, columns, .. } =
-            self.parameters.as_ref().expect("Bug: parameters are not prepared");
+        let Parameters { integrator, columns, .. } = &self.parameters;
         let nv = model.nv();
         integrator.write_positions(model.raw().opt.timestep, &columns.residual, state);
         let width = columns.residual.ncols();
@@ -197,8 +172,7 @@ impl Analytic {
     /// Computes the weights of a gradient, after the preparation: from the gradients by the next
     /// state, `(nx)`, and by the sensors, `(nsensordata)` or empty.
     pub(in crate::derivative) fn weigh(&mut self, data: &Data, by_state: &[f64], by_sensors: &[f64]) {
-        let Self { tree, parameters, newton, inverse, .. } = self;
-        let Parameters { integrator, weights, .. } = parameters.as_mut().expect("Bug: parameters are not prepared");
+        let Self { tree, parameters: Parameters { integrator, weights, .. }, newton, inverse, .. } = self;
         integrator.transpose(data, tree, by_state, weights);
         let nv = data.model().nv();
         if let Some(inverse) = inverse {
@@ -218,8 +192,7 @@ impl Analytic {
         by_state: &[f64],
         by_sensors: &[f64],
     ) -> f64 {
-        let Parameters { integrator, weights, .. } =
-            self.parameters.as_ref().expect("Bug: parameters are not prepared");
+        let Parameters { integrator, weights, .. } = &self.parameters;
         let (damping, wants_sensors) = (integrator.damping(), !by_sensors.is_empty());
         let point = Point { data, tree: &self.tree, damping, wants_sensors, has_actuators: true, has_applied: true };
         let mut product = Product {
@@ -253,11 +226,9 @@ impl Analytic {
         }
         let Some(kinks) = solver::examine(data, resolved) else { return Ok(None) };
         self.kinks |= kinks;
-        let Self { tree, parameters, .. } = self;
-        let Parameters { columns, .. } = parameters.get_or_insert_with(|| Parameters::new(data.model()));
+        let Self { tree, parameters: Parameters { columns, .. }, .. } = self;
         columns.clear(data.model(), resolved.len(), false);
-        let point =
-            Point { data, tree, damping: Damping::None, wants_sensors: false, has_actuators, has_applied: false };
+        let point = Point { data, tree, damping: None, wants_sensors: false, has_actuators, has_applied: false };
         add_all(point, resolved, columns);
         Ok(Some(columns))
     }
