@@ -6,6 +6,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, Dyn};
 
+use super::plan::Plan;
+
 /// Least diagonal entry for the damping.
 const LEAST_DIAGONAL: f64 = 1e-12;
 
@@ -29,9 +31,9 @@ struct Block {
 
 impl Chain {
     /// Creates a chain of states with these numbers of coordinates.
-    pub(super) fn new(sizes: &[usize], unknowns: usize) -> Self {
-        let next = sizes[1..].iter().copied().chain([0]);
-        let blocks = sizes.iter().zip(next).map(|(&size, next)| Block {
+    pub(super) fn new(plan: &Plan, unknowns: usize) -> Self {
+        let size = |segment: usize| if segment < plan.segments() { plan.states(segment).len() } else { 0 };
+        let blocks = (0..plan.segments()).map(|segment| (size(segment), size(segment + 1))).map(|(size, next)| Block {
             diagonal: DMatrix::zeros(size, size),
             coupling: DMatrix::zeros(next, size),
             border: DMatrix::zeros(size, unknowns + 1),
@@ -64,12 +66,12 @@ impl Chain {
         next.border -= weighted.columns(n, end.ncols() - n);
     }
 
-    /// Adds a prior of a coordinate of the first state.
-    pub(super) fn add_prior(&mut self, coordinate: usize, error: f64, deviation: f64) {
+    /// Adds the square of an error with this slope by a coordinate of the first state.
+    pub(super) fn add_prior(&mut self, coordinate: usize, error: f64, slope: f64) {
         let Block { diagonal, border, .. } = &mut self.0[0];
-        diagonal[(coordinate, coordinate)] += deviation.powi(-2);
+        diagonal[(coordinate, coordinate)] += slope * slope;
         let gradient = border.ncols() - 1;
-        border[(coordinate, gradient)] += error / deviation.powi(2);
+        border[(coordinate, gradient)] += slope * error;
     }
 
     /// Eliminates the states from the model, with a damping of their diagonal. Returns `false` if

@@ -87,7 +87,7 @@ impl Values<'_> {
                     has_derived_constants |= parameter.has_derived_constants();
                 }
                 Kind::Edit(edit) => edit(value, model)?,
-                Kind::Delay(_) | Kind::Gain(_) | Kind::Bias(_) => {}
+                Kind::Correction(..) => {}
             }
         }
         if has_derived_constants {

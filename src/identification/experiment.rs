@@ -102,10 +102,7 @@ impl Measurement {
 
     fn check(&self) -> Result<()> {
         check_deviation(&format!("the standard deviation of {}", self.name), self.deviation)?;
-        if !self.delay.is_finite() {
-            return Err(Error::not_finite(format!("the delay of {}", self.name), self.delay));
-        }
-        Ok(())
+        Error::check_finite(&[self.delay], |_| format!("the delay of {}", self.name))
     }
 }
 
@@ -202,24 +199,18 @@ impl Experiment {
         self.measurements.iter().try_for_each(Measurement::check)?;
         if let Some(controls) = &self.controls {
             Error::check_length("the controls of an experiment", controls.width(), model.nu())?;
-            if let Some(value) = controls.values().as_slice().iter().find(|value| !value.is_finite()) {
-                return Err(Error::not_finite(format!("a control of {name}"), value));
-            }
+            Error::check_finite(controls.values().as_slice(), |_| format!("a control of {name}"))?;
         }
         Error::check_length("the uncertainty of a start", self.uncertainty.len(), 2 * model.nv() + model.na())?;
-        if let Some(value) = self.uncertainty.iter().find(|value| value.is_nan() || **value < 0.0) {
-            let what = format!("a standard deviation of the start of {name}");
-            return Err(Error::out_of_range(what, value, "not negative"));
+        let what = format_args!("a standard deviation of the start of {name}");
+        for &deviation in &self.uncertainty {
+            Error::check_range(deviation >= 0.0, what, deviation, "not negative")?;
         }
-        if self.segment.is_nan() || self.segment <= 0.0 {
-            let what = format!("the duration of the segments of {name}");
-            return Err(Error::out_of_range(what, self.segment, "positive"));
-        }
+        let what = format_args!("the duration of the segments of {name}");
+        Error::check_range(self.segment > 0.0, what, self.segment, "positive")?;
         if let Some(guess) = &self.guess {
             Error::check_length("the states of segments", guess.width(), model.state_size(StateSpec::PHYSICS))?;
-            if let Some(value) = guess.values().as_slice().iter().find(|value| !value.is_finite()) {
-                return Err(Error::not_finite(format!("a state of a segment of {name}"), value));
-            }
+            Error::check_finite(guess.values().as_slice(), |_| format!("a state of a segment of {name}"))?;
         }
         Ok(())
     }

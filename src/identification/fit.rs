@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
 use super::column::Values;
 use super::shooting::{Point, Residuals, Shooting};
-use super::{Experiment, Identification, MeasurementError, Options};
+use super::{Experiment, Identification, MeasurementError, Options, Unknown};
 use crate::error::{Error, InvalidKind, Result};
 use crate::least_squares::{LeastSquaresOutcome, LeastSquaresStatus};
 use crate::matrix::Matrix;
@@ -75,7 +75,7 @@ impl Fit {
         let unknowns = &identification.unknowns;
         let values = Values { unknowns, coordinates, version: 0 };
         let Residuals { count, squares, gap } = problem.residuals;
-        let states: usize = problem.plans.iter().map(|plan| plan.free.len()).sum();
+        let states: usize = problem.plans.iter().map(|plan| plan.states(0).len()).sum();
         let freedom = count.saturating_sub(unknowns.len() + states).max(1) as f64;
         let noise = (squares / freedom).sqrt();
         let is_at_bound: Vec<bool> = unknowns
@@ -87,15 +87,9 @@ impl Fit {
             })
             .collect();
         let scales: Vec<f64> = unknowns.iter().map(|unknown| unknown.coordinate_scale()).collect();
-        let information = Information::new(hessian, &scales, &is_at_bound);
-        // In coordinates, then in values.
-        let mut covariance = information.covariance(unknowns.len());
-        for (row, column) in (0..unknowns.len()).flat_map(|row| (0..unknowns.len()).map(move |column| (row, column))) {
-            let entry = &mut covariance[(row, column)];
-            if entry.is_finite() {
-                *entry *= noise * noise * values.slope(row) * values.slope(column);
-            }
-        }
+        let slopes: Vec<f64> = (0..unknowns.len()).map(|index| values.slope(index)).collect();
+        let information = Information::new(hessian, &scales, &slopes, &is_at_bound);
+        let covariance = information.covariance(unknowns.len(), noise);
         let quantile = quantile(freedom);
         let estimates = unknowns
             .iter()
@@ -115,7 +109,7 @@ impl Fit {
                 Estimate { name, first, value, deviation, interval, is_at_bound: is_at_bound[index] }
             })
             .collect();
-        let undetermined = information.undetermined(|index| (unknowns[index].name.clone(), values.slope(index)));
+        let undetermined = information.undetermined(unknowns);
         Self {
             identification: identification.clone(),
             outcome,
@@ -238,26 +232,24 @@ impl Fit {
     }
 }
 
-/// Information about the free unknowns, in units of their scales.
+/// Information about the free unknowns, in units in which its diagonal is one.
 struct Information {
     free: Vec<usize>,
-    /// Square roots of the diagonal, and the eigenvalues and eigenvectors relative to it.
-    roots: Vec<f64>,
+    /// These units of the values of the unknowns.
+    units: Vec<f64>,
     eigenvalues: Vec<f64>,
     eigenvectors: DMatrix<f64>,
 }
 
 impl Information {
-    fn new(hessian: &Matrix, scales: &[f64], is_at_bound: &[bool]) -> Self {
+    fn new(hessian: &Matrix, scales: &[f64], slopes: &[f64], is_at_bound: &[bool]) -> Self {
         let free: Vec<usize> = (0..scales.len()).filter(|&index| !is_at_bound[index]).collect();
-        let scales: Vec<f64> = free.iter().map(|&index| scales[index]).collect();
-        let entry = |row: usize, column: usize| hessian[(free[row], free[column])];
-        let information = DMatrix::from_fn(free.len(), free.len(), entry);
-        let roots: Vec<f64> = (0..free.len()).map(|index| information[(index, index)].max(0.0).sqrt()).collect();
-        let has_influence = |index: usize| roots[index] * scales[index] > NO_INFLUENCE;
+        let root = |index: usize| hessian[(index, index)].max(0.0).sqrt();
+        let has_influence = |index: usize| root(index) * scales[index] > NO_INFLUENCE;
         let relative = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+            let (row, column) = (free[row], free[column]);
             if has_influence(row) && has_influence(column) {
-                information[(row, column)] / (roots[row] * roots[column])
+                hessian[(row, column)] / (root(row) * root(column))
             } else {
                 0.0
             }
@@ -269,20 +261,21 @@ impl Information {
         } else {
             (vec![0.0; free.len()], DMatrix::identity(free.len(), free.len()))
         };
-        let roots = roots.iter().enumerate().map(|(i, &root)| if has_influence(i) { root } else { scales[i].recip() });
-        Self { free, roots: roots.collect(), eigenvalues, eigenvectors }
+        let unit =
+            |&index: &usize| slopes[index] * if has_influence(index) { root(index).recip() } else { scales[index] };
+        Self { units: free.iter().map(unit).collect(), free, eigenvalues, eigenvectors }
     }
 
     /// Returns the covariance of all unknowns.
-    fn covariance(&self, unknowns: usize) -> Matrix {
+    fn covariance(&self, unknowns: usize, noise: f64) -> Matrix {
         let mut covariance = Matrix::zeros(unknowns, unknowns);
-        for (at, &value) in self.eigenvalues.iter().enumerate() {
-            let vector = self.eigenvectors.column(at);
+        for (vector, &value) in self.eigenvectors.column_iter().zip(&self.eigenvalues) {
             let largest = vector.amax();
             for (row, column) in (0..vector.len()).flat_map(|row| (0..vector.len()).map(move |column| (row, column))) {
                 let entry = &mut covariance[(self.free[row], self.free[column])];
                 if value > UNDETERMINED {
-                    *entry += vector[row] * vector[column] / (value * self.roots[row] * self.roots[column]);
+                    let product = vector[row] * vector[column] * self.units[row] * self.units[column];
+                    *entry += noise * noise * product / value;
                 } else if row == column && vector[row].abs() > SMALL_PART * largest {
                     *entry = f64::INFINITY;
                 }
@@ -291,29 +284,21 @@ impl Information {
         covariance
     }
 
-    /// Returns the undetermined combinations. `describe` returns the name of an unknown and the
-    /// derivative of its value by its coordinate.
-    fn undetermined(&self, describe: impl Fn(usize) -> (String, f64)) -> Vec<Combination> {
-        let mut combinations = Vec::new();
-        for (at, _) in self.eigenvalues.iter().enumerate().filter(|(_, value)| **value <= UNDETERMINED) {
-            let vector = self.eigenvectors.column(at);
-            let terms = vector.iter().enumerate().filter(|(_, part)| part.abs() > SMALL_PART * vector.amax());
-            let mut terms: Vec<(String, f64)> = terms
-                .map(|(place, part)| {
-                    let (name, slope) = describe(self.free[place]);
-                    (name, part / self.roots[place] * slope)
-                })
-                .collect();
-            let largest = terms
-                .iter()
-                .map(|term| term.1)
-                .fold(0.0, |largest: f64, part| if part.abs() > largest.abs() { part } else { largest });
+    /// Returns the undetermined combinations.
+    fn undetermined(&self, unknowns: &[Unknown]) -> Vec<Combination> {
+        let vectors = self.eigenvectors.column_iter().zip(&self.eigenvalues);
+        let combination = |vector: DVectorView<'_, f64>| {
+            let parts = vector.iter().enumerate().filter(|(_, part)| part.abs() > SMALL_PART * vector.amax());
+            let term = |(at, part): (usize, &f64)| (unknowns[self.free[at]].name.clone(), part * self.units[at]);
+            let mut terms: Vec<(String, f64)> = parts.map(term).collect();
+            let larger = |one: f64, other: f64| if other.abs() > one.abs() { other } else { one };
+            let largest = terms.iter().map(|term| term.1).fold(0.0, larger);
             for term in &mut terms {
                 term.1 /= largest;
             }
-            combinations.push(Combination { terms });
-        }
-        combinations
+            Combination { terms }
+        };
+        vectors.filter(|(_, value)| **value <= UNDETERMINED).map(|(vector, _)| combination(vector)).collect()
     }
 }
 

@@ -14,7 +14,6 @@ use crate::derivative::{
 };
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
-use crate::numerics::linear_algebra::add;
 use crate::rollout::Parameter;
 
 /// Number of columns from which on formulas are faster than differences: a linearisation takes as
@@ -62,7 +61,7 @@ impl Formulas {
                 found.push(index);
             }
         }
-        let states = (0..plan.segments()).map(|segment| plan.state_columns(segment)).max().unwrap_or(0);
+        let states = (0..plan.segments()).map(|segment| plan.states(segment).len()).max().unwrap_or(0);
         Ok((states + found.len() >= MIN_COLUMNS).then_some(found))
     }
 
@@ -79,8 +78,8 @@ impl Formulas {
         let Self { lineariser, system, parameters, by_parameters } = self;
         // The unknowns come last.
         let states = columns.iter().take_while(|column| matches!(column, Column::State(_))).count();
-        let factors: Vec<f64> = columns[states..].iter().map(|&column| factor(column, values)).collect();
-        let asked: Vec<_> = columns[states..].iter().filter_map(|&column| parameter(column, values)).collect();
+        let (asked, factors): (Vec<_>, Vec<_>) =
+            columns[states..].iter().filter_map(|&column| parameter(column, values)).unzip();
         if asked != *parameters {
             *by_parameters = ParameterJacobian::zeros(data.model(), asked.len());
             *parameters = asked;
@@ -89,7 +88,7 @@ impl Formulas {
         let size = plan.experiment.uncertainty.len();
         let mut present = Matrix::zeros(size, columns.len());
         let mut next = present.clone();
-        let mut readings = vec![0.0; columns.len()];
+        let mut readings = Matrix::zeros(data.model().nsensordata(), columns.len());
         let empty = |&column: &Column| {
             let readings = Vec::with_capacity((last - first + 1) * plan.width);
             Derivative { column, readings, end: vec![0.0; size] }
@@ -105,37 +104,25 @@ impl Formulas {
             let a = (step < last).then_some(&mut system.a);
             let outputs = TransitionOutputs { a, c: Some(&mut system.c), ..Default::default() };
             lineariser.linear_system_with_parameters_into(data, outputs, parameters, (&mut *by_parameters).into())?;
-            let explicit = |rows: &Matrix, row: usize, output: &mut [f64]| {
-                for ((output, value), factor) in output[states..].iter_mut().zip(rows.row(row)).zip(&factors) {
-                    *output += factor * value;
+            // The derivatives of a product with the state, and those by the parameters.
+            let multiply = |by_state: &Matrix, by_parameters: &Matrix, result: &mut Matrix| {
+                result.transposed_mut().gemm(1.0, &present.transposed(), &by_state.transposed(), 0.0);
+                for (row, values) in by_parameters.rows().enumerate() {
+                    let outputs = result.row_mut(row)[states..].iter_mut();
+                    outputs.zip(values).zip(&factors).for_each(|((output, value), factor)| *output += factor * value);
                 }
             };
+            multiply(&system.c, &by_parameters.sensors, &mut readings);
             for measurement in &plan.experiment.measurements {
                 let Source::Sensor(range) = &measurement.source else { continue };
                 for row in range.clone() {
-                    readings.fill(0.0);
-                    for (factor, values) in system.c.row(row).iter().zip(present.rows()) {
-                        if *factor != 0.0 {
-                            add(&mut readings, values, *factor);
-                        }
-                    }
-                    explicit(&by_parameters.sensors, row, &mut readings);
-                    for (derivative, &value) in derivatives.iter_mut().zip(&readings) {
+                    for (derivative, &value) in derivatives.iter_mut().zip(readings.row(row)) {
                         derivative.readings.push(value);
                     }
                 }
             }
             if step < last {
-                for row in 0..size {
-                    let next = next.row_mut(row);
-                    next.fill(0.0);
-                    for (factor, values) in system.a.row(row).iter().zip(present.rows()) {
-                        if *factor != 0.0 {
-                            add(next, values, *factor);
-                        }
-                    }
-                    explicit(&by_parameters.state, row, next);
-                }
+                multiply(&system.a, &by_parameters.state, &mut next);
                 std::mem::swap(&mut present, &mut next);
                 data.step()?;
             }
@@ -147,24 +134,13 @@ impl Formulas {
     }
 }
 
-/// Returns the parameter of an unknown.
-fn parameter(column: Column, values: &Values<'_>) -> Option<ModelParameter> {
-    match column {
-        Column::Unknown(index) => match values.unknowns[index].kind {
-            Kind::Parameter(parameter) => Some(parameter),
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
-/// Returns the derivative of the value by which the lineariser differentiates by the coordinate of
-/// an unknown.
-fn factor(column: Column, values: &Values<'_>) -> f64 {
-    let Column::Unknown(index) = column else { return 1.0 };
-    match parameter(column, values) {
-        // A factor relative to the present mass.
-        Some(ModelParameter::Number(Parameter::MassFactor(_))) => values.slope(index) / values.value(index),
-        _ => values.slope(index),
-    }
+/// Returns the parameter of the model that a column is, with the derivative of its value by the
+/// coordinate.
+fn parameter(column: Column, values: &Values<'_>) -> Option<(ModelParameter, f64)> {
+    let Column::Unknown(index) = column else { return None };
+    let Kind::Parameter(parameter) = values.unknowns[index].kind else { return None };
+    let slope = values.slope(index);
+    // A factor is relative to the present mass.
+    let is_factor = matches!(parameter, ModelParameter::Number(Parameter::MassFactor(_)));
+    Some((parameter, if is_factor { slope / values.value(index) } else { slope }))
 }

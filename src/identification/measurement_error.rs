@@ -3,9 +3,10 @@
 use super::Signal;
 use super::column::Values;
 use super::plan::Plan;
-use super::segment::{Between, Corrections};
+use super::segment::for_each_reading;
 use crate::error::Result;
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::dot;
 
 /// Errors of a measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,41 +32,31 @@ pub(super) fn errors_of(
     segments: &[(usize, &[f64])],
     values: &Values<'_>,
 ) -> Result<Vec<MeasurementError>> {
-    let experiment = &plan.experiment;
-    let mut errors = Vec::new();
-    for (index, (channel, measurement)) in plan.channels.iter().zip(&experiment.measurements).enumerate() {
-        let corrections = Corrections::of(channel, measurement.delay, values);
-        let samples = channel.samples.clone();
-        let mut simulated =
-            Matrix::from_row_major(samples.len(), channel.width, vec![f64::NAN; samples.len() * channel.width]);
-        let (mut count, mut squares) = (0, 0.0);
-        for &(segment, readings) in segments {
-            for sample in plan.samples(segment, index, corrections.delay) {
-                let row = measurement.signal.values().row(sample);
-                let mut place = Between::new(plan, segment, measurement.signal.times()[sample] - corrections.delay);
-                if measurement.is_quaternion {
-                    place = place.align(readings, plan.width, channel.first, row);
-                }
-                for component in 0..channel.width {
-                    let reading = place.reading(readings, plan.width, channel.first + component);
-                    let reading = corrections.gain * reading + corrections.bias;
-                    simulated[(sample - samples.start, component)] = reading;
-                    let error = reading - row[component];
-                    if !error.is_nan() {
-                        count += 1;
-                        squares += error * error;
-                    }
-                }
-            }
-        }
-        errors.push(MeasurementError {
-            experiment: experiment.name.clone(),
-            measurement: measurement.name.clone(),
-            count: count as usize,
-            rms: (squares / f64::from(count.max(1_u32))).sqrt(),
-            simulated: Signal::new(measurement.signal.times()[samples.clone()].to_vec(), simulated)?,
-            measured: measurement.signal.rows(samples)?,
+    let mut simulated: Vec<Matrix> = Vec::new();
+    for (channel, measurement) in plan.channels.iter().zip(&plan.experiment.measurements) {
+        let (rows, columns) = (channel.samples.len(), measurement.signal.width());
+        simulated.push(Matrix::from_row_major(rows, columns, vec![f64::NAN; rows * columns]));
+    }
+    for &(segment, readings) in segments {
+        for_each_reading(plan, segment, readings, values, |reading, _| {
+            let row = reading.sample - plan.channels[reading.channel].samples.start;
+            simulated[reading.channel][(row, reading.component)] = reading.simulated;
         });
     }
-    Ok(errors)
+    let all = plan.channels.iter().zip(&plan.experiment.measurements).zip(simulated);
+    all.map(|((channel, measurement), simulated)| {
+        let measured = measurement.signal.rows(channel.samples.clone())?;
+        let pairs = simulated.as_slice().iter().zip(measured.values().as_slice());
+        let errors: Vec<f64> =
+            pairs.map(|(simulated, measured)| simulated - measured).filter(|e| !e.is_nan()).collect();
+        Ok(MeasurementError {
+            experiment: plan.experiment.name.clone(),
+            measurement: measurement.name.clone(),
+            count: errors.len(),
+            rms: (dot(&errors, &errors) / errors.len().max(1) as f64).sqrt(),
+            simulated: Signal::new(measured.times().to_vec(), simulated)?,
+            measured,
+        })
+    })
+    .collect()
 }

@@ -98,6 +98,8 @@ mod simulate;
 mod states;
 mod unknown;
 
+use std::collections::HashSet;
+
 pub use self::experiment::{Experiment, Measurement};
 pub use self::fit::{Combination, Estimate, Fit};
 pub use self::measurement_error::MeasurementError;
@@ -138,18 +140,8 @@ impl Identification {
     /// [`Error::Invalid`] for values and bounds that are not finite or in the wrong order (a delay
     /// needs finite bounds), and for two unknowns of one name.
     pub fn new(unknowns: Vec<Unknown>) -> Result<Self> {
-        for (index, unknown) in unknowns.iter().enumerate() {
-            unknown.check()?;
-            if unknowns[..index].iter().any(|other| other.name == unknown.name) {
-                let expected = "with a name for each";
-                return Err(Error::invalid(
-                    InvalidKind::Duplicate,
-                    "the unknowns",
-                    format!("two of {}", unknown.name),
-                    expected,
-                ));
-            }
-        }
+        unknowns.iter().try_for_each(Unknown::check)?;
+        check_distinct("the unknowns", unknowns.iter().map(|unknown| &*unknown.name))?;
         Ok(Self { unknowns, experiments: Vec::new(), has_all_measurements: true })
     }
 
@@ -169,13 +161,8 @@ impl Identification {
         if let Some(other) = self.experiments.first() {
             other.model.relation(&experiment.model).check("an experiment")?;
         }
-        for (index, measurement) in experiment.measurements.iter().enumerate() {
-            if experiment.measurements[..index].iter().any(|other| other.name == measurement.name) {
-                let what = format!("the measurements of {}", experiment.name);
-                let found = format!("two of {}", measurement.name);
-                return Err(Error::invalid(InvalidKind::Duplicate, what, found, "with a name for each"));
-            }
-        }
+        let names = experiment.measurements.iter().map(Measurement::name);
+        check_distinct(&format!("the measurements of {}", experiment.name), names)?;
         for unknown in &self.unknowns {
             if let Kind::Parameter(parameter) = unknown.kind {
                 parameter.name(&experiment.model)?;
@@ -233,12 +220,10 @@ impl Identification {
 
     /// Returns the layouts of experiments.
     fn plans(&self, experiments: &[Experiment]) -> Result<Vec<Plan>> {
-        if experiments.is_empty() {
-            let expected = "at least one";
-            return Err(Error::out_of_range("the number of experiments of an identification", 0, expected));
-        }
+        let what = "the number of experiments of an identification";
+        Error::check_range(!experiments.is_empty(), what, 0, "at least one")?;
         for unknown in &self.unknowns {
-            if let Kind::Delay(name) | Kind::Gain(name) | Kind::Bias(name) = &unknown.kind
+            if let Kind::Correction(_, name) = &unknown.kind
                 && self.has_all_measurements
                 && !experiments.iter().any(|experiment| experiment.measurements.iter().any(|one| one.name == *name))
             {
@@ -248,4 +233,15 @@ impl Identification {
         }
         experiments.iter().map(|experiment| Plan::new(experiment.clone(), &self.unknowns)).collect()
     }
+}
+
+fn check_distinct<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> Result<()> {
+    let mut known = HashSet::new();
+    for name in names {
+        if !known.insert(name) {
+            let found = format!("two of {name}");
+            return Err(Error::invalid(InvalidKind::Duplicate, what, found, "with a name for each"));
+        }
+    }
+    Ok(())
 }

@@ -1,9 +1,9 @@
 //! The steps, segments and samples of an experiment.
 
+use super::Experiment;
 use super::column::Column;
 use super::experiment::Source;
-use super::unknown::{Kind, Unknown};
-use super::{Experiment, Measurement};
+use super::unknown::{Correction, Kind, Unknown};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::memory;
@@ -17,8 +17,8 @@ pub(super) struct Plan {
     pub(super) experiment: Experiment,
     /// Steps at which segments start, and the number of all steps.
     pub(super) nodes: Vec<usize>,
-    /// Coordinates of the state at the start that are identified.
-    pub(super) free: Vec<usize>,
+    /// Coordinates of the state that are identified: at the start, and of any other segment.
+    states: [Vec<usize>; 2],
     pub(super) channels: Vec<Channel>,
     /// Number of values of a simulated reading of all measurements.
     pub(super) width: usize,
@@ -29,7 +29,6 @@ pub(super) struct Plan {
 pub(super) struct Channel {
     /// Place of its first value in a simulated reading.
     pub(super) first: usize,
-    pub(super) width: usize,
     /// Samples that the simulation reaches with all delays between the bounds.
     pub(super) samples: std::ops::Range<usize>,
     /// Unknowns that correct the measurement.
@@ -46,7 +45,12 @@ impl Plan {
         let mut channels = Vec::new();
         let (mut width, mut end) = (0, start);
         for measurement in &experiment.measurements {
-            let [delay, gain, bias] = corrections(measurement, unknowns);
+            let [delay, gain, bias] = [Correction::Delay, Correction::Gain, Correction::Bias].map(|correction| {
+                unknowns.iter().position(|unknown| match &unknown.kind {
+                    Kind::Correction(kind, name) => *kind == correction && *name == measurement.name,
+                    _ => false,
+                })
+            });
             let [least, largest] = match delay {
                 Some(index) => [unknowns[index].lower, unknowns[index].upper],
                 None => [measurement.delay; 2],
@@ -63,14 +67,12 @@ impl Plan {
             }
             end = end.max(times[times.len() - 1] - least);
             let count = measurement.signal.width();
-            channels.push(Channel { first: width, width: count, samples: first..times.len(), delay, gain, bias });
+            channels.push(Channel { first: width, samples: first..times.len(), delay, gain, bias });
             width += count;
         }
         let steps = ((end - start) / h - SAME).ceil().max(1.0);
-        if steps > 1e9 {
-            let what = format!("the number of steps of the experiment {}", experiment.name);
-            return Err(Error::out_of_range(what, steps, "at most 1e9"));
-        }
+        let what = format_args!("the number of steps of the experiment {}", experiment.name);
+        Error::check_range(steps <= 1e9, what, steps, "at most 1e9")?;
         let steps = steps as usize;
         // Derivatives keep the readings of all steps.
         let columns = 1 + experiment.uncertainty.len() + unknowns.len();
@@ -83,8 +85,9 @@ impl Plan {
             nodes.push(0);
         }
         nodes.push(steps);
-        let free = (0..experiment.uncertainty.len()).filter(|&index| experiment.uncertainty[index] > 0.0).collect();
-        Ok(Self { experiment, nodes, free, channels, width })
+        let all = 0..experiment.uncertainty.len();
+        let states = [all.clone().filter(|&index| experiment.uncertainty[index] > 0.0).collect(), all.collect()];
+        Ok(Self { experiment, nodes, states, channels, width })
     }
 
     pub(super) fn segments(&self) -> usize {
@@ -96,19 +99,19 @@ impl Plan {
         self.nodes[segment + 1] - self.nodes[segment]
     }
 
-    /// Returns the number of coordinates of the state at the start of a segment.
-    pub(super) fn state_columns(&self, segment: usize) -> usize {
-        if segment == 0 { self.free.len() } else { self.experiment.uncertainty.len() }
+    /// Returns the coordinates of the state at the start of a segment that are identified.
+    pub(super) fn states(&self, segment: usize) -> &[usize] {
+        &self.states[segment.min(1)]
     }
 
     /// Returns the place of a column among those of a segment: first the state, then the unknowns.
     pub(super) fn column(&self, segment: usize, column: Column) -> usize {
+        let states = self.states(segment);
         match column {
-            Column::State(coordinate) if segment == 0 => {
-                self.free.iter().position(|&free| free == coordinate).expect("Bug: a column of a known coordinate")
+            Column::State(coordinate) => {
+                states.iter().position(|&state| state == coordinate).expect("Bug: a column of a known coordinate")
             }
-            Column::State(coordinate) => coordinate,
-            Column::Unknown(index) => self.state_columns(segment) + index,
+            Column::Unknown(index) => states.len() + index,
             Column::Nothing => unreachable!("Bug: a derivative by nothing"),
         }
     }
@@ -142,16 +145,4 @@ impl Plan {
     pub(super) fn needs_forward(&self) -> bool {
         self.experiment.measurements.iter().any(|measurement| matches!(measurement.source, Source::Read(_)))
     }
-}
-
-/// Returns the unknown delay, gain and bias of a measurement.
-fn corrections(measurement: &Measurement, unknowns: &[Unknown]) -> [Option<usize>; 3] {
-    let find = |is_it: fn(&Kind) -> Option<&String>| {
-        unknowns.iter().position(|unknown| is_it(&unknown.kind).is_some_and(|name| *name == measurement.name))
-    };
-    [
-        find(|kind| if let Kind::Delay(name) = kind { Some(name) } else { None }),
-        find(|kind| if let Kind::Gain(name) = kind { Some(name) } else { None }),
-        find(|kind| if let Kind::Bias(name) = kind { Some(name) } else { None }),
-    ]
 }

@@ -1,7 +1,7 @@
 //! Page about a result, with plots.
 
-use std::fmt::{Display, Write as _};
-use std::io::{self, Write as _};
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::plot::{Curve, plot};
@@ -71,37 +71,37 @@ impl Fit {
     #[doc(alias = "plot")]
     #[doc(alias = "html")]
     pub fn save_report(&self, path: impl AsRef<Path>, held_out: &[MeasurementError]) -> Result<()> {
-        file::replace(path.as_ref(), |out| out.write_all(self.page(held_out)?.as_bytes()))
+        file::replace(path.as_ref(), |page| self.write(page, held_out))
     }
 
-    fn page(&self, held_out: &[MeasurementError]) -> io::Result<String> {
-        let mut page = HEAD.to_owned();
+    fn write(&self, page: &mut impl Write, held_out: &[MeasurementError]) -> io::Result<()> {
+        page.write_all(HEAD.as_bytes())?;
         let LeastSquaresOutcome { status, iterations, first_cost, cost } = self.outcome();
-        add(
-            &mut page,
-            format_args!(
-                "<h1>Identification</h1>\n<p>{status:?} after {iterations} iterations, cost {first_cost:.4e} → {cost:.4e}. \
-                 Root mean square of the residuals in units of their standard deviations: {:.3e}.</p>\n",
-                self.noise()
-            ),
-        );
-        self.add_values(&mut page);
+        writeln!(
+            page,
+            "<h1>Identification</h1>\n<p>{status:?} after {iterations} iterations, cost {first_cost:.4e} → {cost:.4e}. \
+             Root mean square of the residuals in units of their standard deviations: {:.3e}.</p>",
+            self.noise()
+        )?;
+        self.write_values(page)?;
         let costs = self.costs().iter().enumerate().map(|(iteration, cost)| [iteration as f64, cost.log10()]);
         let curve = Curve { points: costs.collect(), color: [0, 114, 178], width: 2 };
         let cost = plot(["iteration", "log₁₀ cost"], &[curve])?;
-        add(&mut page, format_args!("<h2>Cost</h2>\n<div class=plots>{cost}</div>\n"));
+        writeln!(page, "<h2>Cost</h2>\n<div class=plots>{cost}</div>")?;
         if self.gap() > 0.0 {
             let text = "The weight of the gaps between segments grows during the search, and the cost with it. Largest gap at the end";
-            add(&mut page, format_args!("<p>{text}: {:.3e}.</p>\n", self.gap()));
+            writeln!(page, "<p>{text}: {:.3e}.</p>", self.gap())?;
         }
-        add_errors(&mut page, "Measurements", self.errors())?;
-        add_errors(&mut page, "Held-out experiments", held_out)?;
-        Ok(page)
+        write_errors(page, "Measurements", self.errors())?;
+        write_errors(page, "Held-out experiments", held_out)
     }
 
-    /// Adds the values, and what the data do not determine.
-    fn add_values(&self, page: &mut String) {
-        page.push_str("<h2>Values</h2>\n<table><tr><th>unknown<th>first<th>value<th>standard deviation<th>95 % interval<th>bounds<th>prior\n");
+    /// Writes the values, and what the data do not determine.
+    fn write_values(&self, page: &mut impl Write) -> io::Result<()> {
+        writeln!(
+            page,
+            "<h2>Values</h2>\n<table><tr><th>unknown<th>first<th>value<th>standard deviation<th>95 % interval<th>bounds<th>prior"
+        )?;
         for (estimate, unknown) in self.estimates().iter().zip(self.identification.unknowns()) {
             let Estimate { name, first, value, deviation, interval: [low, high], is_at_bound } = estimate;
             let Unknown { lower, upper, prior, .. } = unknown;
@@ -109,49 +109,44 @@ impl Fit {
             let interval = if *is_at_bound { "at a bound".to_owned() } else { format!("[{low}, {high}]") };
             let prior = prior.map_or(String::new(), |(mean, deviation)| format!("{mean} ± {deviation}"));
             let name = escaped(name);
-            add(
+            writeln!(
                 page,
-                format_args!(
-                    "<tr><td>{name}<td>{first}<td><b>{value}</b><td>{deviation:.2e}<td>{interval}<td>[{lower}, {upper}]<td>{prior}\n"
-                ),
-            );
+                "<tr><td>{name}<td>{first}<td><b>{value}</b><td>{deviation:.2e}<td>{interval}<td>[{lower}, {upper}]<td>{prior}"
+            )?;
         }
-        page.push_str("</table>\n<h2>Undetermined combinations</h2>\n");
+        writeln!(page, "</table>\n<h2>Undetermined combinations</h2>")?;
         if self.undetermined().is_empty() {
-            page.push_str("<p>None: the data determine all unknowns.</p>\n");
-            return;
+            return writeln!(page, "<p>None: the data determine all unknowns.</p>");
         }
-        page.push_str(
-            "<p>All values can change together by multiples of these factors, and the readings stay.</p>\n<ul>\n",
-        );
+        let text = "All values can change together by multiples of these factors, and the readings stay.";
+        writeln!(page, "<p>{text}</p>\n<ul>")?;
         for combination in self.undetermined() {
-            add(page, format_args!("<li>{}\n", escaped(combination)));
+            writeln!(page, "<li>{}", escaped(combination))?;
         }
-        page.push_str("</ul>\n");
+        writeln!(page, "</ul>")
     }
 }
 
-/// Adds the errors of measurements under a title, unless there are none.
-fn add_errors(page: &mut String, title: &str, errors: &[MeasurementError]) -> io::Result<()> {
+/// Writes the errors of measurements under a title, unless there are none.
+fn write_errors(page: &mut impl Write, title: &str, errors: &[MeasurementError]) -> io::Result<()> {
     if errors.is_empty() {
         return Ok(());
     }
-    add(
+    writeln!(
         page,
-        format_args!(
-            "<h2>{title}</h2>\n<p>Left: <span class=measured>measured</span> and <span class=fit>simulated</span> \
-             readings. Right: <span class=residual>simulated minus measured</span>.</p>\n"
-        ),
-    );
+        "<h2>{title}</h2>\n<p>Left: <span class=measured>measured</span> and <span class=fit>simulated</span> \
+         readings. Right: <span class=residual>simulated minus measured</span>.</p>"
+    )?;
     for MeasurementError { experiment, measurement, count, rms, simulated, measured } in errors {
         let (experiment, measurement) = (escaped(experiment), escaped(measurement));
-        add(page, format_args!("<h3>{experiment}: {measurement}</h3>\n<p>{count} readings, rms error {rms:.4e}</p>\n"));
+        writeln!(page, "<h3>{experiment}: {measurement}</h3>\n<p>{count} readings, rms error {rms:.4e}</p>")?;
         for component in 0..simulated.width() {
-            let points = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
-                simulated.times().iter().enumerate().map(|(row, &time)| [time, value(row)]).collect()
-            };
+            let times = simulated.times().iter().enumerate();
             let [simulated, measured] = [simulated.values(), measured.values()];
-            let curve = |value: &dyn Fn(usize) -> f64, color, width| Curve { points: points(value), color, width };
+            let curve = |value: &dyn Fn(usize) -> f64, color, width| {
+                let points = times.clone().map(|(row, &time)| [time, value(row)]).collect();
+                Curve { points, color, width }
+            };
             let both = [
                 curve(&|row| measured[(row, component)], [170, 174, 180], 5),
                 curve(&|row| simulated[(row, component)], [0, 114, 178], 2),
@@ -160,14 +155,10 @@ fn add_errors(page: &mut String, title: &str, errors: &[MeasurementError]) -> io
             let reading = if simulated.ncols() > 1 { format!("reading {component}") } else { "reading".to_owned() };
             let left = plot(["time (s)", &reading], &both)?;
             let right = plot(["time (s)", "residual"], &[difference])?;
-            add(page, format_args!("<div class=plots>{left}{right}</div>\n"));
+            writeln!(page, "<div class=plots>{left}{right}</div>")?;
         }
     }
     Ok(())
-}
-
-fn add(page: &mut String, text: std::fmt::Arguments<'_>) {
-    page.write_fmt(text).expect("Bug: writing to a string fails");
 }
 
 /// Returns a number with at least six digits.

@@ -1,24 +1,38 @@
 //! The residuals of a segment, and their quadratic model.
 
+use nalgebra::DMatrix;
+
 use super::column::{Derivative, Values};
 use super::plan::{Channel, Plan};
 use super::simulate::Simulated;
-use crate::matrix::Matrix;
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, dot};
 
 /// Cost of a segment, as a function of its columns: `½ [d; 1]ᵀ M [d; 1]`.
 #[derive(Clone, Debug)]
 pub(super) struct Quadratic {
     pub(super) cost: f64,
     /// M, `(columns + 1, columns + 1)`.
-    pub(super) matrix: Matrix,
+    pub(super) matrix: DMatrix<f64>,
     /// Number of residuals, and sum of their squares.
     pub(super) count: usize,
     pub(super) squares: f64,
 }
 
-/// Reading and its slope, at a time between two steps.
-pub(super) struct Between {
+/// Sample of a component of a measurement, with its simulation.
+pub(super) struct Reading {
+    pub(super) channel: usize,
+    pub(super) sample: usize,
+    pub(super) component: usize,
+    between: Between,
+    gain: f64,
+    /// Simulated reading, with and without gain and bias.
+    pub(super) simulated: f64,
+    uncorrected: f64,
+}
+
+/// Time between two steps.
+#[derive(Clone, Copy)]
+struct Between {
     step: usize,
     part: f64,
     /// Signs of the readings of both steps. A quaternion and its negative are the same rotation.
@@ -26,7 +40,7 @@ pub(super) struct Between {
 }
 
 impl Between {
-    pub(super) fn new(plan: &Plan, segment: usize, time: f64) -> Self {
+    fn new(plan: &Plan, segment: usize, time: f64) -> Self {
         let steps = plan.steps(segment);
         let h = plan.experiment.model.timestep();
         let place = ((time - plan.time(plan.nodes[segment])) / h).clamp(0.0, steps as f64);
@@ -34,7 +48,7 @@ impl Between {
         Self { step, part: place - step as f64, signs: [1.0; 2] }
     }
 
-    pub(super) fn reading(&self, readings: &[f64], width: usize, component: usize) -> f64 {
+    fn reading(&self, readings: &[f64], width: usize, component: usize) -> f64 {
         let [low, high] = self.both(readings, width, component);
         low + self.part * (high - low)
     }
@@ -45,64 +59,58 @@ impl Between {
 
     /// Chooses the signs of quaternions, which begin at `first`, such that they are near the
     /// measured one.
-    pub(super) fn align(mut self, readings: &[f64], width: usize, first: usize, measured: &[f64]) -> Self {
+    fn align(&mut self, readings: &[f64], width: usize, first: usize, measured: &[f64]) {
         for at in [0, 1] {
-            let simulated = &readings[(self.step + at) * width + first..];
-            let product: f64 = simulated.iter().zip(measured).map(|(simulated, measured)| simulated * measured).sum();
+            let product = dot(&readings[(self.step + at) * width + first..], measured);
             self.signs[at] = if product < 0.0 { -1.0 } else { 1.0 };
         }
-        self
     }
 }
 
-/// Calls `each` with every residual of a segment in units of its standard deviation: the channel,
-/// the place between steps, the component, and the residual.
-fn residuals(
+/// Calls `each` with every reading of a segment and its measured value, which is NaN if it is
+/// missing.
+pub(super) fn for_each_reading(
     plan: &Plan,
     segment: usize,
     readings: &[f64],
     values: &Values<'_>,
-    mut each: impl FnMut(usize, &Between, usize, f64),
+    mut each: impl FnMut(&Reading, f64),
 ) {
-    for (index, (channel, measurement)) in plan.channels.iter().zip(&plan.experiment.measurements).enumerate() {
-        let Corrections { delay, gain, bias } = Corrections::of(channel, measurement.delay, values);
-        for sample in plan.samples(segment, index, delay) {
+    let value = |unknown: Option<usize>, known| unknown.map_or(known, |index| values.value(index));
+    for (channel, measurement) in plan.experiment.measurements.iter().enumerate() {
+        let Channel { first, delay, gain, bias, .. } = plan.channels[channel];
+        let (delay, gain, bias) = (value(delay, measurement.delay), value(gain, 1.0), value(bias, 0.0));
+        for sample in plan.samples(segment, channel, delay) {
             let row = measurement.signal.values().row(sample);
-            let mut place = Between::new(plan, segment, measurement.signal.times()[sample] - delay);
+            let mut between = Between::new(plan, segment, measurement.signal.times()[sample] - delay);
             if measurement.is_quaternion {
-                place = place.align(readings, plan.width, channel.first, row);
+                between.align(readings, plan.width, first, row);
             }
-            for (component, measured) in row.iter().enumerate() {
-                // A missing reading.
-                if measured.is_nan() {
-                    continue;
-                }
-                let simulated = place.reading(readings, plan.width, channel.first + component);
-                each(index, &place, component, (gain * simulated + bias - measured) / measurement.deviation);
+            for (component, &measured) in row.iter().enumerate() {
+                let uncorrected = between.reading(readings, plan.width, first + component);
+                let simulated = gain * uncorrected + bias;
+                each(&Reading { channel, sample, component, between, gain, simulated, uncorrected }, measured);
             }
         }
     }
 }
 
-/// Values that correct a measurement.
-pub(super) struct Corrections {
-    pub(super) delay: f64,
-    pub(super) gain: f64,
-    pub(super) bias: f64,
-}
-
-impl Corrections {
-    pub(super) fn of(channel: &Channel, delay: f64, values: &Values<'_>) -> Self {
-        let value = |unknown: Option<usize>, known| unknown.map_or(known, |index| values.value(index));
-        Self { delay: value(channel.delay, delay), gain: value(channel.gain, 1.0), bias: value(channel.bias, 0.0) }
-    }
+/// Calls `each` with every reading that is not missing, and its residual in units of the standard
+/// deviation.
+fn residuals(plan: &Plan, segment: usize, readings: &[f64], values: &Values<'_>, mut each: impl FnMut(&Reading, f64)) {
+    for_each_reading(plan, segment, readings, values, |reading, measured| {
+        if !measured.is_nan() {
+            let deviation = plan.experiment.measurements[reading.channel].deviation;
+            each(reading, (reading.simulated - measured) / deviation);
+        }
+    });
 }
 
 /// Returns the cost of a segment.
 pub(super) fn cost(plan: &Plan, segment: usize, readings: &[f64], values: &Values<'_>) -> f64 {
     let mut sum = 0.0;
-    residuals(plan, segment, readings, values, |channel, _, _, residual| {
-        sum += plan.experiment.measurements[channel].norm.value(residual);
+    residuals(plan, segment, readings, values, |reading, residual| {
+        sum += plan.experiment.measurements[reading.channel].norm.value(residual);
     });
     sum
 }
@@ -113,35 +121,33 @@ pub(super) fn quadratic(
     plan: &Plan,
     segment: usize,
     base: &Simulated,
-    derivatives: &[Derivative],
+    derivatives: &[&Derivative],
     values: &Values<'_>,
 ) -> Quadratic {
-    let (states, unknowns) = (plan.state_columns(segment), values.unknowns.len());
+    let (states, unknowns) = (plan.states(segment).len(), values.unknowns.len());
     let columns = states + unknowns;
-    let mut matrix = Matrix::zeros(columns + 1, columns + 1);
+    let mut matrix = DMatrix::zeros(columns + 1, columns + 1);
     let mut row = vec![0.0; columns + 1];
     let mut cost = 0.0;
     let (mut count, mut squares) = (0, 0.0);
     let places: Vec<usize> = derivatives.iter().map(|derivative| plan.column(segment, derivative.column)).collect();
     let h = plan.experiment.model.timestep();
-    residuals(plan, segment, &base.readings, values, |index, place, component, residual| {
-        let (channel, measurement) = (&plan.channels[index], &plan.experiment.measurements[index]);
-        let gain = channel.gain.map_or(1.0, |gain| values.value(gain));
+    residuals(plan, segment, &base.readings, values, |reading, residual| {
+        let &Reading { channel, component, between, gain, uncorrected, .. } = reading;
+        let (channel, measurement) = (&plan.channels[channel], &plan.experiment.measurements[channel]);
         let component = channel.first + component;
-        let simulated = place.reading(&base.readings, plan.width, component);
         row.fill(0.0);
         for (&column, derivative) in places.iter().zip(derivatives) {
-            row[column] = gain * place.reading(&derivative.readings, plan.width, component);
+            row[column] = gain * between.reading(&derivative.readings, plan.width, component);
         }
-        let mut correct = |unknown: Option<usize>, by: f64| {
+        let [low, high] = between.both(&base.readings, plan.width, component);
+        let by_corrections =
+            [(channel.delay, -gain * (high - low) / h), (channel.gain, uncorrected), (channel.bias, 1.0)];
+        for (unknown, slope) in by_corrections {
             if let Some(unknown) = unknown {
-                row[states + unknown] += by * values.slope(unknown);
+                row[states + unknown] += slope * values.slope(unknown);
             }
-        };
-        let [low, high] = place.both(&base.readings, plan.width, component);
-        correct(channel.delay, -gain * (high - low) / h);
-        correct(channel.gain, simulated);
-        correct(channel.bias, 1.0);
+        }
         for value in &mut row {
             *value /= measurement.deviation;
         }
@@ -153,12 +159,10 @@ pub(super) fn quadratic(
         let weight = measurement.norm.weight(residual);
         for (column, &value) in row.iter().enumerate() {
             if value != 0.0 {
-                add(&mut matrix.row_mut(column)[column..], &row[column..], weight * value);
+                add(&mut matrix.column_mut(column).as_mut_slice()[column..], &row[column..], weight * value);
             }
         }
     });
-    for column in 0..=columns {
-        (0..column).for_each(|other| matrix[(column, other)] = matrix[(other, column)]);
-    }
+    matrix.fill_upper_triangle_with_lower_triangle();
     Quadratic { cost, matrix, count, squares }
 }

@@ -16,7 +16,7 @@ use super::measurement_error::{MeasurementError, errors_of};
 use super::plan::Plan;
 use super::segment::{self, Quadratic};
 use super::simulate::{Simulated, Worker};
-use super::states::{first_errors, first_state};
+use super::states::first_state;
 use super::unknown::Unknown;
 use crate::error::{Error, Result};
 use crate::least_squares::{Problem, damp};
@@ -34,13 +34,10 @@ pub(super) struct Shooting<'p> {
     /// apply.
     formulas: Vec<Option<Vec<usize>>>,
     workers: Vec<Worker>,
-    version: u64,
     pub(super) present: Point,
     candidate: Point,
-    /// Simulations of all segments from the present point, if it was a candidate, and from the
-    /// candidate.
-    present_base: Vec<Simulated>,
-    candidate_base: Vec<Simulated>,
+    /// Number of points so far.
+    points: u64,
     /// States of each experiment, and the unknowns with the gradient: `(n + 1, n + 1)`.
     chains: Vec<Chain>,
     total: DMatrix<f64>,
@@ -59,6 +56,29 @@ pub(super) struct Shooting<'p> {
 pub(super) struct Point {
     pub(super) coordinates: Vec<f64>,
     pub(super) nodes: Vec<Vec<f64>>,
+    /// Simulations of all segments. Empty before them.
+    base: Vec<Simulated>,
+    /// Number that differs for other coordinates, from 1.
+    version: u64,
+}
+
+impl Point {
+    fn values<'v>(&'v self, unknowns: &'v [Unknown]) -> Values<'v> {
+        Values { unknowns, coordinates: &self.coordinates, version: self.version }
+    }
+
+    fn is_stable(&self) -> bool {
+        self.base.iter().all(Simulated::is_stable)
+    }
+}
+
+/// Difference from what is known about an unknown, or about a coordinate of the state at the start
+/// of an experiment, and its derivative, in units of the standard deviation.
+struct Prior {
+    plan: Option<usize>,
+    coordinate: usize,
+    error: f64,
+    slope: f64,
 }
 
 /// Residuals at the last linearisation.
@@ -96,7 +116,7 @@ impl<'p> Shooting<'p> {
             }
         }
         let coordinates = unknowns.iter().map(|unknown| unknown.coordinate(unknown.first)).collect();
-        let present = Point { coordinates, nodes };
+        let present = Point { coordinates, nodes, base: Vec::new(), version: 1 };
         let n = unknowns.len();
         let formulas = plans.iter().map(|plan| Formulas::unknowns(plan, unknowns)).collect::<Result<_>>()?;
         Ok(Self {
@@ -104,11 +124,9 @@ impl<'p> Shooting<'p> {
             plans,
             formulas,
             workers: (0..rayon::current_num_threads()).map(|_| Worker::default()).collect(),
-            version: 0,
             candidate: present.clone(),
             present,
-            present_base: Vec::new(),
-            candidate_base: Vec::new(),
+            points: 1,
             chains: Vec::new(),
             total: DMatrix::zeros(n + 1, n + 1),
             penalty: 1.0,
@@ -142,12 +160,9 @@ impl<'p> Shooting<'p> {
     /// Returns the jobs of a segment.
     fn jobs(&self, place: Place) -> Vec<Job> {
         let plan = &self.plans[place.plan];
-        let states: Vec<usize> = match place.segment {
-            0 => plan.free.clone(),
-            _ => (0..plan.state_columns(1)).collect(),
-        };
+        let states = plan.states(place.segment).iter().map(|&coordinate| Column::State(coordinate));
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
-        let columns = states.into_iter().map(Column::State).chain(unknowns.map(Column::Unknown));
+        let columns = states.chain(unknowns.map(Column::Unknown));
         let (by_formulas, by_differences): (Vec<Column>, Vec<Column>) =
             columns.partition(|&column| self.has_formula(place.plan, column));
         let job = |columns, has_formulas| Job { place, columns, has_formulas, derivatives: Vec::new() };
@@ -166,11 +181,11 @@ impl<'p> Shooting<'p> {
     /// Computes the derivatives of jobs at the present point. Returns `false` if a simulation
     /// becomes unstable.
     fn differentiate(&mut self, jobs: &mut [Job]) -> Result<bool> {
-        let Self { unknowns, plans, workers, present, present_base, version, .. } = self;
-        let values = Values { unknowns, coordinates: &present.coordinates, version: *version };
+        let Self { unknowns, plans, workers, present, .. } = self;
+        let values = present.values(unknowns);
         for_each_item(workers, jobs, |worker, _, job| {
             let Job { place: Place { plan, segment, node }, columns, has_formulas, derivatives } = job;
-            let (plan, state, base) = (&plans[*plan], &present.nodes[*node], &present_base[*node]);
+            let (plan, state, base) = (&plans[*plan], &present.nodes[*node], &present.base[*node]);
             if *has_formulas {
                 *derivatives = worker.by_formulas(plan, *segment, state, columns, &values)?;
                 return Ok(());
@@ -183,39 +198,27 @@ impl<'p> Shooting<'p> {
         Ok(jobs.iter().all(|job| job.derivatives.len() == job.columns.len()))
     }
 
-    /// Simulates all segments from a point. A segment that becomes unstable has no readings.
-    fn run_all(&mut self, is_candidate: bool) -> Result<Vec<Simulated>> {
-        self.version += 1;
-        let mut jobs: Vec<(Place, Simulated)> =
-            self.places().into_iter().map(|place| (place, Simulated::default())).collect();
-        let Self { unknowns, plans, workers, present, candidate, version, .. } = self;
+    /// Simulates all segments from a point. One that becomes unstable has no readings.
+    fn simulate(&mut self, is_candidate: bool) -> Result<()> {
+        let mut jobs: Vec<_> = self.places().into_iter().map(|place| (place, Simulated::default())).collect();
+        let Self { unknowns, plans, workers, present, candidate, .. } = self;
         let point = if is_candidate { candidate } else { present };
-        let values = Values { unknowns, coordinates: &point.coordinates, version: *version };
+        let values = point.values(unknowns);
         for_each_item(workers, &mut jobs, |worker, _, (Place { plan, segment, node }, result)| {
-            let state = &point.nodes[*node];
-            let is_stable = match worker.simulate(&plans[*plan], *segment, state, Column::Nothing, &values, result) {
+            match worker.simulate(&plans[*plan], *segment, &point.nodes[*node], Column::Nothing, &values) {
                 // Values with which the engine cannot compute are no candidate.
-                Err(Error::Engine { .. }) if is_candidate => false,
-                outcome => outcome?,
-            };
-            if !is_stable {
-                *result = Simulated::default();
+                Err(Error::Engine { .. }) if is_candidate => {}
+                outcome => *result = outcome?,
             }
             Ok(())
         })?;
-        Ok(jobs.into_iter().map(|(_, result)| result).collect())
+        point.base = jobs.into_iter().map(|(_, result)| result).collect();
+        Ok(())
     }
 
     /// Simulates all segments from the present point unless that is done.
     fn simulate_present(&mut self) -> Result<()> {
-        if self.present_base.is_empty() {
-            self.present_base = self.run_all(false)?;
-        }
-        Ok(())
-    }
-
-    fn values<'v>(&'v self, point: &'v Point) -> Values<'v> {
-        Values { unknowns: self.unknowns, coordinates: &point.coordinates, version: 0 }
+        if self.present.base.is_empty() { self.simulate(false) } else { Ok(()) }
     }
 
     /// Returns the errors of all measurements at the present point. A simulation that becomes
@@ -223,11 +226,11 @@ impl<'p> Shooting<'p> {
     pub(super) fn errors(&mut self) -> Result<Vec<MeasurementError>> {
         self.simulate_present()?;
         let mut errors = Vec::new();
-        let mut bases = self.present_base.iter();
+        let mut bases = self.present.base.iter();
         for plan in &self.plans {
             let segments = bases.by_ref().take(plan.segments()).enumerate().filter(|(_, base)| base.is_stable());
             let segments: Vec<_> = segments.map(|(segment, base)| (segment, &base.readings[..])).collect();
-            errors.extend(errors_of(plan, &segments, &self.values(&self.present))?);
+            errors.extend(errors_of(plan, &segments, &self.present.values(self.unknowns))?);
         }
         Ok(errors)
     }
@@ -243,65 +246,60 @@ impl<'p> Shooting<'p> {
         Ok(gap.iter().zip(&self.weights[place.node]).map(|(gap, weight)| 0.5 * (gap * weight).powi(2)).sum())
     }
 
-    /// Returns the cost of priors: of unknowns, and of first states.
-    fn prior_cost(&self, point: &Point) -> Result<f64> {
-        let mut sum = 0.0;
-        let values = self.values(point);
-        for (index, unknown) in self.unknowns.iter().enumerate() {
+    /// Returns the priors of unknowns and of first states, and their cost.
+    fn priors(&self, point: &Point) -> Result<(Vec<Prior>, f64)> {
+        let mut priors = Vec::new();
+        let values = point.values(self.unknowns);
+        for (coordinate, unknown) in self.unknowns.iter().enumerate() {
             if let Some((mean, deviation)) = unknown.prior {
-                sum += 0.5 * ((values.value(index) - mean) / deviation).powi(2);
+                let error = (values.value(coordinate) - mean) / deviation;
+                priors.push(Prior { plan: None, coordinate, error, slope: values.slope(coordinate) / deviation });
             }
         }
-        for place in self.places().into_iter().filter(|place| place.segment == 0) {
-            for (_, error, deviation) in first_errors(&self.plans[place.plan], &point.nodes[place.node])? {
-                sum += 0.5 * (error / deviation).powi(2);
+        for Place { plan, node, .. } in self.places().into_iter().filter(|place| place.segment == 0) {
+            let (states, experiment) = (self.plans[plan].states(0), &self.plans[plan].experiment);
+            let mut errors = vec![0.0; experiment.uncertainty.len()];
+            if !states.is_empty() {
+                let known = first_state(&self.plans[plan], 0)?;
+                experiment.model.differentiate_state_into(&known, &point.nodes[node], &mut errors)?;
+            }
+            for (coordinate, &state) in states.iter().enumerate() {
+                let deviation = experiment.uncertainty[state];
+                let (error, slope) = (errors[state] / deviation, 1.0 / deviation);
+                priors.push(Prior { plan: Some(plan), coordinate, error, slope });
             }
         }
-        Ok(sum)
+        let cost = priors.iter().map(|prior| 0.5 * prior.error.powi(2)).sum();
+        Ok((priors, cost))
     }
 
-    /// Adds the priors to the model of the cost.
-    fn add_priors(&mut self) -> Result<()> {
+    /// Adds the priors to the model of the cost. Returns their cost.
+    fn add_priors(&mut self) -> Result<f64> {
         let n = self.unknowns.len();
-        for (index, unknown) in self.unknowns.iter().enumerate() {
-            if let Some((mean, deviation)) = unknown.prior {
-                let values = self.values(&self.present);
-                let (value, slope) = (values.value(index), values.slope(index) / deviation);
-                self.total[(index, index)] += slope * slope;
-                self.total[(index, n)] += slope * (value - mean) / deviation;
+        let (priors, cost) = self.priors(&self.present)?;
+        for Prior { plan, coordinate, error, slope } in priors {
+            if let Some(plan) = plan {
+                self.chains[plan].add_prior(coordinate, error, slope);
+            } else {
+                self.total[(coordinate, coordinate)] += slope * slope;
+                self.total[(coordinate, n)] += slope * error;
             }
         }
-        for place in self.places().into_iter().filter(|place| place.segment == 0) {
-            let errors = first_errors(&self.plans[place.plan], &self.present.nodes[place.node])?;
-            for (coordinate, error, deviation) in errors {
-                self.chains[place.plan].add_prior(coordinate, error, deviation);
-            }
-        }
-        Ok(())
+        Ok(cost)
     }
 
     /// Returns the state at the end of a segment as a function of `[x; θ; 1]`, relative to the
     /// start of the next one.
-    fn end(&self, place: Place, derivatives: &[Derivative]) -> Result<DMatrix<f64>> {
+    fn end(&self, place: Place, derivatives: &[&Derivative]) -> Result<DMatrix<f64>> {
         let plan = &self.plans[place.plan];
-        let columns = plan.state_columns(place.segment) + self.unknowns.len();
+        let columns = plan.states(place.segment).len() + self.unknowns.len();
         let mut end = DMatrix::zeros(plan.experiment.uncertainty.len(), columns + 1);
-        let (next, base) = (&self.present.nodes[place.node + 1], &self.present_base[place.node].end);
+        let (next, base) = (&self.present.nodes[place.node + 1], &self.present.base[place.node].end);
         plan.experiment.model.differentiate_state_into(next, base, end.column_mut(columns).as_mut_slice())?;
         for derivative in derivatives {
             end.column_mut(plan.column(place.segment, derivative.column)).copy_from_slice(&derivative.end);
         }
         Ok(end)
-    }
-
-    /// Adds a segment to the model of the cost.
-    fn add_segment(&mut self, place: Place, derivatives: &[Derivative]) -> Quadratic {
-        let values = self.values(&self.present);
-        let base = &self.present_base[place.node];
-        let quadratic = segment::quadratic(&self.plans[place.plan], place.segment, base, derivatives, &values);
-        let matrix = quadratic.matrix.to_nalgebra();
-        self.chains[place.plan].add(place.segment, &matrix, &mut self.total);
-        quadratic
     }
 }
 
@@ -322,19 +320,11 @@ impl Problem for Shooting<'_> {
 
     fn linearise(&mut self) -> Result<f64> {
         self.simulate_present()?;
-        if !self.present_base.iter().all(Simulated::is_stable) {
+        if !self.present.is_stable() {
             return Ok(f64::NAN);
         }
-        self.version += 1;
         let n = self.unknowns.len();
-        self.chains = self
-            .plans
-            .iter()
-            .map(|plan| {
-                let sizes: Vec<usize> = (0..plan.segments()).map(|segment| plan.state_columns(segment)).collect();
-                Chain::new(&sizes, n)
-            })
-            .collect();
+        self.chains = self.plans.iter().map(|plan| Chain::new(plan, n)).collect();
         self.total.fill(0.0);
         self.residuals = Residuals::default();
         let places = self.places();
@@ -342,32 +332,25 @@ impl Problem for Shooting<'_> {
         let mut ends: Vec<(Place, DMatrix<f64>)> = Vec::new();
         let mut weights = vec![Vec::new(); places.len()];
         let mut cost = 0.0;
-        let mut rest = &places[..];
-        while !rest.is_empty() {
-            // As many segments as fill the memory, and at least one.
-            let (mut jobs, mut counts, mut columns) = (Vec::new(), Vec::new(), 0);
-            while let Some((&place, others)) = rest.split_first()
-                && (jobs.is_empty() || columns < COLUMNS_PER_THREAD * self.workers.len())
-            {
-                let new = self.jobs(place);
-                counts.push((place, new.len()));
-                columns += new.iter().map(|job| job.columns.len()).sum::<usize>();
-                jobs.extend(new);
-                rest = others;
-            }
+        let columns = self.plans.iter().map(|plan| plan.experiment.uncertainty.len()).max().unwrap_or(0) + n;
+        for places in places.chunks((COLUMNS_PER_THREAD * self.workers.len()).div_ceil(columns.max(1))) {
+            let mut jobs: Vec<Job> = places.iter().flat_map(|&place| self.jobs(place)).collect();
             if !self.differentiate(&mut jobs)? {
                 return Ok(f64::NAN);
             }
-            let mut jobs = jobs.into_iter();
-            for (place, count) in counts {
-                let derivatives: Vec<_> = jobs.by_ref().take(count).flat_map(|job| job.derivatives).collect();
-                let quadratic = self.add_segment(place, &derivatives);
-                cost += quadratic.cost;
-                self.residuals.count += quadratic.count;
-                self.residuals.squares += quadratic.squares;
+            for &place in places {
+                let of_place = jobs.iter().filter(|job| job.place.node == place.node);
+                let derivatives: Vec<&Derivative> = of_place.flat_map(|job| &job.derivatives).collect();
+                let (values, base) = (self.present.values(self.unknowns), &self.present.base[place.node]);
+                let Quadratic { cost: of_segment, matrix, count, squares } =
+                    segment::quadratic(&self.plans[place.plan], place.segment, base, &derivatives, &values);
+                self.chains[place.plan].add(place.segment, &matrix, &mut self.total);
+                cost += of_segment;
+                self.residuals.count += count;
+                self.residuals.squares += squares;
                 if place.segment > 0 {
-                    let size = self.plans[place.plan].state_columns(1);
-                    let information = (0..size).map(|i| self.penalty * (1.0 + quadratic.matrix[(i, i)]).sqrt());
+                    let size = self.plans[place.plan].states(1).len();
+                    let information = (0..size).map(|i| self.penalty * (1.0 + matrix[(i, i)]).sqrt());
                     weights[place.node - 1] = information.collect();
                 }
                 if !self.is_last(place) {
@@ -384,8 +367,7 @@ impl Problem for Shooting<'_> {
             cost += gap.iter().zip(&self.weights[place.node]).map(|(gap, w)| 0.5 * (gap * w).powi(2)).sum::<f64>();
             self.chains[place.plan].add_gap(place.segment, &end, &self.weights[place.node], &mut self.total);
         }
-        self.add_priors()?;
-        cost += self.prior_cost(&self.present)?;
+        cost += self.add_priors()?;
         self.costs.push(cost);
         Ok(cost)
     }
@@ -399,17 +381,13 @@ impl Problem for Shooting<'_> {
             }
         }
         // The damping of the unknowns is that of the whole matrix, not of what remains.
-        for row in 0..n {
-            gradient[row] = total[(row, n)];
-            hessian.row_mut(row).iter_mut().enumerate().for_each(|(column, entry)| *entry = self.total[(row, column)]);
-        }
+        let change = &total - &self.total;
+        hessian.transposed_mut().copy_from(&self.total.view((0, 0), (n, n)));
         damp(damping, hessian);
-        for row in 0..n {
-            for column in 0..n {
-                hessian[(row, column)] += total[(row, column)] - self.total[(row, column)];
-            }
-        }
-        Some(0.5 * (self.total[(n, n)] - total[(n, n)]))
+        let mut hessian = hessian.transposed_mut();
+        hessian += change.view((0, 0), (n, n));
+        gradient.copy_from_slice(&total.column(n).as_slice()[..n]);
+        Some(-0.5 * change[(n, n)])
     }
 
     fn evaluate(&mut self, step: &[f64]) -> Result<f64> {
@@ -422,21 +400,22 @@ impl Problem for Shooting<'_> {
             for (segment, change) in chain.states(step).into_iter().enumerate() {
                 candidate.nodes[node].copy_from_slice(&present.nodes[node]);
                 let mut all = vec![0.0; plan.experiment.uncertainty.len()];
-                match segment {
-                    0 => plan.free.iter().zip(change.iter()).for_each(|(&place, &value)| all[place] = value),
-                    _ => all.copy_from_slice(change.as_slice()),
+                for (&place, &value) in plan.states(segment).iter().zip(change.iter()) {
+                    all[place] = value;
                 }
                 plan.experiment.model.integrate_state(&mut candidate.nodes[node], &all)?;
                 node += 1;
             }
         }
-        self.candidate_base = self.run_all(true)?;
-        if !self.candidate_base.iter().all(Simulated::is_stable) {
+        self.points += 1;
+        self.candidate.version = self.points;
+        self.simulate(true)?;
+        if !self.candidate.is_stable() {
             return Ok(f64::INFINITY);
         }
-        let mut cost = self.prior_cost(&self.candidate)?;
-        for (place, base) in self.places().into_iter().zip(&self.candidate_base) {
-            let values = self.values(&self.candidate);
+        let (_, mut cost) = self.priors(&self.candidate)?;
+        for (place, base) in self.places().into_iter().zip(&self.candidate.base) {
+            let values = self.candidate.values(self.unknowns);
             cost += segment::cost(&self.plans[place.plan], place.segment, &base.readings, &values);
             cost += self.gap_cost(place, &base.end, &self.candidate)?;
         }
@@ -445,6 +424,5 @@ impl Problem for Shooting<'_> {
 
     fn accept(&mut self) {
         std::mem::swap(&mut self.present, &mut self.candidate);
-        std::mem::swap(&mut self.present_base, &mut self.candidate_base);
     }
 }

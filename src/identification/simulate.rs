@@ -31,8 +31,6 @@ impl Simulated {
 pub(super) struct Worker {
     simulations: Vec<Option<Prepared>>,
     formulas: Option<Formulas>,
-    /// Memory for tangent vectors.
-    tangent: Vec<f64>,
 }
 
 /// Simulation with a model that has been edited for a version of the unknowns.
@@ -54,8 +52,8 @@ impl Worker {
         values: &Values<'_>,
         base: &Simulated,
     ) -> Result<Option<Derivative>> {
-        let mut moved = Simulated::default();
-        if !self.simulate(plan, segment, state, column, values, &mut moved)? {
+        let moved = self.simulate(plan, segment, state, column, values)?;
+        if !moved.is_stable() {
             return Ok(None);
         }
         let step = values.step(column);
@@ -80,22 +78,19 @@ impl Worker {
         columns: &[Column],
         values: &Values<'_>,
     ) -> Result<Vec<Derivative>> {
-        let Self { simulations, formulas, .. } = self;
-        simulations.resize_with(simulations.len().max(1), || None);
-        let Some(data) = prepare(&mut simulations[0], plan, None, values)? else { return Ok(Vec::new()) };
-        data.set_state(StateSpec::INTEGRATION, &plan.experiment.start)?;
-        data.set_physics_state(state)?;
-        if formulas.is_none() {
-            *formulas = Some(Formulas::new(plan)?);
-        }
-        let formulas = formulas.as_mut().expect("Bug: the place has been filled");
+        let Self { simulations, formulas } = self;
+        let Some(data) = prepare(simulations, plan, None, values, state)? else { return Ok(Vec::new()) };
+        let formulas = match formulas {
+            Some(formulas) => formulas,
+            empty => empty.insert(Formulas::new(plan)?),
+        };
         match formulas.differentiate(plan, segment, columns, values, data) {
             Err(Error::Unstable(_)) => Ok(Vec::new()),
             result => result,
         }
     }
 
-    /// Simulates a segment that starts in a physics state. Returns `false` if it becomes unstable.
+    /// Simulates a segment that starts in a physics state, with a change of a column.
     pub(super) fn simulate(
         &mut self,
         plan: &Plan,
@@ -103,59 +98,50 @@ impl Worker {
         state: &[f64],
         column: Column,
         values: &Values<'_>,
-        result: &mut Simulated,
-    ) -> Result<bool> {
-        let Self { simulations, tangent, .. } = self;
-        let place = if let Column::Unknown(index) = column { index + 1 } else { 0 };
-        simulations.resize_with(simulations.len().max(place + 1), || None);
-        let Some(data) = prepare(&mut simulations[place], plan, place.checked_sub(1), values)? else {
-            return Ok(false);
-        };
-
-        let Plan { experiment, nodes, .. } = plan;
-        let model = data.model().clone();
-        data.set_state(StateSpec::INTEGRATION, &experiment.start)?;
-        data.set_physics_state(state)?;
-        if let Column::State(coordinate) = column {
-            let nv = model.nv();
-            match coordinate.checked_sub(nv) {
-                None => {
-                    tangent.clear();
-                    tangent.resize(nv, 0.0);
-                    tangent[coordinate] = 1.0;
-                    data.integrate_pos(tangent, EPS)?;
-                }
-                Some(rate) if rate < nv => data.qvel_mut()[rate] += EPS,
-                Some(rest) => data.act_mut()[rest - nv] += EPS,
+    ) -> Result<Simulated> {
+        let (mut state, mut moved) = (state.to_vec(), None);
+        match column {
+            Column::Nothing => {}
+            Column::State(coordinate) => {
+                let mut change = vec![0.0; plan.experiment.uncertainty.len()];
+                change[coordinate] = EPS;
+                plan.experiment.model.integrate_state(&mut state, &change)?;
             }
+            Column::Unknown(index) => moved = Some(index),
         }
-        result.readings.clear();
-        match steps(plan, segment, data, &mut result.readings) {
+        let mut readings = Vec::new();
+        let Some(data) = prepare(&mut self.simulations, plan, moved, values, &state)? else {
+            return Ok(Simulated::default());
+        };
+        match steps(plan, segment, data, &mut readings) {
             Ok(()) => {
-                result.end.resize(model.state_size(StateSpec::PHYSICS), 0.0);
-                data.physics_state_into(&mut result.end)?;
-                debug_assert_eq!(result.readings.len(), (nodes[segment + 1] - nodes[segment] + 1) * plan.width);
-                Ok(true)
+                data.physics_state_into(&mut state)?;
+                Ok(Simulated { readings, end: state })
             }
-            Err(Error::Unstable(_)) => Ok(false),
+            Err(Error::Unstable(_)) => Ok(Simulated::default()),
             Err(error) => Err(error),
         }
     }
 }
 
-/// Returns a simulation with the present values of the unknowns, one of which may have moved, or
-/// none if a model with these values is impossible.
+/// Prepares a simulation in a physics state, with the values and the change of an unknown. Returns
+/// `None` if the values are not possible.
 fn prepare<'s>(
-    place: &'s mut Option<Prepared>,
+    simulations: &'s mut Vec<Option<Prepared>>,
     plan: &Plan,
     moved: Option<usize>,
     values: &Values<'_>,
+    state: &[f64],
 ) -> Result<Option<&'s mut Data>> {
+    let place = moved.map_or(0, |index| index + 1);
+    simulations.resize_with(simulations.len().max(place + 1), || None);
     let pristine = &plan.experiment.model;
-    if !place.as_ref().is_some_and(|prepared| Arc::ptr_eq(&prepared.pristine, pristine)) {
-        *place = Some(Prepared { data: Data::new(pristine)?, version: 0, pristine: pristine.clone() });
-    }
-    let prepared = place.as_mut().expect("Bug: the place has been filled");
+    let simulation = &mut simulations[place];
+    simulation.take_if(|prepared| !Arc::ptr_eq(&prepared.pristine, pristine));
+    let prepared = match simulation {
+        Some(prepared) => prepared,
+        empty => empty.insert(Prepared { data: Data::new(pristine)?, version: 0, pristine: pristine.clone() }),
+    };
     if prepared.version != values.version {
         prepared.version = 0;
         let is_possible = prepared.data.edit_model(|model| {
@@ -170,6 +156,8 @@ fn prepare<'s>(
     if prepared.data.check_usable().is_err() {
         prepared.data.reset()?;
     }
+    prepared.data.set_state(StateSpec::INTEGRATION, &plan.experiment.start)?;
+    prepared.data.set_physics_state(state)?;
     Ok(Some(&mut prepared.data))
 }
 

@@ -29,15 +29,3 @@ pub(super) fn first_state(plan: &Plan, segment: usize) -> Result<Vec<f64>> {
     }
     Ok(state)
 }
-
-/// Returns the coordinates in which a state at the start is uncertain: the index among them, the
-/// difference from the state that was given, and the standard deviation.
-pub(super) fn first_errors(plan: &Plan, state: &[f64]) -> Result<impl Iterator<Item = (usize, f64, f64)>> {
-    let experiment = &plan.experiment;
-    let mut error = vec![0.0; experiment.uncertainty.len()];
-    if !plan.free.is_empty() {
-        experiment.model.differentiate_state_into(&first_state(plan, 0)?, state, &mut error)?;
-    }
-    let deviations = plan.free.iter().map(|&index| (error[index], experiment.uncertainty[index])).collect::<Vec<_>>();
-    Ok(deviations.into_iter().enumerate().map(|(place, (error, deviation))| (place, error, deviation)))
-}

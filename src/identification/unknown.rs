@@ -30,10 +30,15 @@ pub struct Unknown {
 pub(super) enum Kind {
     Parameter(ModelParameter),
     Edit(Arc<Edit>),
-    /// Names of measurements.
-    Delay(String),
-    Gain(String),
-    Bias(String),
+    /// Correction of the measurement of a name.
+    Correction(Correction, String),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Correction {
+    Delay,
+    Gain,
+    Bias,
 }
 
 impl Unknown {
@@ -101,23 +106,22 @@ impl Unknown {
     /// from 0 to 0.1; its bounds must be finite. Readings that the simulation does not reach with
     /// all delays between the bounds are not used.
     pub fn delay(measurement: &str) -> Self {
-        let (lower, upper, scale) = (0.0, 0.1, Some(1e-3));
-        Self {
-            lower,
-            upper,
-            scale,
-            ..Self::new(format!("delay of {measurement}"), Kind::Delay(measurement.to_owned()), 0.0)
-        }
+        let unknown = Self::correction("delay", Correction::Delay, measurement, 0.0);
+        Self { upper: 0.1, scale: Some(1e-3), lower: 0.0, ..unknown }
     }
 
     /// The factor of the measurement of this name: `measured = gain · simulated + bias`.
     pub fn gain(measurement: &str) -> Self {
-        Self::new(format!("gain of {measurement}"), Kind::Gain(measurement.to_owned()), 1.0)
+        Self::correction("gain", Correction::Gain, measurement, 1.0)
     }
 
     /// The constant in the measurement of this name, equal for all its components.
     pub fn bias(measurement: &str) -> Self {
-        Self::new(format!("bias of {measurement}"), Kind::Bias(measurement.to_owned()), 0.0)
+        Self::correction("bias", Correction::Bias, measurement, 0.0)
+    }
+
+    fn correction(what: &str, correction: Correction, measurement: &str, first: f64) -> Self {
+        Self::new(format!("{what} of {measurement}"), Kind::Correction(correction, measurement.to_owned()), first)
     }
 
     fn new(name: String, kind: Kind, first: f64) -> Self {
@@ -166,29 +170,17 @@ impl Unknown {
     /// Checks the numbers.
     pub(super) fn check(&self) -> Result<()> {
         let name = &self.name;
-        if !matches!(self.lower.partial_cmp(&self.upper), Some(order) if order.is_le()) {
-            let expected = format!("at most the upper one, {}", self.upper);
-            return Err(Error::out_of_range(format!("the lower bound of {name}"), self.lower, expected));
+        let Self { first, lower, upper, .. } = *self;
+        let expected = format_args!("at most the upper one, {upper}");
+        Error::check_range(lower <= upper, format_args!("the lower bound of {name}"), lower, expected)?;
+        let (what, expected) = (format!("the first value of {name}"), format!("finite and from {lower} to {upper}"));
+        Error::check_range(first.is_finite() && (lower..=upper).contains(&first), &what, first, expected)?;
+        if matches!(self.kind, Kind::Correction(Correction::Delay, _)) {
+            Error::check_finite(&[lower, upper], |_| format!("a bound of the {name}"))?;
         }
-        if !(self.lower..=self.upper).contains(&self.first) || !self.first.is_finite() {
-            let expected = format!("finite and from {} to {}", self.lower, self.upper);
-            return Err(Error::out_of_range(format!("the first value of {name}"), self.first, expected));
-        }
-        if matches!(self.kind, Kind::Delay(_)) && !(self.lower.is_finite() && self.upper.is_finite()) {
-            let bound = if self.lower.is_finite() { self.upper } else { self.lower };
-            return Err(Error::not_finite(format!("a bound of the {name}"), bound));
-        }
-        if self.is_logarithmic && self.first <= 0.0 {
-            return Err(Error::out_of_range(
-                format!("the first value of {name}"),
-                self.first,
-                "positive, for its logarithm",
-            ));
-        }
+        Error::check_range(!self.is_logarithmic || first > 0.0, what, first, "positive, for its logarithm")?;
         if let Some((mean, deviation)) = self.prior {
-            if !mean.is_finite() {
-                return Err(Error::not_finite(format!("the mean of {name}"), mean));
-            }
+            Error::check_finite(&[mean], |_| format!("the mean of {name}"))?;
             check_deviation(&format!("the standard deviation of {name}"), deviation)?;
         }
         self.scale.map_or(Ok(()), |scale| check_deviation(&format!("the scale of {name}"), scale))
@@ -234,10 +226,7 @@ impl Unknown {
 
 /// Checks that a number is finite and positive.
 pub(super) fn check_deviation(what: &str, deviation: f64) -> Result<()> {
-    if deviation.is_finite() && deviation > 0.0 {
-        return Ok(());
-    }
-    Err(Error::out_of_range(what, deviation, "finite and positive"))
+    Error::check_range(deviation.is_finite() && deviation > 0.0, what, deviation, "finite and positive")
 }
 
 impl fmt::Debug for Unknown {
