@@ -77,7 +77,8 @@ fn compare_models(seed: u64, models: u64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut data = Data::new(Model::from_xml_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"))).unwrap();
         randomise(&mut data, &mut random);
-        if seed % 2 == 1 && (0..30).any(|_| data.step().is_err()) {
+        // Random constraints can be too stiff for the time step.
+        if seed % 2 == 1 && (0..30).any(|_| data.step().is_err()) || data.clone().step().is_err() {
             continue;
         }
         let all = of_constraints(data.model());
