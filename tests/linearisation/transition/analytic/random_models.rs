@@ -207,7 +207,7 @@ fn random_models_agree_with_differences() {
 }
 
 #[test]
-#[ignore = "takes hours"]
+#[ignore = "takes minutes in a release build"]
 fn many_states_of_many_random_models_agree_with_differences() {
     compare_models(5000, 510, 20);
 }
