@@ -3,11 +3,12 @@
 
 use std::collections::HashMap;
 
+use super::solid::area_normal;
 use super::{Triangles, Vertex, skin};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::id::SkinId;
-use crate::math::{cross, neg_quat, quat2mat};
+use crate::math::{neg_quat, quat2mat};
 use crate::model::Model;
 use crate::scene::{Deformable, DeformableId, Scene};
 
@@ -192,9 +193,7 @@ impl Triangles {
     fn smooth(positions: &[[f32; 3]], indices: Vec<u32>) -> Self {
         let mut sums = vec![[0.0; 3]; positions.len()];
         for face in indices.as_chunks::<3>().0 {
-            let [a, b, c] = face.map(|corner| positions[corner as usize].map(f64::from));
-            let edge = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| to[axis] - a[axis]) };
-            let normal = cross(&edge(b), &edge(c));
+            let normal = area_normal(face.map(|corner| positions[corner as usize]));
             for &corner in face {
                 sums[corner as usize].iter_mut().zip(normal).for_each(|(sum, part)| *sum += part);
             }

@@ -22,9 +22,7 @@ impl Triangles {
     /// sharp corners of meshes with texture coordinates.
     pub(crate) fn face_outwards(&mut self) {
         for face in self.indices.as_chunks_mut::<3>().0 {
-            let [a, b, c] = face.map(|index| self.vertices[index as usize].position.map(f64::from));
-            let edge = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| to[axis] - a[axis]) };
-            let flat = cross(&edge(b), &edge(c)).map(|part| part as f32);
+            let flat = area_normal(face.map(|index| self.vertices[index as usize].position)).map(|part| part as f32);
             for index in face {
                 let mut vertex = self.vertices[*index as usize];
                 if vertex.normal.iter().zip(flat).map(|(a, b)| a * b).sum::<f32>() < 0.0 {
@@ -45,6 +43,13 @@ pub(crate) fn tube(slices: u32, [radius, _, half]: [f32; 3], end: &Triangles) ->
     tube.extend_by(end, raised, |normal| normal);
     tube.extend_by(end, |at| turned(raised(at)), turned);
     tube
+}
+
+/// Returns the normal of a triangle, of which the length is twice the area.
+pub(super) fn area_normal(corners: [[f32; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(|corner| corner.map(f64::from));
+    let edge = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| to[axis] - a[axis]) };
+    cross(&edge(b), &edge(c))
 }
 
 /// Returns a vector of length 1: the z-axis for a vector without a direction.
