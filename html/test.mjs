@@ -1,5 +1,6 @@
 // Tests the pages in a folder, and those that the addresses in its files *.url serve, in Chromium and
-// Firefox, and stores screenshots there:
+// Firefox, and stores screenshots of a phone's size there. With LOOK=yes also those of a laptop's size,
+// and the times of first pictures are printed:
 // node test.mjs FOLDER [chromium|firefox]
 
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -439,7 +440,8 @@ async function testHostileLive(browser) {
 }
 
 async function takeScreenshots(browser, name) {
-  const sizes = { laptop: { width: 1440, height: 900 }, phone: { width: 390, height: 844, scale: 2, touch: true } };
+  const sizes = { phone: { width: 390, height: 844, scale: 2, touch: true } };
+  if (process.env.LOOK) sizes.laptop = { width: 1440, height: 900 };
   for (const file of ['humanoid', 'ghosts', 'rollouts', 'robot', 'soft', 'hostile', 'live.url', 'batch.url', 'soft.url', 'hostile.url']) {
     const [served, shown] = [file.endsWith('.url'), file.replace('.url', '-live')];
     for (const [size, options] of Object.entries(sizes)) {
@@ -470,7 +472,7 @@ for (const [name, options] of Object.entries(BROWSERS)) {
   if (only && only !== name) continue;
   const browser = await launch({ headless: true, ...options });
   try {
-    await printFirstPictures(browser, name);
+    if (process.env.LOOK) await printFirstPictures(browser, name);
     await testControls(browser, name);
     console.log(`${name}: controls`);
     for (const model of Object.keys(TOLERANCES)) {
