@@ -6,7 +6,7 @@ use std::io;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Buffer, Target, View};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Accessor, Extras, Index, Material, Mesh, Node, Root, Texture, Value};
+use gltf_json::{Accessor, Extras, Index, Material, Mesh, Node, Root, Texture};
 
 use crate::model::Model;
 
@@ -25,51 +25,12 @@ pub(super) struct Document<'m> {
     /// Textures by their index in the model.
     pub(super) textures: HashMap<usize, Index<Texture>>,
     bytes: Vec<u8>,
-    /// Accessors by their contents.
-    known: HashMap<(Kind, Vec<u8>), Index<Accessor>>,
+    /// Accessors by the text of their type and target, and their contents.
+    known: HashMap<(String, Vec<u8>), Index<Accessor>>,
 }
 
-/// Kind of the data of an accessor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
-    Position,
-    Normal,
-    Texcoord,
-    /// Four bones of a vertex.
-    Bones,
-    /// Their weights.
-    Weights,
-    /// Matrices from meshes at rest to the frames of bones.
-    InverseBind,
-    /// Times of an animation, s.
-    Times,
-    Translations,
-    /// Quaternions in single precision.
-    Rotations,
-    /// Quaternions as integers of 16 bits, of which 32,767 is 1.
-    ShortRotations,
-    ShortIndices,
-    LongIndices,
-}
-
-impl Kind {
-    fn target(self) -> Option<Target> {
-        match self {
-            Self::Position | Self::Normal | Self::Texcoord | Self::Bones | Self::Weights => Some(Target::ArrayBuffer),
-            Self::ShortIndices | Self::LongIndices => Some(Target::ElementArrayBuffer),
-            _ => None,
-        }
-    }
-
-    fn component(self) -> ComponentType {
-        match self {
-            Self::ShortIndices | Self::Bones => ComponentType::U16,
-            Self::LongIndices => ComponentType::U32,
-            Self::ShortRotations => ComponentType::I16,
-            _ => ComponentType::F32,
-        }
-    }
-}
+/// Target of the attributes of vertices.
+pub(super) const VERTICES: Option<Target> = Some(Target::ArrayBuffer);
 
 impl<'m> Document<'m> {
     pub(super) fn new(model: &'m Model, left_out: BTreeSet<String>) -> Self {
@@ -88,73 +49,52 @@ impl<'m> Document<'m> {
         }
     }
 
-    /// Stores vectors of `N` numbers.
-    pub(super) fn floats<const N: usize>(&mut self, kind: Kind, values: &[[f32; N]]) -> Index<Accessor> {
-        let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
-        let bound = |start: f32, nearer: fn(f32, f32) -> f32| {
-            let axis = |axis: usize| values.iter().map(|value| value[axis]).fold(start, nearer);
-            (0..N).map(|index| Value::from(f64::from(axis(index)))).collect()
-        };
-        // glTF asks for the bounds of these, exactly.
-        let bounds = matches!(kind, Kind::Position | Kind::Times)
-            .then(|| [bound(f32::INFINITY, f32::min), bound(f32::NEG_INFINITY, f32::max)]);
-        let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4].get(N - 1).copied().unwrap_or(Type::Mat4);
-        self.accessor(kind, of_size, values.len(), bytes, bounds)
-    }
-
-    /// Stores the indices of the vertices of triangles.
-    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Index<Accessor> {
-        // The largest number of each type is no index.
-        let (kind, bytes) = if u16::try_from(vertices).is_ok() {
-            (Kind::ShortIndices, indices.iter().flat_map(|&index| (index as u16).to_le_bytes()).collect())
-        } else {
-            (Kind::LongIndices, indices.iter().flat_map(|index| index.to_le_bytes()).collect())
-        };
-        self.accessor(kind, Type::Scalar, indices.len(), bytes, None)
-    }
-
-    /// Stores unit quaternions with an error of half a 32,767th of each component.
-    pub(super) fn short_rotations(&mut self, values: &[[f32; 4]]) -> Index<Accessor> {
-        let short = |part: &f32| ((part * 32767.0).round() as i16).to_le_bytes();
-        let bytes = values.as_flattened().iter().flat_map(short).collect();
-        self.accessor(Kind::ShortRotations, Type::Vec4, values.len(), bytes, None)
-    }
-
-    /// Stores the bones of vertices.
-    pub(super) fn bones(&mut self, values: &[[u16; 4]]) -> Index<Accessor> {
-        let bytes = values.as_flattened().iter().flat_map(|bone| bone.to_le_bytes()).collect();
-        self.accessor(Kind::Bones, Type::Vec4, values.len(), bytes, None)
-    }
-
-    fn accessor(
+    /// Stores vectors of numbers, which `to_bytes` converts.
+    pub(super) fn vectors<T: Copy, const N: usize, const BYTES: usize>(
         &mut self,
-        kind: Kind,
-        type_: Type,
-        count: usize,
-        bytes: Vec<u8>,
-        bounds: Option<[Value; 2]>,
+        values: &[[T; N]],
+        component: ComponentType,
+        to_bytes: fn(T) -> [u8; BYTES],
+        target: Option<Target>,
     ) -> Index<Accessor> {
-        let key = (kind, bytes);
+        let bytes: Vec<u8> = values.as_flattened().iter().copied().flat_map(to_bytes).collect();
+        let key = (format!("{:?}", (component, N, target)), bytes);
         if let Some(&known) = self.known.get(&key) {
             return known;
         }
-        let [min, max] = bounds.map_or([None, None], |bounds| bounds.map(Some));
-        let view = self.view(&key.1, kind.target());
+        let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4].get(N - 1).copied().unwrap_or(Type::Mat4);
+        let view = self.view(&key.1, target);
         let index = self.root.push(Accessor {
             buffer_view: Some(view),
             byte_offset: None,
-            count: count.into(),
-            component_type: Valid(GenericComponentType(kind.component())),
+            count: values.len().into(),
+            component_type: Valid(GenericComponentType(component)),
             extensions: None,
             extras: Extras::default(),
-            type_: Valid(type_),
-            min,
-            max,
+            type_: Valid(of_size),
+            min: None,
+            max: None,
             name: None,
-            normalized: kind == Kind::ShortRotations,
+            normalized: component == ComponentType::I16,
             sparse: None,
         });
         self.known.insert(key, index);
+        index
+    }
+
+    pub(super) fn floats<const N: usize>(&mut self, values: &[[f32; N]], target: Option<Target>) -> Index<Accessor> {
+        self.vectors(values, ComponentType::F32, f32::to_le_bytes, target)
+    }
+
+    /// Stores positions or times, of which glTF asks for the exact bounds.
+    pub(super) fn bounded<const N: usize>(&mut self, values: &[[f32; N]], target: Option<Target>) -> Index<Accessor> {
+        let index = self.floats(values, target);
+        let bound = |nearer: fn(f32, f32) -> f32| {
+            let axis = |axis: usize| values.iter().map(|value| value[axis]).fold(f32::NAN, nearer);
+            Some((0..N).map(axis).collect())
+        };
+        let accessor = &mut self.root.accessors[index.value()];
+        (accessor.min, accessor.max) = (bound(f32::min), bound(f32::max));
         index
     }
 

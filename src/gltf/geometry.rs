@@ -1,12 +1,15 @@
 //! Triangles of geoms in their local frames.
 
 use std::collections::BTreeMap;
+use std::iter;
 
+use gltf_json::accessor::ComponentType;
+use gltf_json::buffer::Target;
 use gltf_json::mesh::{Mesh, Mode, Primitive, Semantic};
-use gltf_json::validation::Checked::{self, Valid};
-use gltf_json::{Accessor, Extras, Index, Material};
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Extras, Index, Material};
 
-use super::document::{Document, Kind};
+use super::document::{Document, VERTICES};
 use crate::error::Result;
 use crate::kind;
 use crate::model::Model;
@@ -16,9 +19,6 @@ use crate::shape::{self, Tessellation, Triangles};
 /// Finest tessellation of round shapes: slices and stacks. A circle of 24 edges deviates by less
 /// than 1% of its radius.
 const FINEST: [u32; 2] = [24, 12];
-
-/// Accessors of the attributes of vertices.
-pub(super) type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 impl Document<'_> {
     /// Adds the mesh of a geom. `None` for a shape without triangles. `far` is half the length of
@@ -49,24 +49,48 @@ impl Document<'_> {
             _ => self.model.name_at(kind::Kind::Mesh, index),
         });
         let name = asset.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
-        let attributes = self.attributes(&triangles, map);
-        let mesh = self.add_mesh(name, attributes, &triangles, material);
+        let mesh = self.add_mesh(name, &triangles, material, map, iter::empty());
         self.meshes.insert(key, mesh);
         Ok(Some(mesh))
     }
 
+    /// Adds triangles with the texture coordinates of a mapping, and with the sets of bones and
+    /// weights that the vertices follow.
     pub(super) fn add_mesh(
         &mut self,
         name: String,
-        attributes: Attributes,
         triangles: &Triangles,
         material: Index<Material>,
+        map: Option<TextureMap>,
+        sets: impl Iterator<Item = (Vec<[u16; 4]>, Vec<[f32; 4]>)>,
     ) -> Index<Mesh> {
+        let positions: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.position).collect();
+        let normals: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.normal).collect();
+        let mut attributes = BTreeMap::from([
+            (Valid(Semantic::Positions), self.bounded(&positions, VERTICES)),
+            (Valid(Semantic::Normals), self.floats(&normals, VERTICES)),
+        ]);
+        if let Some(map) = map {
+            let texcoords = self.floats(&texcoords(triangles, map), VERTICES);
+            attributes.insert(Valid(Semantic::TexCoords(0)), texcoords);
+        }
+        for (set, (bones, weights)) in (0..).zip(sets) {
+            let bones = self.vectors(&bones, ComponentType::U16, u16::to_le_bytes, VERTICES);
+            attributes.insert(Valid(Semantic::Joints(set)), bones);
+            attributes.insert(Valid(Semantic::Weights(set)), self.floats(&weights, VERTICES));
+        }
+        let (indices, target) = (triangles.indices.as_chunks::<1>().0, Some(Target::ElementArrayBuffer));
+        // The largest number of each type is no index.
+        let indices = if u16::try_from(triangles.vertices.len()).is_ok() {
+            self.vectors(indices, ComponentType::U16, |index| (index as u16).to_le_bytes(), target)
+        } else {
+            self.vectors(indices, ComponentType::U32, u32::to_le_bytes, target)
+        };
         let primitive = Primitive {
             attributes,
             extensions: None,
             extras: Extras::default(),
-            indices: Some(self.indices(&triangles.indices, triangles.vertices.len())),
+            indices: Some(indices),
             material: Some(material),
             mode: Valid(Mode::Triangles),
             targets: None,
@@ -78,21 +102,6 @@ impl Document<'_> {
             primitives: vec![primitive],
             weights: None,
         })
-    }
-
-    /// Stores positions, normals and texture coordinates.
-    pub(super) fn attributes(&mut self, triangles: &Triangles, map: Option<TextureMap>) -> Attributes {
-        let positions: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.position).collect();
-        let normals: Vec<[f32; 3]> = triangles.vertices.iter().map(|vertex| vertex.normal).collect();
-        let mut attributes = Attributes::from([
-            (Valid(Semantic::Positions), self.floats(Kind::Position, &positions)),
-            (Valid(Semantic::Normals), self.floats(Kind::Normal, &normals)),
-        ]);
-        if let Some(map) = map {
-            let texcoords = self.floats(Kind::Texcoord, &texcoords(triangles, map));
-            attributes.insert(Valid(Semantic::TexCoords(0)), texcoords);
-        }
-        attributes
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use gltf_json::accessor::ComponentType;
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Extras, Index};
 
-use super::document::{Document, Kind};
+use super::document::Document;
 use super::node::{rotation, translation};
 use crate::error::{Error, Result};
 use crate::math::{Pose, mul_pose, neg_pose};
@@ -77,29 +78,31 @@ impl Document<'_> {
             };
             if moves(0..3, scale) {
                 let values = poses.iter().map(|pose| translation(pose.pos)).collect::<Result<Vec<_>>>()?;
-                outputs.push((index, Property::Translation, self.floats(Kind::Translations, &values)));
+                outputs.push((index, Property::Translation, self.floats(&values, None)));
             }
             if moves(3..7, 1.0) {
                 let values = poses.iter().map(|pose| rotation(pose.quat)).collect::<Result<Vec<_>>>()?;
-                let is_short = rotation_error >= SHORT_ERROR;
-                let output =
-                    if is_short { self.short_rotations(&values) } else { self.floats(Kind::Rotations, &values) };
+                let output = if rotation_error >= SHORT_ERROR {
+                    let short = |part: f32| ((part * 32767.0).round() as i16).to_le_bytes();
+                    self.vectors(&values, ComponentType::I16, short, None)
+                } else {
+                    self.floats(&values, None)
+                };
                 outputs.push((index, Property::Rotation, output));
             }
         }
         if outputs.is_empty() {
             return Ok(());
         }
-        let input = self.floats(Kind::Times, &clip.times);
-        let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-        for (index, path, output) in outputs {
+        let input = self.bounded(&clip.times, None);
+        let parts = (0..).zip(outputs).map(|(index, (frame, path, output))| {
             let interpolation = Valid(Interpolation::Linear);
             let sampler = Sampler { extensions: None, extras: Extras::default(), input, interpolation, output };
-            let sampler = Index::push(&mut samplers, sampler);
-            let node = self.nodes[index];
+            let node = self.nodes[frame];
             let target = Target { extensions: None, extras: Extras::default(), node, path: Valid(path) };
-            channels.push(Channel { sampler, target, extensions: None, extras: Extras::default() });
-        }
+            (Channel { sampler: Index::new(index), target, extensions: None, extras: Extras::default() }, sampler)
+        });
+        let (channels, samplers) = parts.unzip();
         let name = Some(if clip.name.is_empty() { "motion" } else { clip.name }.to_owned());
         self.root.push(Animation { channels, samplers, name, extensions: None, extras: Extras::default() });
         Ok(())

@@ -2,15 +2,13 @@
 
 use std::collections::HashSet;
 
-use gltf_json::mesh::Semantic;
 use gltf_json::skin::Skin;
-use gltf_json::validation::Checked::Valid;
 use gltf_json::{Extras, Index, Material, Node};
 
-use super::document::{Document, Kind};
+use super::document::Document;
 use super::node;
 use crate::data::Data;
-use crate::kind::Kind as Element;
+use crate::kind::Kind;
 use crate::replay::{Look, Surface, TextureMap, decoration, label};
 use crate::scene::{DeformableId, Scene, SceneOptions};
 use crate::shape::Skinned;
@@ -41,7 +39,7 @@ impl Document<'_> {
             let (name, material) = match shape.id {
                 DeformableId::Skin(id) => {
                     let material = self.model.skin(id).material().map(|id| id.index());
-                    (label(self.model, Element::Skin, id.index()), material)
+                    (label(self.model, Kind::Skin, id.index()), material)
                 }
                 DeformableId::Flex(_) => (description, shape.geom.material()),
             };
@@ -55,12 +53,7 @@ impl Document<'_> {
 
     /// Adds a node at the root, since programs ignore the pose of a node with a skin.
     fn add_skinned(&mut self, name: String, skinned: &Skinned, material: Index<Material>, map: Option<TextureMap>) {
-        let mut attributes = self.attributes(&skinned.triangles, map);
-        for (set, (bones, weights)) in (0..).zip(skinned.sets()) {
-            attributes.insert(Valid(Semantic::Joints(set)), self.bones(&bones));
-            attributes.insert(Valid(Semantic::Weights(set)), self.floats(Kind::Weights, &weights));
-        }
-        let mesh = self.add_mesh(name.clone(), attributes, &skinned.triangles, material);
+        let mesh = self.add_mesh(name.clone(), &skinned.triangles, material, map, skinned.sets());
         let (mut known, mut joints, mut matrices) = (HashSet::new(), Vec::new(), Vec::new());
         for bone in &skinned.bones {
             let body = self.nodes[bone.body];
@@ -70,7 +63,7 @@ impl Document<'_> {
             matrices.push(bone.inverse_bind);
         }
         let skin = Skin {
-            inverse_bind_matrices: Some(self.floats(Kind::InverseBind, &matrices)),
+            inverse_bind_matrices: Some(self.floats(&matrices, None)),
             joints,
             name: Some(name.clone()),
             skeleton: None,
