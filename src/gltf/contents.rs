@@ -3,16 +3,16 @@
 use std::io::Write;
 use std::path::Path;
 
-use gltf_json::{Extras, Index, Node, Scene};
+use gltf_json::{Index, Node, Scene};
 
-use super::document::Document;
+use super::document::{Document, object};
 use super::motion::Clip;
 use super::{GltfOptions, node};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::file;
 use crate::kind::Kind;
-use crate::math::{Pose, norm, trn_vec_pose};
+use crate::math::{Pose, norm};
 use crate::model::Model;
 use crate::replay::{self, CameraLook, Frame, Look, label};
 use crate::scene::SceneOptions;
@@ -25,17 +25,14 @@ pub(super) fn write(
     options: &GltfOptions,
     clips: &[Clip<'_>],
 ) -> Result<Vec<String>> {
-    if options.rotation_error.is_nan() || options.rotation_error < 1e-6 {
-        let value = options.rotation_error;
-        return Err(Error::out_of_range("GltfOptions::rotation_error", value, "at least 1e-6"));
-    }
+    let error = options.rotation_error;
+    Error::check_range(error >= 1e-6, "GltfOptions::rotation_error", error, "at least 1e-6")?;
     let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
     let (mut look, scene) = Look::new(data, frames, &groups)?;
     let model = data.model();
     let parents = parents(model, frames);
     let poses: Vec<Vec<Vec<Pose>>> = clips.iter().map(|clip| clip.in_parents(&parents)).collect();
     let rest: Vec<Pose> = poses[0].iter().map(|poses| poses[0]).collect();
-    let world: Vec<Pose> = clips[0].poses.iter().map(|poses| poses[0]).collect();
 
     let mut document = Document::new(model, std::mem::take(&mut look.left_out));
     document.add_frames(frames, &rest, &parents)?;
@@ -43,7 +40,7 @@ pub(super) fn write(
     document.add_deformables(data, &scene, &groups, &mut look);
     document.left_out.append(&mut look.left_out);
     let free = document.add_cameras(&look)?;
-    document.add_lights(&look, free, &world)?;
+    document.add_lights(data, &look, free)?;
     for (clip, poses) in clips.iter().zip(&poses) {
         document.animate(clip, poses, &rest, options.rotation_error)?;
     }
@@ -77,8 +74,7 @@ impl Document<'_> {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let upright = Pose { pos: [0.0; 3], quat: [half, -half, 0.0, 0.0] };
         let top = root.push(node::node("z-axis up".to_owned(), upright)?);
-        let scene =
-            Scene { nodes: vec![top], extensions: None, extras: Extras::default(), name: Some("scene".to_owned()) };
+        let scene = object!(Scene { nodes: vec![top], name: Some("scene".to_owned()) });
         root.scene = Some(root.push(scene));
         for ((frame, pose), parent) in frames.iter().zip(rest).zip(parents) {
             let name = match *frame {
@@ -135,17 +131,11 @@ impl Document<'_> {
         Ok(node::add_child(&mut self.root, self.nodes[look.frame], Node { camera, ..node }))
     }
 
-    /// Adds the lights, of which the headlight is at the node of the free camera. `world` are the
-    /// poses of the frames at rest.
-    fn add_lights(&mut self, look: &Look, free: Index<Node>, world: &[Pose]) -> Result<()> {
-        let center = self.model.statistics().center;
+    /// Adds the lights, of which the headlight is at the node of the free camera.
+    fn add_lights(&mut self, data: &Data, look: &Look, free: Index<Node>) -> Result<()> {
         for light in &look.lights {
-            let (parent, pose) = light.frame.map_or((free, None), |frame| (self.nodes[frame], Some(world[frame])));
-            let distance = pose.map_or(0.0, |pose| {
-                let place = trn_vec_pose(&pose, &light.pos);
-                norm(&[0, 1, 2].map(|axis| place[axis] - center[axis]))
-            });
-            let node = node::light(&mut self.root, self.model, light, distance)?;
+            let parent = light.frame.map_or(free, |frame| self.nodes[frame]);
+            let node = node::light(&mut self.root, data, light)?;
             node::add_child(&mut self.root, parent, node);
         }
         Ok(())

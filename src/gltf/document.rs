@@ -6,9 +6,17 @@ use std::io;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Buffer, Target, View};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Accessor, Extras, Index, Material, Mesh, Node, Root, Texture};
+use gltf_json::{Accessor, Index, Material, Mesh, Node, Root, Texture};
 
 use crate::model::Model;
+
+/// Makes an object of glTF without extensions.
+macro_rules! object {
+    ($($type:ident)::+ { $($fields:tt)* }) => {
+        $($type)::+ { extensions: None, extras: gltf_json::Extras::default(), $($fields)* }
+    };
+}
+pub(super) use object;
 
 /// Document under construction.
 pub(super) struct Document<'m> {
@@ -64,20 +72,18 @@ impl<'m> Document<'m> {
         }
         let of_size = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4].get(N - 1).copied().unwrap_or(Type::Mat4);
         let view = self.view(&key.1, target);
-        let index = self.root.push(Accessor {
+        let index = self.root.push(object!(Accessor {
             buffer_view: Some(view),
             byte_offset: None,
             count: values.len().into(),
             component_type: Valid(GenericComponentType(component)),
-            extensions: None,
-            extras: Extras::default(),
             type_: Valid(of_size),
             min: None,
             max: None,
             name: None,
             normalized: component == ComponentType::I16,
             sparse: None,
-        });
+        }));
         self.known.insert(key, index);
         index
     }
@@ -103,16 +109,14 @@ impl<'m> Document<'m> {
         let start = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.root.push(View {
+        self.root.push(object!(View {
             buffer: Index::new(0),
             byte_length: bytes.len().into(),
             byte_offset: Some(start.into()),
             byte_stride: None,
             name: None,
             target: target.map(Valid),
-            extensions: None,
-            extras: Extras::default(),
-        })
+        }))
     }
 
     /// Returns the file: a header, the description as JSON, and the binary buffer.
@@ -122,13 +126,7 @@ impl<'m> Document<'m> {
     /// A file of 4 GiB or more.
     pub(super) fn file(mut self) -> io::Result<Vec<u8>> {
         if !self.bytes.is_empty() {
-            self.root.push(Buffer {
-                byte_length: self.bytes.len().into(),
-                name: None,
-                uri: None,
-                extensions: None,
-                extras: Extras::default(),
-            });
+            self.root.push(object!(Buffer { byte_length: self.bytes.len().into(), name: None, uri: None }));
         }
         let mut json = self.root.to_vec()?;
         json.resize(json.len().next_multiple_of(4), b' ');

@@ -7,11 +7,11 @@ use gltf_json::accessor::ComponentType;
 use gltf_json::buffer::Target;
 use gltf_json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Extras, Index, Material};
+use gltf_json::{Index, Material};
 
-use super::document::{Document, VERTICES};
+use super::document::{Document, VERTICES, object};
 use crate::error::Result;
-use crate::kind;
+use crate::kind::Kind;
 use crate::model::Model;
 use crate::replay::{Geom, Shape, TextureMap};
 use crate::shape::{self, Tessellation, Triangles};
@@ -44,10 +44,8 @@ impl Document<'_> {
         if triangles.indices.is_empty() {
             return Ok(None);
         }
-        let asset = geom.asset.and_then(|index| match geom.shape {
-            Shape::HeightField => self.model.name_at(kind::Kind::HeightField, index),
-            _ => self.model.name_at(kind::Kind::Mesh, index),
-        });
+        let kind = if geom.shape == Shape::HeightField { Kind::HeightField } else { Kind::Mesh };
+        let asset = geom.asset.and_then(|index| self.model.name_at(kind, index));
         let name = asset.map_or_else(|| format!("{:?}", geom.shape).to_lowercase(), str::to_owned);
         let mesh = self.add_mesh(name, &triangles, material, map, iter::empty());
         self.meshes.insert(key, mesh);
@@ -86,22 +84,14 @@ impl Document<'_> {
         } else {
             self.vectors(indices, ComponentType::U32, u32::to_le_bytes, target)
         };
-        let primitive = Primitive {
+        let primitive = object!(Primitive {
             attributes,
-            extensions: None,
-            extras: Extras::default(),
             indices: Some(indices),
             material: Some(material),
             mode: Valid(Mode::Triangles),
             targets: None,
-        };
-        self.root.push(Mesh {
-            extensions: None,
-            extras: Extras::default(),
-            name: Some(name),
-            primitives: vec![primitive],
-            weights: None,
-        })
+        });
+        self.root.push(object!(Mesh { name: Some(name), primitives: vec![primitive], weights: None }))
     }
 }
 
@@ -118,14 +108,8 @@ fn triangles(model: &Model, geom: &Geom, far: f32) -> Result<Triangles> {
         Shape::Box => shape::cuboid(1).scaled(geom.size),
         Shape::Capsule => shape::tube(round.slices, geom.size, &shape::hemisphere(round)),
         Shape::Cylinder => shape::tube(round.slices, geom.size, &shape::disk(round.slices, 1)),
-        Shape::Mesh => {
-            let mesh = model.meshes().nth(asset);
-            mesh.map(|mesh| shape::mesh(model, mesh.id(), usize::MAX)).transpose()?.unwrap_or_default()
-        }
-        Shape::HeightField => {
-            let field = model.height_fields().nth(asset);
-            field.map(|field| shape::height_field(model, field.id(), usize::MAX)).transpose()?.unwrap_or_default()
-        }
+        Shape::Mesh => shape::mesh(model, model.mesh(asset)?.id(), usize::MAX)?,
+        Shape::HeightField => shape::height_field(model, model.height_field(asset)?.id(), usize::MAX)?,
     };
     if !triangles.vertices.iter().all(|vertex| vertex.position.iter().all(|number| number.is_finite())) {
         return Err(crate::Error::Unsupported("a size that is not finite".to_owned()));

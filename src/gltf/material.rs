@@ -9,9 +9,9 @@ use gltf_json::image::{Image, MimeType};
 use gltf_json::material::{AlphaMode, EmissiveFactor, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf_json::texture::{Info, Texture};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Extras, Index, Material};
+use gltf_json::{Index, Material};
 
-use super::document::Document;
+use super::document::{Document, object};
 use crate::kind::Kind;
 use crate::model::Model;
 use crate::replay::{self, Surface, label};
@@ -65,20 +65,18 @@ impl Document<'_> {
         let stored = known.unwrap_or_else(|| {
             let name = self.model.name_at(Kind::Texture, index).map(str::to_owned);
             let view = self.view(&texture.png, None);
-            let source = self.root.push(Image {
+            let source = self.root.push(object!(Image {
                 buffer_view: Some(view),
                 mime_type: Some(MimeType("image/png".to_owned())),
                 name: name.clone(),
                 uri: None,
-                extensions: None,
-                extras: Extras::default(),
-            });
+            }));
             // Without a sampler, a texture repeats, and programs select the filters.
-            let texture = Texture { name, sampler: None, source, extensions: None, extras: Extras::default() };
+            let texture = object!(Texture { name, sampler: None, source });
             self.root.push(texture)
         });
         self.textures.insert(index, stored);
-        Info { index: stored, tex_coord: 0, extensions: None, extras: Extras::default() }
+        object!(Info { index: stored, tex_coord: 0 })
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use gltf_json::Index;
 use gltf_json::accessor::ComponentType;
 use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Extras, Index};
 
-use super::document::Document;
+use super::document::{Document, object};
 use super::node::{rotation, translation};
 use crate::error::{Error, Result};
 use crate::math::{Pose, mul_pose, neg_pose};
@@ -97,14 +97,14 @@ impl Document<'_> {
         let input = self.bounded(&clip.times, None);
         let parts = (0..).zip(outputs).map(|(index, (frame, path, output))| {
             let interpolation = Valid(Interpolation::Linear);
-            let sampler = Sampler { extensions: None, extras: Extras::default(), input, interpolation, output };
+            let sampler = object!(Sampler { input, interpolation, output });
             let node = self.nodes[frame];
-            let target = Target { extensions: None, extras: Extras::default(), node, path: Valid(path) };
-            (Channel { sampler: Index::new(index), target, extensions: None, extras: Extras::default() }, sampler)
+            let target = object!(Target { node, path: Valid(path) });
+            (object!(Channel { sampler: Index::new(index), target }), sampler)
         });
         let (channels, samplers) = parts.unzip();
         let name = Some(if clip.name.is_empty() { "motion" } else { clip.name }.to_owned());
-        self.root.push(Animation { channels, samplers, name, extensions: None, extras: Extras::default() });
+        self.root.push(object!(Animation { channels, samplers, name }));
         Ok(())
     }
 }

@@ -3,17 +3,18 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use gltf_json::camera::{Camera, Orthographic, Perspective, Type};
-use gltf_json::extensions::root;
 use gltf_json::extensions::scene::Node as Extensions;
 use gltf_json::extensions::scene::khr_lights_punctual::{self as light, KhrLightsPunctual};
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Extras, Index, Node, Root};
+use gltf_json::{Index, Node, Root};
 
+use super::document::object;
 use super::material::unit;
+use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::kind::Kind;
-use crate::math::{Pose, normalize4, quat_z2vec};
+use crate::math::{Pose, norm, normalize4, quat_z2vec};
 use crate::model::Model;
 use crate::replay::{Light, label};
 use crate::scene::Viewpoint;
@@ -63,30 +64,16 @@ pub(super) fn camera(name: String, view: &Viewpoint) -> Option<Camera> {
         return None;
     }
     let aspect_ratio = (width > 0.0).then_some(width / half);
-    let perspective = Perspective {
-        aspect_ratio,
-        yfov: 2.0 * (half / near).atan(),
-        zfar: Some(far),
-        znear: near,
-        extensions: None,
-        extras: Extras::default(),
-    };
-    let parallel = Orthographic {
-        xmag: half * aspect_ratio.unwrap_or(1.0),
-        ymag: half,
-        zfar: far,
-        znear: near,
-        extensions: None,
-        extras: Extras::default(),
-    };
-    Some(Camera {
+    let yfov = 2.0 * (half / near).atan();
+    let perspective = object!(Perspective { aspect_ratio, yfov, zfar: Some(far), znear: near });
+    let xmag = half * aspect_ratio.unwrap_or(1.0);
+    let parallel = object!(Orthographic { xmag, ymag: half, zfar: far, znear: near });
+    Some(object!(Camera {
         name: Some(name),
         orthographic: orthographic.then_some(parallel),
         perspective: (!orthographic).then_some(perspective),
         type_: Valid(if orthographic { Type::Orthographic } else { Type::Perspective }),
-        extensions: None,
-        extras: Extras::default(),
-    })
+    }))
 }
 
 /// Returns `false` for a frustum that a camera of glTF, which is symmetric, does not have.
@@ -96,10 +83,7 @@ pub(super) fn is_symmetric(view: &Viewpoint) -> bool {
     view.frustum_center.abs() <= least && (top + bottom).abs() <= least
 }
 
-const EXTENSION: &str = "KHR_lights_punctual";
-
-/// Adds a light, and returns its node in its frame. `distance` is that of the centre of the model,
-/// m.
+/// Adds a light, and returns its node in its frame. The simulation has its position.
 ///
 /// A light of the engine with the colour 1 draws a white surface that faces it white. In glTF such
 /// a surface reflects the fraction 1/π of its illuminance, so a light has the intensity π. The
@@ -107,40 +91,32 @@ const EXTENSION: &str = "KHR_lights_punctual";
 /// then, as in the engine. The engine's spot lights have no decay with the distance by default,
 /// those of glTF decay with its square: they have the engine's brightness at the centre of the
 /// model.
-pub(super) fn light(root: &mut Root, model: &Model, look: &Light, distance: f64) -> Result<Node> {
+pub(super) fn light(root: &mut Root, data: &Data, look: &Light) -> Result<Node> {
+    let (model, center) = (data.model(), data.model().statistics().center);
+    let from_center = |pos: [f64; 3]| norm(&[0, 1, 2].map(|axis| pos[axis] - center[axis]));
+    let distance = look.index.map_or(0.0, |index| from_center(data.light_xpos()[index]));
     let name = look.index.map_or_else(|| "headlight".to_owned(), |index| label(model, Kind::Light, index));
     let distance = if distance > 0.0 && distance.is_finite() { distance as f32 } else { 1.0 };
     let cone = look.cutoff.to_radians();
-    let (type_, spot, intensity) = if look.directional {
-        (light::Type::Directional, None, PI)
-    } else {
-        let is_spot = cone > 0.0 && cone <= FRAC_PI_2;
-        // In single precision, a right angle is above π/2.
-        let cone = cone.min(FRAC_PI_2.next_down());
-        // An exponent of the engine concentrates the light about the axis.
-        let inner_cone_angle = if look.exponent > 0.0 { 0.0 } else { 0.99 * cone };
-        let spot = is_spot.then_some(light::Spot { inner_cone_angle, outer_cone_angle: cone });
-        (
-            if is_spot { light::Type::Spot } else { light::Type::Point },
-            spot,
-            candela(model, look, PI * distance.powi(2)),
-        )
+    let is_spot = !look.directional && cone > 0.0 && cone <= FRAC_PI_2;
+    // In single precision, a right angle is above π/2.
+    let cone = cone.min(FRAC_PI_2.next_down());
+    // An exponent of the engine concentrates the light about the axis.
+    let inner_cone_angle = if look.exponent > 0.0 { 0.0 } else { 0.99 * cone };
+    let type_ = match (look.directional, is_spot) {
+        (true, _) => light::Type::Directional,
+        (_, true) => light::Type::Spot,
+        _ => light::Type::Point,
     };
-    let stored = light::Light {
+    let index = root.push(object!(light::Light {
         color: look.diffuse.map(unit),
-        extensions: None,
-        extras: Extras::default(),
-        intensity,
+        intensity: if look.directional { PI } else { candela(model, look, PI * distance.powi(2)) },
         name: Some(name.clone()),
         range: None,
-        spot,
+        spot: is_spot.then_some(light::Spot { inner_cone_angle, outer_cone_angle: cone }),
         type_: Valid(type_),
-    };
-    let lights = &mut root.extensions.get_or_insert_with(root::Root::default).khr_lights_punctual;
-    let index = Index::push(&mut lights.get_or_insert_default().lights, stored);
-    if root.extensions_used.is_empty() {
-        root.extensions_used.push(EXTENSION.to_owned());
-    }
+    }));
+    root.extensions_used = vec!["KHR_lights_punctual".to_owned()];
     // A light of glTF shines along the negative z-axis of its node.
     let pose = Pose { pos: look.pos, quat: quat_z2vec(&look.dir.map(|part| -part)) };
     let mut node = node(name, pose)?;

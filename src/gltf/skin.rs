@@ -3,9 +3,9 @@
 use std::collections::HashSet;
 
 use gltf_json::skin::Skin;
-use gltf_json::{Extras, Index, Material, Node};
+use gltf_json::{Index, Material, Node};
 
-use super::document::Document;
+use super::document::{Document, object};
 use super::node;
 use crate::data::Data;
 use crate::kind::Kind;
@@ -62,14 +62,12 @@ impl Document<'_> {
             joints.push(if is_new { body } else { node::add_child(&mut self.root, body, Node::default()) });
             matrices.push(bone.inverse_bind);
         }
-        let skin = Skin {
+        let skin = object!(Skin {
             inverse_bind_matrices: Some(self.floats(&matrices, None)),
             joints,
             name: Some(name.clone()),
             skeleton: None,
-            extensions: None,
-            extras: Extras::default(),
-        };
+        });
         let skin = Some(self.root.push(skin));
         let node = self.root.push(Node { name: Some(name), mesh: Some(mesh), skin, ..Node::default() });
         self.root.scenes[0].nodes.push(node);
