@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use super::stream::{Binary, Interval, Part, Prediction};
-use crate::id::{HeightFieldId, MeshId};
-use crate::model::Model;
+use crate::element;
 use crate::replay;
 use crate::shape::simplified;
 
@@ -31,31 +30,23 @@ struct Corners {
 
 impl Mesh {
     /// A mesh with a texture keeps its triangles.
-    pub(super) fn new(binary: &mut Binary, model: &Model, id: MeshId, is_textured: bool, error: f64) -> Self {
-        let mesh = model.mesh(id);
-        if is_textured && !mesh.texcoord().is_empty() {
-            let texcoords = Some(Corners::new(binary, mesh.texcoord(), mesh.facetexcoord()));
-            return Self { positions: Corners::new(binary, mesh.vert(), mesh.face()), texcoords };
-        }
-        let positions = match simplified(mesh.vert(), mesh.face(), error) {
-            Some((vertices, faces)) => Corners::new(binary, &vertices, &faces),
-            None => Corners::new(binary, mesh.vert(), mesh.face()),
-        };
-        Self { positions, texcoords: None }
+    pub(super) fn new(binary: &mut Binary, mesh: &element::Mesh<'_>, is_textured: bool, error: f64) -> Self {
+        let has_texcoords = is_textured && !mesh.texcoord().is_empty();
+        let texcoords = has_texcoords.then(|| Corners::new(binary, mesh.texcoord(), mesh.facetexcoord()));
+        let simple = if has_texcoords { None } else { simplified(mesh.vert(), mesh.face(), error) };
+        let (vertices, faces) =
+            simple.as_ref().map_or((mesh.vert(), mesh.face()), |(vertices, faces)| (vertices, faces));
+        Self { positions: Corners::new(binary, vertices, faces), texcoords }
     }
 }
 
 impl Corners {
     fn new<const N: usize>(binary: &mut Binary, vectors: &[[f32; N]], faces: &[[i32; 3]]) -> Self {
-        let start = binary.bytes().len();
-        let mut intervals = Vec::with_capacity(N);
-        for axis in 0..N {
-            let values = || vectors.iter().map(|vector| f64::from(vector[axis]));
-            let interval = Interval::of(values());
-            binary.channel(Prediction::Previous, values().map(|value| interval.number(value)));
-            intervals.push(interval);
-        }
-        let (part, count) = (binary.since(start), vectors.len());
+        let values = |axis: usize| vectors.iter().map(move |vector| f64::from(vector[axis]));
+        let intervals: Vec<Interval> = (0..N).map(|axis| Interval::of(values(axis))).collect();
+        let channel = |(axis, &interval): (usize, &Interval)| values(axis).map(move |value| interval.number(value));
+        let part = binary.stream(Prediction::Previous, intervals.iter().enumerate().map(channel));
+        let count = vectors.len();
         Self { intervals, vectors: part, count, faces: indices(binary, faces, count) }
     }
 }
@@ -64,7 +55,7 @@ impl Corners {
 /// edited model can have, becomes 0.
 pub(super) fn indices(binary: &mut Binary, faces: &[[i32; 3]], count: usize) -> Part {
     let valid = |&index: &i32| if usize::try_from(index).is_ok_and(|index| index < count) { index.into() } else { 0 };
-    binary.stream(Prediction::Previous, faces.as_flattened().iter().map(valid))
+    binary.stream(Prediction::Previous, [faces.as_flattened().iter().map(valid)])
 }
 
 /// Height field.
@@ -80,11 +71,10 @@ pub(super) struct HeightField {
 }
 
 impl HeightField {
-    pub(super) fn new(binary: &mut Binary, model: &Model, id: HeightFieldId) -> Self {
-        let field = model.height_field(id);
+    pub(super) fn new(binary: &mut Binary, field: &element::HeightField<'_>) -> Self {
         let values = || field.data().iter().map(|&value| f64::from(value));
         let interval = Interval::of(values());
-        let elevations = binary.stream(Prediction::Previous, values().map(|value| interval.number(value)));
+        let elevations = binary.stream(Prediction::Previous, [values().map(|value| interval.number(value))]);
         Self { rows: field.nrow(), columns: field.ncol(), size: *field.size(), interval, elevations }
     }
 }

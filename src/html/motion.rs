@@ -6,22 +6,21 @@ use super::signal::{self, Source};
 use super::stream::{Binary, Interval, LIMIT, Prediction};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
+use crate::math::Pose;
 use crate::replay::{self, Frame};
 use crate::trajectory::Trajectory;
 
 impl Moving {
-    /// Takes the vertices in each record. Segments that a record lacks have no length.
-    fn new(binary: &mut Binary, records: &[Vertices], step: f64) -> Result<Self> {
-        let count = records.iter().map(Vec::len).max().unwrap_or(0);
-        let start = binary.bytes().len();
-        for vertex in 0..count {
-            for axis in 0..3 {
-                let value =
-                    |record: &Vertices| record.get(vertex).or(record.last()).map_or(0.0, |at| f64::from(at[axis]));
-                binary.channel(Prediction::Line, rounded(records.iter().map(value), step)?);
-            }
-        }
-        Ok(Self { vertices: count, values: binary.since(start) })
+    /// Takes the vertices of a shape in each record. Segments that a record lacks have no length.
+    fn new(binary: &mut Binary, records: &[Vec<Vertices>], shape: usize, step: f64) -> Result<Self> {
+        let records = || records.iter().map(|shapes| &shapes[shape]);
+        let vertices = records().map(Vec::len).max().unwrap_or(0);
+        let channel = |index: usize| {
+            let vertex = |record: &Vertices| record.get(index / 3).or(record.last()).copied().unwrap_or_default();
+            rounded(records().map(|record| f64::from(vertex(record)[index % 3])), step)
+        };
+        let channels = (0..3 * vertices).map(channel).collect::<Result<Vec<_>>>()?;
+        Ok(Self { vertices, values: binary.stream(Prediction::Line, channels) })
     }
 }
 
@@ -35,41 +34,34 @@ impl Page<'_> {
         trajectory: &Trajectory,
         records: &[usize],
     ) -> Result<()> {
-        let Self { binary, sampler, steps, .. } = self;
+        let Self { binary, sampler, steps, look, .. } = self;
         let mut sources = Vec::new();
         if self.tracks.is_empty() {
             for signal in &self.options.signals {
                 sources.extend(signal::sources(data, trajectory, signal)?);
             }
         }
-        let mut values: Vec<Vec<f64>> = vec![Vec::with_capacity(records.len()); sources.len()];
-        let mut shapes: Vec<Vec<Vertices>> = Vec::new();
+        let (mut values, mut shapes) = (Vec::new(), Vec::new());
         let poses = replay::poses(data, frames, trajectory, records, |data, record| {
-            for (values, source) in values.iter_mut().zip(&sources) {
-                values.push(source.place.value(data, trajectory, record));
-            }
+            values.push(sources.iter().map(|source| (source.value)(data, record)).collect());
             if let Some(sampler) = sampler {
                 sampler.update(data)?;
-                let vertices = sampler.vertices();
-                shapes.resize_with(vertices.len(), Vec::new);
-                shapes.iter_mut().zip(vertices).for_each(|(records, vertices)| records.push(vertices));
+                shapes.push(sampler.vertices());
             }
             Ok(())
         })?;
         let times = rounded(records.iter().map(|&record| trajectory.times()[record]), steps.time)?;
-        let times = binary.stream(Prediction::Line, times);
-        let start = binary.bytes().len();
-        for poses in &poses {
-            for number in 0..7 {
-                let step = if number < 3 { steps.position } else { steps.rotation };
-                let numbers = rounded(poses.iter().map(|pose| pose.numbers()[number]), step)?;
-                binary.channel(Prediction::Line, numbers);
-            }
-        }
-        let poses = binary.since(start);
-        let deformables = shapes.iter().map(|records| Moving::new(binary, records, steps.position));
-        let deformables = deformables.collect::<Result<_>>()?;
-        let curves = sources.into_iter().zip(values).map(|(source, values)| Curve::new(binary, source, &values));
+        let times = binary.stream(Prediction::Line, [times]);
+        let channel = |(poses, number): (&Vec<Pose>, usize)| {
+            let step = if number < 3 { steps.position } else { steps.rotation };
+            rounded(poses.iter().map(|pose| pose.numbers()[number]), step)
+        };
+        let channels = poses.iter().flat_map(|poses| (0..7).map(move |number| (poses, number))).map(channel);
+        let poses = binary.stream(Prediction::Line, channels.collect::<Result<Vec<_>>>()?);
+        let shape = |index| Moving::new(binary, &shapes, index, steps.position);
+        let deformables = (0..look.deformables.len()).map(shape).collect::<Result<_>>()?;
+        let curve = |(index, source)| Curve::new(binary, source, values.iter().map(|values: &Vec<f64>| values[index]));
+        let curves = sources.into_iter().enumerate().map(curve);
         let (label, count, curves) = (label.to_owned(), records.len(), curves.collect());
         self.tracks.push(Track { label, count, times, poses, deformables, curves });
         Ok(())
@@ -91,10 +83,10 @@ fn rounded(values: impl Iterator<Item = f64>, step: f64) -> Result<Vec<i64>> {
 }
 
 impl Curve {
-    fn new(binary: &mut Binary, source: Source<'_>, values: &[f64]) -> Self {
-        let interval = Interval::of(values.iter().copied());
-        let number = |&value: &f64| if value.is_finite() { 1 + interval.number(value) } else { 0 };
-        let values = binary.stream(Prediction::Line, values.iter().map(number));
+    fn new(binary: &mut Binary, source: Source<'_>, values: impl Iterator<Item = f64> + Clone) -> Self {
+        let interval = Interval::of(values.clone());
+        let number = |value: f64| if value.is_finite() { 1 + interval.number(value) } else { 0 };
+        let values = binary.stream(Prediction::Line, [values.map(number)]);
         Self { name: source.name, unit: source.unit, interval, values }
     }
 }

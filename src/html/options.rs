@@ -77,18 +77,16 @@ impl HtmlOptions {
 
     pub(super) fn largest_mesh_error(&self, model: &Model) -> Result<f64> {
         let error = self.mesh_error.unwrap_or_else(|| 2.5 * Self::default_error(model.statistics().extent));
-        if error >= 0.0 && error.is_finite() {
-            return Ok(error);
-        }
-        Err(Error::out_of_range("HtmlOptions::mesh_error", error, "at least 0 and finite"))
+        let is_valid = error >= 0.0 && error.is_finite();
+        Error::check_range(is_valid, "HtmlOptions::mesh_error", error, "at least 0 and finite")?;
+        Ok(error)
     }
 }
 
 pub(super) fn check_positive(what: &str, value: f64, limit: f64) -> Result<f64> {
-    if value > 0.0 && value <= limit {
-        return Ok(value);
-    }
-    Err(Error::out_of_range(what, value, format!("above 0 and at most {limit:e}")))
+    let expected = format_args!("above 0 and at most {limit:e}");
+    Error::check_range(value > 0.0 && value <= limit, what, value, expected)?;
+    Ok(value)
 }
 
 with_methods!(HtmlOptions {

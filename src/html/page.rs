@@ -1,7 +1,7 @@
 //! Contents of a page, and its text: a fixed document with two elements in base64, the program and
 //! the data.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
 use base64::Engine;
@@ -16,8 +16,7 @@ use super::options::{HtmlOptions, check_positive};
 use super::stream::{Binary, Interval, Part};
 use crate::data::Data;
 use crate::error::Result;
-use crate::id::{HeightFieldId, MeshId};
-use crate::replay::{self, Frame};
+use crate::replay::{self, Frame, Shape};
 use crate::scene::SceneOptions;
 
 /// Document with places for the program and the data. `html/build.mjs` generates it, with the
@@ -33,7 +32,7 @@ pub(super) struct Page<'o> {
     title: &'o str,
     /// Names of the bodies.
     bodies: Vec<Option<String>>,
-    look: Look,
+    pub(super) look: Look,
     pub(super) steps: Steps,
     /// Number of moving frames, of which the bodies are the first.
     frames: usize,
@@ -97,14 +96,12 @@ impl<'o> Page<'o> {
         let json = serde_json::to_vec(self)?;
         let length = u32::try_from(json.len()).map_err(io::Error::other)?;
         let mut data = GzEncoder::new(Vec::new(), Compression::best());
-        for part in [&length.to_le_bytes(), &json[..], self.binary.bytes()] {
+        for part in [&length.to_le_bytes(), &json[..], &self.binary.0] {
             data.write_all(part)?;
         }
-        let data = data.finish()?;
-        let mut page = DOCUMENT.replacen("PROGRAM_IN_BASE64", &STANDARD.encode(PROGRAM), 1);
-        let place = page.rfind("DATA_IN_BASE64").expect("Bug: page.html has a place for the data");
-        page.replace_range(place..place + "DATA_IN_BASE64".len(), &STANDARD.encode(data));
-        Ok(page)
+        // Base64 has no underscore.
+        let page = DOCUMENT.replacen("PROGRAM_IN_BASE64", &STANDARD.encode(PROGRAM), 1);
+        Ok(page.replacen("DATA_IN_BASE64", &STANDARD.encode(data.finish()?), 1))
     }
 }
 
@@ -175,14 +172,14 @@ pub(super) struct Curve {
 
 /// Contents of the picture, apart from its motion. Assets have the indices of the model.
 #[derive(Debug, Serialize)]
-struct Look {
+pub(super) struct Look {
     #[serde(flatten)]
     base: replay::Look,
     meshes: BTreeMap<usize, Mesh>,
     height_fields: BTreeMap<usize, HeightField>,
     /// `None` for a texture that is drawn white.
     textures: BTreeMap<usize, Option<Texture>>,
-    deformables: Vec<Deformable>,
+    pub(super) deformables: Vec<Deformable>,
 }
 
 impl Look {
@@ -198,10 +195,16 @@ impl Look {
         let (mut base, scene) = replay::Look::new(data, frames, &groups)?;
         let model = data.model();
         let error = options.largest_mesh_error(model)?;
-        let mesh = |(&id, &textured): (&MeshId, &bool)| (id.index(), Mesh::new(binary, model, id, textured, error));
-        let meshes = base.meshes.iter().map(mesh).collect();
-        let field = |&id: &HeightFieldId| (id.index(), HeightField::new(binary, model, id));
-        let height_fields = base.height_fields.iter().map(field).collect();
+        let assets = |shape: Shape| {
+            let geoms = base.geoms.iter().filter(move |geom| geom.shape == shape);
+            geoms.filter_map(|geom| Some((geom.asset?, geom.texture.is_some()))).collect::<BTreeSet<_>>()
+        };
+        // The last entry of a mesh has a texture if any has.
+        let meshes = BTreeMap::from_iter(assets(Shape::Mesh)).into_iter();
+        let mesh = |(index, textured)| Ok((index, Mesh::new(binary, &model.mesh(index)?, textured, error)));
+        let meshes = meshes.map(mesh).collect::<Result<_>>()?;
+        let field = |(index, _)| Ok((index, HeightField::new(binary, &model.height_field(index)?)));
+        let height_fields = assets(Shape::HeightField).into_iter().map(field).collect::<Result<_>>()?;
         let texture = |(&index, texture): (&usize, &Option<replay::Texture>)| {
             (index, texture.as_ref().map(|texture| Texture::new(binary, texture)))
         };

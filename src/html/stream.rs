@@ -1,8 +1,8 @@
 //! Binary data of a page: streams of integers, and images.
 //!
 //! A stream has channels. Each number of a channel is the difference to its prediction from the
-//! numbers before it, as a zigzag varint: seven bits per byte, lowest first. Slow motions and
-//! nearby vertices then need one byte per number.
+//! numbers before it, as a zigzag varint: seven bits per byte, lowest first, which is the format of
+//! postcard. Slow motions and nearby vertices then need one byte per number.
 
 use serde::Serialize;
 
@@ -24,54 +24,35 @@ pub(super) enum Prediction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Part(usize, usize);
 
+/// Binary data.
 #[derive(Debug, Default)]
-pub(super) struct Binary {
-    bytes: Vec<u8>,
-}
+pub(super) struct Binary(pub(super) Vec<u8>);
 
 impl Binary {
-    pub(super) fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    /// Returns the part from an earlier length of the bytes to their end.
-    pub(super) fn since(&self, start: usize) -> Part {
-        Part(start, self.bytes.len() - start)
-    }
-
     pub(super) fn raw(&mut self, bytes: &[u8]) -> Part {
-        let start = self.bytes.len();
-        self.bytes.extend_from_slice(bytes);
-        self.since(start)
+        let start = self.0.len();
+        self.0.extend_from_slice(bytes);
+        Part(start, bytes.len())
     }
 
-    /// Appends a stream of one channel.
-    pub(super) fn stream(&mut self, prediction: Prediction, numbers: impl IntoIterator<Item = i64>) -> Part {
-        let start = self.bytes.len();
-        self.channel(prediction, numbers);
-        self.since(start)
-    }
-
-    /// Appends a channel to a stream.
-    pub(super) fn channel(&mut self, prediction: Prediction, numbers: impl IntoIterator<Item = i64>) {
-        let (mut previous, mut before) = (0, None);
-        for number in numbers {
-            let predicted = match (prediction, before) {
-                (Prediction::Line, Some(before)) => 2 * previous - before,
-                _ => previous,
-            };
-            self.varint(number - predicted);
-            (before, previous) = (Some(if before.is_none() { number } else { previous }), number);
+    /// Appends a stream of channels.
+    pub(super) fn stream<C>(&mut self, prediction: Prediction, channels: impl IntoIterator<Item = C>) -> Part
+    where
+        C: IntoIterator<Item = i64>,
+    {
+        let start = self.0.len();
+        for channel in channels {
+            let (mut previous, mut before) = (0, None);
+            for number in channel {
+                let predicted = match (prediction, before) {
+                    (Prediction::Line, Some(before)) => 2 * previous - before,
+                    _ => previous,
+                };
+                postcard::to_io(&(number - predicted), &mut self.0).expect("Bug: a vector takes all bytes");
+                (before, previous) = (Some(if before.is_none() { number } else { previous }), number);
+            }
         }
-    }
-
-    fn varint(&mut self, number: i64) {
-        let mut rest = ((number << 1) ^ (number >> 63)) as u64;
-        while rest >= 0x80 {
-            self.bytes.push(rest as u8 | 0x80);
-            rest >>= 7;
-        }
-        self.bytes.push(rest as u8);
+        Part(start, self.0.len() - start)
     }
 }
 
@@ -111,8 +92,8 @@ mod tests {
 
     fn bytes(prediction: Prediction, numbers: &[i64]) -> Vec<u8> {
         let mut binary = Binary::default();
-        binary.channel(prediction, numbers.iter().copied());
-        binary.bytes
+        binary.stream(prediction, [numbers.iter().copied()]);
+        binary.0
     }
 
     #[test]

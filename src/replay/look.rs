@@ -12,7 +12,7 @@ use crate::data::Data;
 use crate::element::Object;
 use crate::enums::TextureType;
 use crate::error::Result;
-use crate::id::{HeightFieldId, MeshId, TextureId};
+use crate::id::TextureId;
 use crate::kind::Kind;
 use crate::model::Model;
 use crate::scene::{Camera, Scene, SceneGeom, SceneGeomType, SceneOptions};
@@ -21,11 +21,6 @@ use crate::scene::{Camera, Scene, SceneGeom, SceneGeomType, SceneOptions};
 #[derive(Debug, Serialize)]
 pub(crate) struct Look {
     pub(crate) geoms: Vec<Geom>,
-    /// Meshes of the geoms: `true` for those that any geom draws with a texture.
-    #[serde(skip)]
-    pub(crate) meshes: BTreeMap<MeshId, bool>,
-    #[serde(skip)]
-    pub(crate) height_fields: BTreeSet<HeightFieldId>,
     /// `None` for a texture that is drawn white.
     #[serde(skip)]
     pub(crate) textures: BTreeMap<usize, Option<Texture>>,
@@ -106,8 +101,6 @@ impl Look {
         let mut left_out = BTreeSet::new();
         let mut look = Self {
             geoms: Vec::new(),
-            meshes: BTreeMap::new(),
-            height_fields: BTreeSet::new(),
             textures: BTreeMap::new(),
             sky: None,
             lights: Light::all(&model, frames, &scene, &mut left_out),
@@ -141,10 +134,6 @@ impl Look {
                 self.left_out.insert(description(model, element, at));
                 continue;
             };
-            if let Some(id) = geom.mesh() {
-                *self.meshes.entry(id).or_insert(false) |= geom.texture().is_some();
-            }
-            self.height_fields.extend(geom.height_field());
             let texture = geom.texture().map(|id| self.texture(model, id));
             let is_cube = texture.and_then(|index| self.textures[&index].as_ref()).is_some_and(|found| found.is_cube);
             self.geoms.push(Geom {

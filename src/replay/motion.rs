@@ -54,9 +54,7 @@ pub(crate) fn pose(data: &Data, frame: Frame) -> Pose {
 
 /// Returns the first record in each period of the frame rate, and the last record.
 pub(crate) fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize>> {
-    if frames_per_second.is_nan() || frames_per_second <= 0.0 {
-        return Err(Error::out_of_range("frames_per_second", frames_per_second, "above 0"));
-    }
+    Error::check_range(frames_per_second > 0.0, "frames_per_second", frames_per_second, "above 0")?;
     let Some(&start) = times.first() else {
         let what = "a trajectory to replay";
         return Err(Error::invalid(InvalidKind::Unsuitable, what, "empty", "of at least one record"));

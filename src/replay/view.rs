@@ -46,10 +46,9 @@ impl Light {
                 left_out.insert(format!("{}: its type", description(model, Kind::Light, index)));
                 continue;
             }
-            let (frame, pos, dir) = match frames.iter().position(|frame| *frame == Frame::Light(index)) {
-                Some(frame) => (frame, [0.0; 3], [0.0, 0.0, 1.0]),
-                None => (model.light_bodyid()[index] as usize, model.light_pos()[index], model.light_dir()[index]),
-            };
+            let fixed = (model.light_bodyid()[index] as usize, model.light_pos()[index], model.light_dir()[index]);
+            let moving = frames.iter().position(|frame| *frame == Frame::Light(index));
+            let (frame, pos, dir) = moving.map_or(fixed, |frame| (frame, [0.0; 3], [0.0, 0.0, 1.0]));
             lights.push(Self::new(light, Some(index), Some(frame), pos, dir));
         }
         lights
@@ -98,14 +97,13 @@ impl CameraLook {
     /// Returns all cameras of the model. Leaves the scene at the viewpoint of the last one.
     pub(crate) fn all(data: &Data, frames: &[Frame], scene: &mut Scene) -> Result<Vec<Self>> {
         let model = data.model();
-        let mut camera = |index: usize, element: element::Camera<'_>| {
+        let camera = |(index, element): (usize, element::Camera<'_>)| {
             scene.update_camera(data, &mut Camera::fixed(model, element.id()))?;
-            let (frame, pos, quat) = match frames.iter().position(|frame| *frame == Frame::Camera(index)) {
-                Some(frame) => (frame, [0.0; 3], [1.0, 0.0, 0.0, 0.0]),
-                None => (model.cam_bodyid()[index] as usize, model.cam_pos()[index], model.cam_quat()[index]),
-            };
+            let fixed = (model.cam_bodyid()[index] as usize, model.cam_pos()[index], model.cam_quat()[index]);
+            let moving = frames.iter().position(|frame| *frame == Frame::Camera(index));
+            let (frame, pos, quat) = moving.map_or(fixed, |frame| (frame, [0.0; 3], [1.0, 0.0, 0.0, 0.0]));
             Ok(Self { name: element.name().map(str::to_owned), frame, pos, quat, view: scene.viewpoint() })
         };
-        model.cameras().enumerate().map(|(index, element)| camera(index, element)).collect()
+        model.cameras().enumerate().map(camera).collect()
     }
 }
