@@ -47,7 +47,7 @@ impl LivePage {
             let expected = "one with StateSpec::QPOS";
             return Err(Error::invalid(InvalidKind::Unsuitable, "the states of ghosts", format!("{spec:?}"), expected));
         }
-        let width = self.model.state_size(spec);
+        let width = self.states.model.state_size(spec);
         Error::check_shape("the states of ghosts", states.shape(), (states.nrows(), width))?;
         self.states.set_ghosts(spec, states);
         Ok(())
@@ -86,7 +86,7 @@ impl LivePage {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn exchange_batch(&mut self, batch: &mut Batch<'_>) -> Result<Tick> {
-        if !self.model.is_same_structure(batch.model()) {
+        if !self.states.model.is_same_structure(batch.model()) {
             return Err(Error::OtherModel { what: "the batch of a live page" });
         }
         if self.start.nrows() != batch.len() {

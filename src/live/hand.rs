@@ -3,7 +3,7 @@
 use super::message::Pull;
 use crate::data::{Data, Stage};
 use crate::error::Result;
-use crate::math::rot_vec_mat;
+use crate::math::{norm, rot_vec_mat};
 use crate::scene::{Camera, MovableBodies, Perturbation, PerturbationFlags, Scene, Selection};
 
 /// Spring between a point of a body and its target.
@@ -50,8 +50,8 @@ impl Hand {
         self.held = Some(pull);
         let [start, from] = self.start;
         let way: [f64; 3] = std::array::from_fn(|axis| pull.target[axis] - from[axis]);
-        let length = way.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let scale = if length > self.reach { self.reach / length } else { 1.0 };
+        // Without a way and an extent, the quotient is NaN, which `min` ignores.
+        let scale = (self.reach / norm(&way)).min(1.0);
         self.perturbation.refpos = std::array::from_fn(|axis| start[axis] + scale * way[axis]);
         self.is_new = true;
         Ok(())

@@ -61,16 +61,15 @@ impl Limits {
             Error::invalid(InvalidKind::Text, "a message", format!("{start:?}"), format!("valid: {error}"))
         })?;
         match message {
-            Message::Step(steps) if !(1..=MOST_STEPS).contains(&steps) => {
-                return Err(Error::out_of_range("the number of steps", steps, format!("1 to {MOST_STEPS}")));
+            Message::Step(steps) => {
+                let expected = format_args!("1 to {MOST_STEPS}");
+                Error::check_range((1..=MOST_STEPS).contains(&steps), "the number of steps", steps, expected)?;
             }
             Message::Hold(index, value) => {
                 let [low, high] = self.control(index)?;
                 // NaN is in no range.
-                if !(low..=high).contains(&value) {
-                    let expected = format!("within [{low}, {high}]");
-                    return Err(Error::out_of_range(format!("control {index}"), value, expected));
-                }
+                let (is_valid, what) = ((low..=high).contains(&value), format_args!("control {index}"));
+                Error::check_range(is_valid, what, value, format_args!("within [{low}, {high}]"))?;
             }
             Message::Release(index) => _ = self.control(index)?,
             Message::Pull(pull) => self.check(&pull)?,
@@ -87,15 +86,11 @@ impl Limits {
 
     fn check(&self, pull: &Pull) -> Result<()> {
         // The world, of index 0, does not move.
-        if !(1..self.bodies).contains(&pull.body) {
-            let expected = format!("at least 1 and below {}", self.bodies);
-            return Err(Error::out_of_range("the body of a pull", pull.body, expected));
-        }
-        let is_wrong = |coordinate: &&f64| !(-LARGEST..=LARGEST).contains(*coordinate);
-        match pull.point.iter().chain(&pull.target).find(is_wrong) {
-            Some(wrong) => Err(Error::out_of_range("a coordinate of a pull", wrong, format!("within ±{LARGEST:e}"))),
-            None => Ok(()),
-        }
+        let expected = format_args!("at least 1 and below {}", self.bodies);
+        Error::check_range((1..self.bodies).contains(&pull.body), "the body of a pull", pull.body, expected)?;
+        let (limits, expected) = (-LARGEST..=LARGEST, format_args!("within ±{LARGEST:e}"));
+        let mut coordinates = pull.point.iter().chain(&pull.target);
+        coordinates.try_for_each(|at| Error::check_range(limits.contains(at), "a coordinate of a pull", at, expected))
     }
 }
 

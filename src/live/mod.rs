@@ -101,7 +101,7 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::html::{self, Live};
 use crate::matrix::Matrix;
-use crate::model::{IntoModel, Model};
+use crate::model::IntoModel;
 use crate::replay;
 
 /// Largest number of ghosts, so that the page of a browser remains small.
@@ -111,7 +111,6 @@ const MOST_GHOSTS: usize = 1000;
 ///
 /// The server and its threads end when the page is dropped.
 pub struct LivePage {
-    model: Arc<Model>,
     site: Arc<Site>,
     address: SocketAddr,
     /// Ends when the page is dropped.
@@ -156,10 +155,8 @@ impl LivePage {
     /// [`Error::Invalid`] for options beyond their limits, and the errors of [`Data::new`] and
     /// [`Data::forward`].
     pub fn bind(model: impl IntoModel, options: &LiveOptions) -> Result<Self> {
-        if options.ghosts > MOST_GHOSTS {
-            let expected = format!("at most {MOST_GHOSTS}");
-            return Err(Error::out_of_range("LiveOptions::ghosts", options.ghosts, expected));
-        }
+        let (ghosts, expected) = (options.ghosts, format_args!("at most {MOST_GHOSTS}"));
+        Error::check_range(ghosts <= MOST_GHOSTS, "LiveOptions::ghosts", ghosts, expected)?;
         let mut data = Data::new(model)?;
         data.forward()?;
         let model = data.model().clone();
@@ -169,9 +166,9 @@ impl LivePage {
         let names = model.actuators().map(|actuator| actuator.name());
         let sliders: Vec<_> = names.zip(ranges.iter().map(|range| range.unwrap_or([-1.0, 1.0]))).collect();
         let frames = replay::all(&model);
-        let live = Live { sliders: &sliders, ghosts: options.ghosts };
+        let live = Live { sliders: &sliders, ghosts };
         let (text, left_out, sampler) = html::live(&mut data, &frames, live, &options.page)?;
-        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, options.ghosts);
+        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, ghosts);
         states.collect(&mut data, true)?;
 
         let failed = |source| Error::Serve { address: options.address.clone(), source };
@@ -203,7 +200,6 @@ impl LivePage {
             start: Matrix::default(),
             published: Instant::now(),
             buffer: Vec::new(),
-            model,
             site,
             address,
             server: Some(server),

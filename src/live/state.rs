@@ -23,7 +23,7 @@ pub(super) const BATCH: u32 = 2;
 /// Collects the parts of a state, which `html/src/live.js` reads.
 #[derive(Debug)]
 pub(super) struct StateWriter {
-    model: Arc<Model>,
+    pub(super) model: Arc<Model>,
     frames: Vec<Frame>,
     /// Deformable shapes of the first simulation. `None` if the model has none.
     sampler: Option<Sampler>,
@@ -35,7 +35,6 @@ pub(super) struct StateWriter {
     /// Simulation in which the poses of ghosts are computed.
     memory: Data,
     shown: Shown,
-    controls: Vec<f32>,
 }
 
 /// Simulations that the page shows.
@@ -45,9 +44,19 @@ struct Shown {
     times: Vec<f64>,
     /// For each simulation the poses of all frames.
     poses: Vec<f32>,
+    /// Those of the first simulation.
+    controls: Vec<f32>,
 }
 
 impl Shown {
+    /// Removes all simulations, and sets the controls.
+    fn clear(&mut self, controls: &[f64]) {
+        self.times.clear();
+        self.poses.clear();
+        self.controls.clear();
+        self.controls.extend(controls.iter().map(|&ctrl| ctrl as f32));
+    }
+
     /// Adds a simulation. If it has no poses, for example because of NaN, they are NaN, and the
     /// page does not draw it.
     fn add(&mut self, has_poses: bool, data: &Data, frames: &[Frame]) {
@@ -57,20 +66,14 @@ impl Shown {
             self.poses.extend(numbers.map(|number| if has_poses { number as f32 } else { f32::NAN }));
         }
     }
-
-    fn clear(&mut self) {
-        self.times.clear();
-        self.poses.clear();
-    }
 }
 
 impl StateWriter {
     /// `memory` is a simulation of the model.
     pub(super) fn new(memory: Data, frames: Vec<Frame>, sampler: Option<Sampler>, most_ghosts: usize) -> Self {
         let model = memory.model().clone();
-        let (ghosts, ghost_spec) = (Matrix::default(), StateSpec::QPOS);
-        let (shown, controls) = (Shown::default(), Vec::new());
-        Self { model, frames, sampler, most_ghosts, ghosts, ghost_spec, memory, shown, controls }
+        let (ghosts, ghost_spec, shown) = (Matrix::default(), StateSpec::QPOS, Shown::default());
+        Self { model, frames, sampler, most_ghosts, ghosts, ghost_spec, memory, shown }
     }
 
     /// Returns the largest size of a state without ghosts and deformable shapes, bytes.
@@ -90,11 +93,9 @@ impl StateWriter {
 
     /// Collects a simulation, and the ghosts. `is_computed`: the simulation has positions.
     pub(super) fn collect(&mut self, data: &mut Data, is_computed: bool) -> Result<()> {
-        let Self { frames, memory, shown, controls, .. } = self;
-        shown.clear();
+        let Self { frames, memory, shown, .. } = self;
+        shown.clear(data.ctrl());
         shown.add(true, data, frames);
-        controls.clear();
-        controls.extend(data.ctrl().iter().map(|&ctrl| ctrl as f32));
         // A batch may have left an edited model.
         memory.swap_model(&mut self.model.clone());
         for state in self.ghosts.rows() {
@@ -109,27 +110,21 @@ impl StateWriter {
 
     /// Collects the first simulations of a batch.
     pub(super) fn collect_batch(&mut self, batch: &Batch<'_>) -> Result<()> {
-        let Self { frames, memory, shown, controls, .. } = self;
-        shown.clear();
-        controls.clear();
-        controls.resize(self.model.nu(), 0.0);
-        let mut result = Ok(());
+        let Self { frames, memory, shown, sampler, .. } = self;
+        // An empty batch has no controls.
+        shown.clear(batch.controls().rows().next().unwrap_or(memory.ctrl()));
+        let mut first = Ok(());
         for index in 0..batch.len().min(1 + self.most_ghosts) {
-            let computed = batch.load(index, memory).and_then(|()| match &self.sampler {
+            let computed = batch.load(index, memory).and_then(|()| match sampler {
                 Some(sampler) if index == 0 => sampler.compute(memory),
                 _ => compute_poses(memory),
             });
             shown.add(computed.is_ok(), memory, frames);
-            if index == 0 {
-                for (shown, &ctrl) in controls.iter_mut().zip(batch.controls().row(0)) {
-                    *shown = ctrl as f32;
-                }
-                if let Some(sampler) = &mut self.sampler {
-                    result = computed.and_then(|()| sampler.update(memory));
-                }
+            if let Some(sampler) = sampler.as_mut().filter(|_| index == 0) {
+                first = computed.and_then(|()| sampler.update(memory));
             }
         }
-        result
+        first
     }
 
     /// Writes the flags, the number of simulations, their times and poses, the controls, the
@@ -140,7 +135,7 @@ impl StateWriter {
         bytes.extend_from_slice(&flags.to_le_bytes());
         bytes.extend_from_slice(&(self.shown.times.len() as u32).to_le_bytes());
         bytes.extend(self.shown.times.iter().flat_map(|time| time.to_le_bytes()));
-        bytes.extend(self.shown.poses.iter().chain(&self.controls).flat_map(|number| number.to_le_bytes()));
+        bytes.extend(self.shown.poses.iter().chain(&self.shown.controls).flat_map(|number| number.to_le_bytes()));
         for vertices in self.sampler.iter().flat_map(Sampler::vertices) {
             bytes.extend_from_slice(&(vertices.len() as u32).to_le_bytes());
             bytes.extend(vertices.as_flattened().iter().flat_map(|number| number.to_le_bytes()));

@@ -35,7 +35,7 @@ impl LivePage {
     ///
     /// [`Error::OtherModel`] for data of another model.
     pub fn exchange(&mut self, data: &mut Data) -> Result<Tick> {
-        if !self.model.is_same_structure(data.model()) {
+        if !self.states.model.is_same_structure(data.model()) {
             return Err(Error::OtherModel { what: "the data of a live page" });
         }
         if self.start.nrows() == 0 {
