@@ -87,7 +87,7 @@ pub(crate) fn hull(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
 }
 
 /// Converts the vertex indices of a face, or returns `None` if an index is out of range.
-fn checked(face: [i32; 3], positions: &[[f32; 3]]) -> Option<[usize; 3]> {
+pub(super) fn checked(face: [i32; 3], positions: &[[f32; 3]]) -> Option<[usize; 3]> {
     let corners = face.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX));
     corners.iter().all(|&corner| corner < positions.len()).then_some(corners)
 }

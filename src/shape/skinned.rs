@@ -3,12 +3,13 @@
 
 use std::collections::HashMap;
 
+use super::mesh::checked;
 use super::solid::area_normal;
 use super::{Triangles, Vertex, skin};
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::id::SkinId;
-use crate::math::{neg_quat, quat2mat};
+use crate::math::{neg_quat, quat2mat, rot_vec_mat};
 use crate::model::Model;
 use crate::scene::{Deformable, DeformableId, Scene};
 
@@ -28,14 +29,10 @@ impl Bone {
     /// which scales the vertices as in the engine.
     fn new(body: usize, pos: [f64; 3], quat: [f64; 4]) -> Self {
         let mat = quat2mat(&neg_quat(&quat));
-        let shift = [0, 1, 2].map(|row| -(0..3).map(|column| mat[3 * row + column] * pos[column]).sum::<f64>());
-        let entry = |index: usize| match (index / 4, index % 4) {
-            (3, 3) => 1.0,
-            (_, 3) => 0.0,
-            (3, row) => shift[row] as f32,
-            (column, row) => mat[3 * row + column] as f32,
-        };
-        Self { body, inverse_bind: std::array::from_fn(entry) }
+        let [x, y, z] = rot_vec_mat(&pos.map(|part| -part), &mat);
+        let column = |column: usize| [mat[column], mat[3 + column], mat[6 + column], 0.0];
+        let columns = [column(0), column(1), column(2), [x, y, z, 1.0]];
+        Self { body, inverse_bind: std::array::from_fn(|index| columns[index / 4][index % 4] as f32) }
     }
 }
 
@@ -74,11 +71,10 @@ impl Skinned {
             vertex.position = std::array::from_fn(|axis| position[axis] + view.inflate() * normal[axis]);
             vertex.texcoord = texcoord;
         }
-        let mut weights = vec![Vec::new(); triangles.vertices.len()];
+        let mut weights: Vec<Vec<(usize, f32)>> = vec![Vec::new(); triangles.vertices.len()];
         for (index, bone) in view.bones().enumerate() {
             for (&vertex, &weight) in bone.vertid.iter().zip(bone.vertweight) {
                 let Some(weights) = weights.get_mut(vertex as usize) else { continue };
-                let weights: &mut Vec<(usize, f32)> = weights;
                 match weights.last_mut() {
                     Some((known, sum)) if *known == index => *sum += weight,
                     _ => weights.push((index, weight)),
@@ -101,9 +97,8 @@ impl Skinned {
         if !bodies.iter().all(|&body| usize::try_from(body).is_ok_and(|body| body < data.model().nbody())) {
             return unsupported("vertices without a body".to_owned());
         }
-        let corners = |face: &[i32; 3]| face.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX));
-        let is_valid = |&(_, face): &(usize, [usize; 3])| face.iter().all(|&corner| corner < count);
-        let faces: Vec<_> = faces.iter().map(corners).enumerate().filter(is_valid).collect();
+        let corners = |(index, face): (usize, &[i32; 3])| Some((index, checked(*face, &shape.vertices[..count])?));
+        let faces: Vec<_> = faces.iter().enumerate().filter_map(corners).collect();
         let indices = faces.iter().flat_map(|(_, face)| face.map(|corner| corner as u32)).collect();
         let smooth = Triangles::smooth(shape.vertices, indices);
         let (mut triangles, mut weights) = (Triangles::default(), Vec::new());
@@ -171,12 +166,11 @@ impl Skinned {
     /// Returns the bones of each vertex in sets of four, of which the first set has the largest
     /// weights. A weight of zero has the bone 0.
     pub(crate) fn sets(&self) -> impl Iterator<Item = (Vec<[u16; 4]>, Vec<[f32; 4]>)> + '_ {
-        let count = self.weights.iter().map(Vec::len).max().unwrap_or_default().div_ceil(4);
-        (0..count).map(|set| {
+        let count = self.weights.iter().map(Vec::len).max().unwrap_or_default();
+        (0..count).step_by(4).map(|first| {
             let entry = |weights: &Vec<(usize, f32)>| {
-                let at = |index: usize| weights.get(4 * set + index).copied().unwrap_or_default();
-                let [a, b, c, d] = std::array::from_fn(at);
-                ([a, b, c, d].map(|(bone, _)| bone as u16), [a, b, c, d].map(|(_, weight)| weight))
+                let four: [_; 4] = std::array::from_fn(|index| weights.get(first + index).copied().unwrap_or_default());
+                (four.map(|(bone, _)| bone as u16), four.map(|(_, weight)| weight))
             };
             self.weights.iter().map(entry).unzip()
         })
