@@ -3,7 +3,8 @@
 use super::message::Pull;
 use crate::data::{Data, Stage};
 use crate::error::Result;
-use crate::math::{norm, rot_vec_mat};
+use crate::math::{norm, trn_vec_pose};
+use crate::replay::{self, Frame};
 use crate::scene::{Camera, MovableBodies, Perturbation, PerturbationFlags, Scene, Selection};
 
 /// Spring between a point of a body and its target.
@@ -60,9 +61,7 @@ impl Hand {
     fn grip(&mut self, data: &mut Data, pull: Pull) -> Result<()> {
         self.let_go(data);
         let body = data.model().body(pull.body)?.id();
-        let (xpos, xmat) = (data.xpos()[pull.body], data.xmat()[pull.body]);
-        let offset = rot_vec_mat(&pull.point, &xmat);
-        let point = std::array::from_fn(|axis| xpos[axis] + offset[axis]);
+        let point = trn_vec_pose(&replay::pose(data, Frame::Body(pull.body)), &pull.point);
         let selection = Selection { body, geom: None, skin: None, flex: None, point };
         self.perturbation.select(data, &selection)?;
         self.perturbation.start(data, &self.scene)?;

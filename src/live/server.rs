@@ -81,10 +81,8 @@ fn accept(listener: &TcpListener, site: &Arc<Site>) {
             }
         }
     }
-    for (stream, _) in &connections {
+    for (stream, thread) in connections {
         let _ = stream.shutdown(Shutdown::Both);
-    }
-    for (_, thread) in connections {
         let _ = thread.join();
     }
 }
@@ -157,11 +155,15 @@ fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result
             _ => continue,
         };
         match message {
-            Ok(Message::Next) => {}
+            Ok(Message::Next) => {
+                if !site.slots.next(LONGEST_PERIOD, &mut bytes) {
+                    return Ok(end(CloseCode::Away, "the page is closed"));
+                }
+                socket.send(tungstenite::Message::Binary(Bytes::copy_from_slice(&bytes)))?;
+            }
             Ok(message) => {
                 site.slots.request(client, message);
                 thread::sleep(PAUSE);
-                continue;
             }
             Err(error) => {
                 log::warn!("a live page disconnects a browser: {error}");
@@ -169,9 +171,5 @@ fn answer(socket: &mut WebSocket<TcpStream>, site: &Site, client: u64) -> Result
                 return Ok(end(CloseCode::Policy, &reason));
             }
         }
-        if !site.slots.next(LONGEST_PERIOD, &mut bytes) {
-            return Ok(end(CloseCode::Away, "the page is closed"));
-        }
-        socket.send(tungstenite::Message::Binary(Bytes::copy_from_slice(&bytes)))?;
     }
 }

@@ -114,7 +114,6 @@ impl Slots {
         write(&mut snapshot.bytes);
         snapshot.number += 1;
         self.is_wanted.store(false, Ordering::Release);
-        drop(snapshot);
         self.new_snapshot.notify_all();
     }
 
@@ -140,17 +139,14 @@ impl Slots {
         let mut inbox = lock(&self.inbox);
         inbox.add(client, message);
         self.has_requests.store(true, Ordering::Release);
-        drop(inbox);
         self.new_request.notify_one();
     }
 
     /// Takes the requests since the last call, unless there are none or a browser holds the lock.
     pub(super) fn take(&self, requests: &mut Requests) {
         (requests.reset, requests.pause, requests.steps) = (false, None, 0);
-        if !self.has_requests.load(Ordering::Acquire) {
-            return;
-        }
-        let Ok(mut inbox) = self.inbox.try_lock() else { return };
+        let inbox = self.has_requests.load(Ordering::Acquire).then(|| self.inbox.try_lock());
+        let Some(Ok(mut inbox)) = inbox else { return };
         let Requests { reset, pause, steps, held, pull } = &mut *inbox;
         (requests.reset, requests.pause, requests.steps) = (mem::take(reset), mem::take(pause), mem::take(steps));
         requests.held.copy_from_slice(held);

@@ -159,11 +159,10 @@ impl LivePage {
                 }
                 Ok(true) => {
                     let simulated = Duration::try_from_secs_f64(data.time() - origin.1).unwrap_or_default();
-                    let (real, now) = (origin.0.elapsed(), Instant::now());
-                    match simulated.checked_sub(real) {
-                        Some(early) => thread::sleep(early.min(LARGEST_DELAY)),
-                        None if real.saturating_sub(simulated) > LARGEST_DELAY => origin = (now, data.time()),
-                        None => {}
+                    let real = origin.0.elapsed();
+                    thread::sleep(simulated.saturating_sub(real).min(LARGEST_DELAY));
+                    if real.saturating_sub(simulated) > LARGEST_DELAY {
+                        origin = (Instant::now(), data.time());
                     }
                 }
                 Err(error @ Error::OtherModel { .. }) => return Err(error),
