@@ -123,10 +123,7 @@ fn triangles(model: &Model, geom: &Geom, far: f32) -> Result<Triangles> {
 fn texcoords(triangles: &Triangles, map: TextureMap) -> Vec<[f32; 2]> {
     let coordinate = |vertex: &shape::Vertex| {
         let source = if map.explicit { vertex.texcoord } else { [vertex.position[0], vertex.position[1]] };
-        [0, 1].map(|axis| {
-            let value = source[axis] * map.scale[axis] + map.offset[axis];
-            if value.is_finite() { value } else { 0.0 }
-        })
+        [0, 1].map(|axis| shape::finite_or_zero(source[axis] * map.scale[axis] + map.offset[axis]))
     };
     triangles.vertices.iter().map(coordinate).collect()
 }

@@ -42,14 +42,12 @@ impl Binary {
     {
         let start = self.0.len();
         for channel in channels {
-            let (mut previous, mut before) = (0, None);
+            let (mut previous, mut step) = (None, 0);
             for number in channel {
-                let predicted = match (prediction, before) {
-                    (Prediction::Line, Some(before)) => 2 * previous - before,
-                    _ => previous,
-                };
-                postcard::to_io(&(number - predicted), &mut self.0).expect("Bug: a vector takes all bytes");
-                (before, previous) = (Some(if before.is_none() { number } else { previous }), number);
+                let difference = number - previous.unwrap_or(0) - step;
+                postcard::to_io(&difference, &mut self.0).expect("Bug: a vector takes all bytes");
+                step = if prediction == Prediction::Line { number - previous.unwrap_or(number) } else { 0 };
+                previous = Some(number);
             }
         }
         Part(start, self.0.len() - start)

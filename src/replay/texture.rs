@@ -100,16 +100,10 @@ impl TextureMap {
             let [x, y] = if REPEATS_TEXCOORDS { repetitions } else { [1.0; 2] };
             ([x, y, 0.0], [0.0; 2])
         } else if REPEATS_TEXCOORDS && geom.geom_type() == SceneGeomType::Plane {
-            let is_infinite = size[..2].iter().any(|&length| length <= 0.0);
-            let axis = |axis: usize| {
-                let (scale, offset) = match size[axis] {
-                    length if length > 0.0 => (0.5 * repetitions[axis] / length, 0.5 * repetitions[axis]),
-                    _ => (0.5 * repetitions[axis], 0.0),
-                };
-                (scale, if is_infinite { offset - 0.5 } else { offset })
-            };
-            let [(x, left), (y, top)] = [0, 1].map(axis);
-            ([x, -y, 0.0], [left, top])
+            let shift = if size[..2].iter().any(|&length| length <= 0.0) { -0.5 } else { 0.0 };
+            let [x, y] = [0, 1].map(|axis| 0.5 * repetitions[axis] * reciprocal(size[axis]));
+            let offset = |axis: usize| if size[axis] > 0.0 { 0.5 * repetitions[axis] + shift } else { shift };
+            ([x, -y, 0.0], [offset(0), offset(1)])
         } else {
             let [x, y] = [0, 1].map(|axis| {
                 let per_metre = if geom.texuniform() { 1.0 } else { reciprocal(size[axis]) };

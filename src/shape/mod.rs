@@ -159,7 +159,7 @@ fn face_normal(positions: [[f32; 3]; 3]) -> Option<[f32; 3]> {
     })
 }
 
-fn finite_or_zero(number: f32) -> f32 {
+pub(crate) fn finite_or_zero(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
 

@@ -71,8 +71,10 @@ impl Skinned {
             vertex.position = std::array::from_fn(|axis| position[axis] + view.inflate() * normal[axis]);
             vertex.texcoord = texcoord;
         }
-        let mut weights: Vec<Vec<(usize, f32)>> = vec![Vec::new(); triangles.vertices.len()];
-        for (index, bone) in view.bones().enumerate() {
+        let (mut bones, mut weights) = (Vec::new(), vec![Vec::<(usize, f32)>::new(); triangles.vertices.len()]);
+        let poses = view.bonebindpos().iter().zip(view.bonebindquat());
+        for (index, (bone, (pos, quat))) in view.bones().zip(poses).enumerate() {
+            bones.push(Bone::new(bone.body.index(), pos.map(f64::from), quat.map(f64::from)));
             for (&vertex, &weight) in bone.vertid.iter().zip(bone.vertweight) {
                 let Some(weights) = weights.get_mut(vertex as usize) else { continue };
                 match weights.last_mut() {
@@ -81,11 +83,7 @@ impl Skinned {
                 }
             }
         }
-        let poses = view.bonebindpos().iter().zip(view.bonebindquat());
-        let bone = |(bone, (pos, quat)): (crate::element::Bone<'_>, (&[f32; 3], &[f32; 4]))| {
-            Bone::new(bone.body.index(), pos.map(f64::from), quat.map(f64::from))
-        };
-        Self::checked(triangles, view.bones().zip(poses).map(bone).collect(), weights)
+        Self::checked(triangles, bones, weights)
     }
 
     /// The present state is at rest. A vertex of a flex is fixed to one body.
