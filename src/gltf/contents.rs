@@ -18,24 +18,18 @@ use crate::replay::{self, CameraLook, Frame, Look, label};
 use crate::scene::SceneOptions;
 
 /// Writes a file, and returns what is left out. `data` has the positions of the first record.
-pub(super) fn write(
-    path: &Path,
-    data: &mut Data,
-    frames: &[Frame],
-    options: &GltfOptions,
-    clips: &[Clip<'_>],
-) -> Result<Vec<String>> {
+pub(super) fn write(path: &Path, data: &mut Data, options: &GltfOptions, clips: &[Clip<'_>]) -> Result<Vec<String>> {
     let error = options.rotation_error;
     Error::check_range(error >= 1e-6, "GltfOptions::rotation_error", error, "at least 1e-6")?;
     let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
-    let (mut look, scene) = Look::new(data, frames, &groups)?;
-    let model = data.model();
-    let parents = parents(model, frames);
+    let (mut look, scene) = Look::new(data, &groups)?;
+    let (model, frames) = (data.model(), replay::all(data.model()));
+    let parents = parents(model, &frames);
     let poses: Vec<Vec<Vec<Pose>>> = clips.iter().map(|clip| clip.in_parents(&parents)).collect();
     let rest: Vec<Pose> = poses[0].iter().map(|poses| poses[0]).collect();
 
     let mut document = Document::new(model, std::mem::take(&mut look.left_out));
-    document.add_frames(frames, &rest, &parents)?;
+    document.add_frames(&frames, &rest, &parents)?;
     document.add_geoms(&look, farthest(model.nbody(), clips))?;
     document.add_deformables(data, &scene, &groups, &mut look);
     document.left_out.append(&mut look.left_out);
@@ -45,8 +39,7 @@ pub(super) fn write(
         document.animate(clip, poses, &rest, options.rotation_error)?;
     }
     let left_out = replay::report(std::mem::take(&mut document.left_out), "a glTF file does not contain");
-    let bytes = document.file().map_err(Error::file(path))?;
-    file::replace(path, |out| out.write_all(&bytes))?;
+    file::replace(path, |out| out.write_all(&document.file()?))?;
     Ok(left_out)
 }
 

@@ -150,17 +150,16 @@ pub fn save<'t>(
         return Err(Error::invalid(InvalidKind::Unsuitable, what, "an empty list", "at least one"));
     };
     let mut data = Data::new(model)?;
-    let frames = replay::all(data.model());
     let mut clips = Vec::with_capacity(trajectories.len());
     for &(name, trajectory) in &trajectories {
         let mut records = replay::records(trajectory.times(), options.frames_per_second)?;
         let times = motion::ascending(trajectory.times(), &mut records)?;
-        let poses = replay::poses(&mut data, &frames, trajectory, &records, |_, _| Ok(()))?;
+        let poses = replay::poses(&mut data, trajectory, &records, |_, _| Ok(()))?;
         clips.push(Clip { name, times, poses });
     }
     first.apply(0, &mut data)?;
     data.forward()?;
-    contents::write(path.as_ref(), &mut data, &frames, options, &clips)
+    contents::write(path.as_ref(), &mut data, options, &clips)
 }
 
 impl Trajectory {
@@ -207,9 +206,8 @@ impl Data {
     pub fn save_glb(&self, path: impl AsRef<Path>, options: &GltfOptions) -> Result<Vec<String>> {
         let mut data = self.clone();
         data.forward()?;
-        let frames = replay::all(data.model());
-        let poses = frames.iter().map(|&frame| vec![replay::pose(&data, frame)]).collect();
+        let poses = replay::all(data.model()).into_iter().map(|frame| vec![replay::pose(&data, frame)]).collect();
         let clip = Clip { name: "", times: vec![[0.0]], poses };
-        contents::write(path.as_ref(), &mut data, &frames, options, &[clip])
+        contents::write(path.as_ref(), &mut data, options, &[clip])
     }
 }

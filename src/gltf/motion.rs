@@ -49,7 +49,7 @@ impl Clip<'_> {
             let mut locals: Vec<Pose> = Vec::with_capacity(poses.len());
             for (record, &pose) in poses.iter().enumerate() {
                 let pose = parent.map_or(pose, |parent| mul_pose(&neg_pose(&self.poses[parent][record]), &pose));
-                locals.push(pose.near(locals.last().map(|pose| pose.quat)));
+                locals.push(pose.near(locals.last()));
             }
             locals
         };
@@ -73,7 +73,7 @@ impl Document<'_> {
         for (index, (rest, poses)) in rest.iter().zip(poses).enumerate() {
             let moves = |parts: Range<usize>, scale: f64| {
                 let start = rest.numbers();
-                let mut numbers = poses.iter().map(|pose| pose.near(Some(rest.quat)).numbers());
+                let mut numbers = poses.iter().map(|pose| pose.near(Some(rest)).numbers());
                 numbers.any(|now| parts.clone().any(|part| (now[part] - start[part]).abs() > STILL * scale))
             };
             if moves(0..3, scale) {

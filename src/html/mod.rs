@@ -162,15 +162,13 @@ pub fn save<'t>(
     let records = |(_, trajectory): &(_, &Trajectory)| replay::records(trajectory.times(), options.frames_per_second);
     let records = trajectories.iter().map(records).collect::<Result<Vec<_>>>()?;
     let mut data = Data::new(model)?;
-    let frames = replay::all(data.model());
     first.apply(0, &mut data)?;
     data.forward()?;
-    let mut page = Page::new(&mut data, &frames, options)?;
+    let mut page = Page::new(&mut data, options)?;
     for ((label, trajectory), records) in trajectories.iter().zip(&records) {
-        page.add(&mut data, &frames, label, trajectory, records)?;
+        page.add(&mut data, label, trajectory, records)?;
     }
-    let text = page.text().map_err(Error::file(path.as_ref()))?;
-    file::replace(path.as_ref(), |out| out.write_all(text.as_bytes()))?;
+    file::replace(path.as_ref(), |out| out.write_all(page.text()?.as_bytes()))?;
     Ok(page.left_out())
 }
 
@@ -179,14 +177,13 @@ pub fn save<'t>(
 #[cfg(feature = "live")]
 pub(crate) fn live(
     data: &mut Data,
-    frames: &[replay::Frame],
     live: Live<'_>,
     options: &HtmlOptions,
 ) -> Result<(String, Vec<String>, Option<Sampler>)> {
-    let mut page = Page::new(data, frames, options)?;
+    let mut page = Page::new(data, options)?;
     page.live = Some(live);
     let text = page.text().map_err(|error| Error::Unsupported(format!("the description of the page: {error}")))?;
-    Ok((text, page.left_out(), page.sampler))
+    Ok((text, page.left_out(), page.look.sampler))
 }
 
 impl Trajectory {

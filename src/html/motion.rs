@@ -7,7 +7,7 @@ use super::stream::{Binary, Interval, LIMIT, Prediction};
 use crate::data::Data;
 use crate::error::{Error, InvalidKind, Result};
 use crate::math::Pose;
-use crate::replay::{self, Frame};
+use crate::replay;
 use crate::trajectory::Trajectory;
 
 impl Moving {
@@ -29,22 +29,20 @@ impl Page<'_> {
     pub(super) fn add(
         &mut self,
         data: &mut Data,
-        frames: &[Frame],
         label: &str,
         trajectory: &Trajectory,
         records: &[usize],
     ) -> Result<()> {
-        let Self { binary, sampler, steps, look, .. } = self;
+        let Self { binary, steps, look, .. } = self;
+        let signals = if self.tracks.is_empty() { &self.options.signals[..] } else { &[] };
         let mut sources = Vec::new();
-        if self.tracks.is_empty() {
-            for signal in &self.options.signals {
-                sources.extend(signal::sources(data, trajectory, signal)?);
-            }
+        for signal in signals {
+            sources.extend(signal::sources(data, trajectory, signal)?);
         }
         let (mut values, mut shapes) = (Vec::new(), Vec::new());
-        let poses = replay::poses(data, frames, trajectory, records, |data, record| {
+        let poses = replay::poses(data, trajectory, records, |data, record| {
             values.push(sources.iter().map(|source| (source.value)(data, record)).collect());
-            if let Some(sampler) = sampler {
+            if let Some(sampler) = &mut look.sampler {
                 sampler.update(data)?;
                 shapes.push(sampler.vertices());
             }

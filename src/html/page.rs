@@ -16,7 +16,7 @@ use super::options::{HtmlOptions, check_positive};
 use super::stream::{Binary, Interval, Part};
 use crate::data::Data;
 use crate::error::Result;
-use crate::replay::{self, Frame, Shape};
+use crate::replay::{self, Shape};
 use crate::scene::SceneOptions;
 
 /// Document with places for the program and the data. `html/build.mjs` generates it, with the
@@ -51,27 +51,24 @@ pub(super) struct Page<'o> {
     pub(super) options: &'o HtmlOptions,
     #[serde(skip)]
     pub(super) binary: Binary,
-    /// Reader of the deformable shapes.
-    #[serde(skip)]
-    pub(super) sampler: Option<Sampler>,
 }
 
 impl<'o> Page<'o> {
     /// Returns a page without tracks. `data` has the positions of the first record.
-    pub(super) fn new(data: &mut Data, frames: &[Frame], options: &'o HtmlOptions) -> Result<Self> {
+    pub(super) fn new(data: &mut Data, options: &'o HtmlOptions) -> Result<Self> {
         let model = data.model().clone();
         let extent = model.statistics().extent;
         let spacing = |spacing| check_positive("HtmlOptions::spacing", spacing, f64::MAX);
         let spacing = options.spacing.map(spacing).transpose()?;
         let camera = options.camera.as_ref().map(|name| model.camera(name)).transpose()?;
         let mut binary = Binary::default();
-        let (look, sampler) = Look::new(&mut binary, data, frames, options)?;
+        let look = Look::new(&mut binary, data, options)?;
         Ok(Self {
             title: &options.title,
             bodies: model.bodies().map(|body| body.name().map(str::to_owned)).collect(),
             look,
             steps: Steps::new(options, extent)?,
-            frames: frames.len(),
+            frames: replay::all(&model).len(),
             extent,
             tracks: Vec::new(),
             notes: &options.notes,
@@ -81,7 +78,6 @@ impl<'o> Page<'o> {
             live: None,
             options,
             binary,
-            sampler,
         })
     }
 
@@ -180,19 +176,16 @@ pub(super) struct Look {
     /// `None` for a texture that is drawn white.
     textures: BTreeMap<usize, Option<Texture>>,
     pub(super) deformables: Vec<Deformable>,
+    /// Reader of the deformable shapes.
+    #[serde(skip)]
+    pub(super) sampler: Option<Sampler>,
 }
 
 impl Look {
-    /// Collects the looks of a model, and the reader of its deformable shapes. `data` has the
-    /// positions of the first record.
-    fn new(
-        binary: &mut Binary,
-        data: &mut Data,
-        frames: &[Frame],
-        options: &HtmlOptions,
-    ) -> Result<(Self, Option<Sampler>)> {
+    /// Collects the looks of a model. `data` has the positions of the first record.
+    fn new(binary: &mut Binary, data: &mut Data, options: &HtmlOptions) -> Result<Self> {
         let groups = SceneOptions::default().with_geomgroup(options.geomgroup).with_sitegroup(options.sitegroup);
-        let (mut base, scene) = replay::Look::new(data, frames, &groups)?;
+        let (mut base, scene) = replay::Look::new(data, &groups)?;
         let model = data.model();
         let error = options.largest_mesh_error(model)?;
         let assets = |shape: Shape| {
@@ -205,11 +198,10 @@ impl Look {
         let meshes = meshes.map(mesh).collect::<Result<_>>()?;
         let field = |(index, _)| Ok((index, HeightField::new(binary, &model.height_field(index)?)));
         let height_fields = assets(Shape::HeightField).into_iter().map(field).collect::<Result<_>>()?;
-        let texture = |(&index, texture): (&usize, &Option<replay::Texture>)| {
-            (index, texture.as_ref().map(|texture| Texture::new(binary, texture)))
-        };
-        let textures = base.textures.iter().map(texture).collect();
+        let mut texture = |texture: &replay::Texture| Texture::new(binary, texture);
+        let textures =
+            base.textures.iter().map(|(&index, stored)| (index, stored.as_ref().map(&mut texture))).collect();
         let (sampler, deformables) = Sampler::new(binary, model, scene, groups, &mut base.left_out);
-        Ok((Self { base, meshes, height_fields, textures, deformables }, sampler))
+        Ok(Self { base, meshes, height_fields, textures, deformables, sampler })
     }
 }

@@ -95,8 +95,7 @@ impl LivePage {
         self.site.slots.take(&mut self.requests);
         self.requests.let_go();
         self.pause_and_step();
-        let reset = self.requests.reset;
-        if reset {
+        if self.requests.reset {
             let start = &self.start;
             batch.reset_where(|_| true, |index, _, data| data.set_state(StateSpec::INTEGRATION, start.row(index)))?;
         }
@@ -106,6 +105,6 @@ impl LivePage {
             let failure = batch.failures().next().map(|(index, error)| format!("simulation {index}: {error}"));
             self.publish(BATCH, failure.or(shown.err().map(|error| error.to_string())));
         }
-        Ok(Tick { advance, reset })
+        Ok(Tick { advance, reset: self.requests.reset })
     }
 }

@@ -102,7 +102,6 @@ use crate::error::{Error, Result};
 use crate::html::{self, Live};
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
-use crate::replay;
 
 /// Largest number of ghosts, so that the page of a browser remains small.
 const MOST_GHOSTS: usize = 1000;
@@ -165,10 +164,9 @@ impl LivePage {
             .collect();
         let names = model.actuators().map(|actuator| actuator.name());
         let sliders: Vec<_> = names.zip(ranges.iter().map(|range| range.unwrap_or([-1.0, 1.0]))).collect();
-        let frames = replay::all(&model);
         let live = Live { sliders: &sliders, ghosts };
-        let (text, left_out, sampler) = html::live(&mut data, &frames, live, &options.page)?;
-        let mut states = StateWriter::new(Data::new(&model)?, frames, sampler, ghosts);
+        let (text, left_out, sampler) = html::live(&mut data, live, &options.page)?;
+        let mut states = StateWriter::new(Data::new(&model)?, sampler, ghosts);
         states.collect(&mut data, true)?;
 
         let failed = |source| Error::Serve { address: options.address.clone(), source };

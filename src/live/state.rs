@@ -44,7 +44,7 @@ struct Shown {
     times: Vec<f64>,
     /// For each simulation the poses of all frames.
     poses: Vec<f32>,
-    /// Those of the first simulation.
+    /// Controls of the first simulation.
     controls: Vec<f32>,
 }
 
@@ -70,8 +70,8 @@ impl Shown {
 
 impl StateWriter {
     /// `memory` is a simulation of the model.
-    pub(super) fn new(memory: Data, frames: Vec<Frame>, sampler: Option<Sampler>, most_ghosts: usize) -> Self {
-        let model = memory.model().clone();
+    pub(super) fn new(memory: Data, sampler: Option<Sampler>, most_ghosts: usize) -> Self {
+        let (model, frames) = (memory.model().clone(), replay::all(memory.model()));
         let (ghosts, ghost_spec, shown) = (Matrix::default(), StateSpec::QPOS, Shown::default());
         Self { model, frames, sampler, most_ghosts, ghosts, ghost_spec, memory, shown }
     }
@@ -83,11 +83,11 @@ impl StateWriter {
 
     /// Copies the states of ghosts, whose poses are computed when a browser waits for them.
     pub(super) fn set_ghosts(&mut self, spec: StateSpec, states: MatrixView<'_>) {
-        let shape = (states.nrows().min(self.most_ghosts), states.ncols());
-        if self.ghosts.shape() != shape {
-            self.ghosts = Matrix::zeros(shape.0, shape.1);
+        let (nrows, ncols) = (states.nrows().min(self.most_ghosts), states.ncols());
+        if self.ghosts.shape() != (nrows, ncols) {
+            self.ghosts = Matrix::zeros(nrows, ncols);
         }
-        self.ghosts.as_mut_slice().copy_from_slice(&states.as_slice()[..shape.0 * shape.1]);
+        self.ghosts.as_mut_slice().copy_from_slice(&states.as_slice()[..nrows * ncols]);
         self.ghost_spec = spec;
     }
 

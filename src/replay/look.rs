@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::motion::Frame;
+use super::motion;
 use super::names::{decoration, description};
 use super::texture::{Texture, TextureMap};
 use super::view::{CameraLook, Light};
@@ -92,8 +92,9 @@ pub(crate) enum Shape {
 impl Look {
     /// Collects the looks of a model, and returns them with the scene. `data` has the positions of
     /// the first record.
-    pub(crate) fn new(data: &mut Data, frames: &[Frame], options: &SceneOptions) -> Result<(Self, Scene)> {
+    pub(crate) fn new(data: &mut Data, options: &SceneOptions) -> Result<(Self, Scene)> {
         let model = data.model().clone();
+        let frames = motion::all(&model);
         let mut scene = Scene::new(&model, model.ngeom() + model.nsite() + 100)?;
         let mut camera = Camera::free(&model);
         scene.update_and_grow(data, options, &mut camera)?;
@@ -103,8 +104,8 @@ impl Look {
             geoms: Vec::new(),
             textures: BTreeMap::new(),
             sky: None,
-            lights: Light::all(&model, frames, &scene, &mut left_out),
-            cameras: CameraLook::all(data, frames, &mut scene)?,
+            lights: Light::all(&model, &frames, &scene, &mut left_out),
+            cameras: CameraLook::all(data, &frames, &mut scene)?,
             free,
             lookat: camera.lookat,
             left_out,

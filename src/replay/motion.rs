@@ -37,8 +37,8 @@ impl Pose {
 
     /// Selects the sign of the quaternion that is nearer to the one before, so that a motion has no
     /// jumps.
-    pub(crate) fn near(self, before: Option<[f64; 4]>) -> Self {
-        let product: f64 = before.iter().flatten().zip(self.quat).map(|(a, b)| a * b).sum();
+    pub(crate) fn near(self, before: Option<&Self>) -> Self {
+        let product: f64 = before.iter().flat_map(|pose| pose.quat).zip(self.quat).map(|(a, b)| a * b).sum();
         if product < 0.0 { Self { quat: self.quat.map(|part| -part), ..self } } else { self }
     }
 }
@@ -77,22 +77,21 @@ pub(crate) fn records(times: &[f64], frames_per_second: f64) -> Result<Vec<usize
     Ok(records)
 }
 
-/// Computes the poses of frames in records of a trajectory: for each frame, those of all records.
-/// Calls `visit` in each state with the number of the record.
+/// Computes the poses of all frames in records of a trajectory: for each frame, those of all
+/// records. Calls `visit` in each state with the number of the record.
 pub(crate) fn poses(
     data: &mut Data,
-    frames: &[Frame],
     trajectory: &Trajectory,
     records: &[usize],
     mut visit: impl FnMut(&mut Data, usize) -> Result<()>,
 ) -> Result<Vec<Vec<Pose>>> {
+    let frames = all(data.model());
     let mut poses: Vec<Vec<Pose>> = vec![Vec::with_capacity(records.len()); frames.len()];
     for &record in records {
         trajectory.apply(record, data)?;
         data.forward()?;
-        for (poses, frame) in poses.iter_mut().zip(frames) {
-            let before = poses.last().map(|last: &Pose| last.quat);
-            poses.push(pose(data, *frame).near(before));
+        for (poses, &frame) in poses.iter_mut().zip(&frames) {
+            poses.push(pose(data, frame).near(poses.last()));
         }
         visit(data, record)?;
     }
