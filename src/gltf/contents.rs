@@ -63,12 +63,11 @@ fn farthest(bodies: usize, clips: &[Clip<'_>]) -> f64 {
 impl Document<'_> {
     /// Adds the scene, its root and the nodes of the frames.
     fn add_frames(&mut self, frames: &[Frame], rest: &[Pose], parents: &[Option<usize>]) -> Result<()> {
-        let root = &mut self.root;
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let upright = Pose { pos: [0.0; 3], quat: [half, -half, 0.0, 0.0] };
-        let top = root.push(node::node("z-axis up".to_owned(), upright)?);
+        let top = self.root.push(node::node("z-axis up".to_owned(), upright)?);
         let scene = object!(Scene { nodes: vec![top], name: Some("scene".to_owned()) });
-        root.scene = Some(root.push(scene));
+        self.root.scene = Some(self.root.push(scene));
         for ((frame, pose), parent) in frames.iter().zip(rest).zip(parents) {
             let name = match *frame {
                 Frame::Body(index) => label(self.model, Kind::Body, index),
@@ -77,7 +76,7 @@ impl Document<'_> {
             };
             // The engine orders parents before their children.
             let parent = parent.map_or(top, |parent| self.nodes[parent]);
-            self.nodes.push(node::add_child(root, parent, node::node(name, *pose)?));
+            self.nodes.push(node::add_child(&mut self.root, parent, node::node(name, *pose)?));
         }
         Ok(())
     }

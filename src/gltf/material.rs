@@ -64,15 +64,11 @@ impl Document<'_> {
         let known = self.textures.get(&index).copied();
         let stored = known.unwrap_or_else(|| {
             let name = self.model.name_at(Kind::Texture, index).map(str::to_owned);
-            let view = self.view(&texture.png, None);
-            let source = self.root.push(object!(Image {
-                buffer_view: Some(view),
-                mime_type: Some(MimeType("image/png".to_owned())),
-                name: name.clone(),
-                uri: None,
-            }));
+            let buffer_view = Some(self.view(&texture.png, None));
+            let mime_type = Some(MimeType("image/png".to_owned()));
+            let image = object!(Image { buffer_view, mime_type, name: name.clone(), uri: None });
             // Without a sampler, a texture repeats, and programs select the filters.
-            let texture = object!(Texture { name, sampler: None, source });
+            let texture = object!(Texture { name, sampler: None, source: self.root.push(image) });
             self.root.push(texture)
         });
         self.textures.insert(index, stored);

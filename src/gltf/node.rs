@@ -40,19 +40,17 @@ pub(super) fn add_child(root: &mut Root, parent: Index<Node>, node: Node) -> Ind
 /// Converts a position, m.
 pub(super) fn translation(pos: [f64; 3]) -> Result<[f32; 3]> {
     let single = pos.map(|number| number as f32);
-    if single.iter().all(|number| number.is_finite()) {
-        return Ok(single);
-    }
-    Err(Error::out_of_range("a position to save as glTF", format!("{pos:?}"), "finite in single precision"))
+    let is_finite = single.iter().all(|number| number.is_finite());
+    Error::check_range(is_finite, "a position to save as glTF", format_args!("{pos:?}"), "finite in single precision")?;
+    Ok(single)
 }
 
 /// Converts a quaternion to `[x, y, z, w]`, of length 1.
 pub(super) fn rotation(mut quat: [f64; 4]) -> Result<[f32; 4]> {
     normalize4(&mut quat);
-    if quat.iter().all(|number| number.is_finite()) {
-        return Ok([1, 2, 3, 0].map(|part| quat[part] as f32));
-    }
-    Err(Error::out_of_range("an orientation to save as glTF", format!("{quat:?}"), "finite"))
+    let is_finite = quat.iter().all(|number| number.is_finite());
+    Error::check_range(is_finite, "an orientation to save as glTF", format_args!("{quat:?}"), "finite")?;
+    Ok([1, 2, 3, 0].map(|part| quat[part] as f32))
 }
 
 /// Converts a frustum. `None` for one that glTF does not have.

@@ -17,7 +17,7 @@ impl Document<'_> {
     /// Adds the skins and flexes of a scene in the present state, which is that of the nodes.
     pub(super) fn add_deformables(&mut self, data: &Data, scene: &Scene, options: &SceneOptions, look: &mut Look) {
         for shape in scene.deformables(self.model) {
-            let description = decoration(self.model, shape.geom, shape.geom.object());
+            let description = decoration(self.model, shape.geom);
             self.left_out.remove(&description);
             // A hidden skin has a geom in the scene, unlike a hidden flex.
             if let DeformableId::Skin(id) = shape.id
@@ -33,8 +33,7 @@ impl Document<'_> {
                 }
             };
             if skinned.lost > 1e-6 {
-                let lost = skinned.lost;
-                self.left_out.insert(format!("{description}: weights of a vertex with the sum {lost:.1e}"));
+                self.left_out.insert(format!("{description}: weights of a vertex with the sum {:.1e}", skinned.lost));
             }
             let (name, material) = match shape.id {
                 DeformableId::Skin(id) => {
@@ -62,12 +61,8 @@ impl Document<'_> {
             joints.push(if is_new { body } else { node::add_child(&mut self.root, body, Node::default()) });
             matrices.push(bone.inverse_bind);
         }
-        let skin = object!(Skin {
-            inverse_bind_matrices: Some(self.floats(&matrices, None)),
-            joints,
-            name: Some(name.clone()),
-            skeleton: None,
-        });
+        let inverse_bind_matrices = Some(self.floats(&matrices, None));
+        let skin = object!(Skin { inverse_bind_matrices, joints, name: Some(name.clone()), skeleton: None });
         let skin = Some(self.root.push(skin));
         let node = self.root.push(Node { name: Some(name), mesh: Some(mesh), skin, ..Node::default() });
         self.root.scenes[0].nodes.push(node);

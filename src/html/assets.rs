@@ -46,8 +46,7 @@ impl Corners {
         let intervals: Vec<Interval> = (0..N).map(|axis| Interval::of(values(axis))).collect();
         let channel = |(axis, &interval): (usize, &Interval)| values(axis).map(move |value| interval.number(value));
         let part = binary.stream(Prediction::Previous, intervals.iter().enumerate().map(channel));
-        let count = vectors.len();
-        Self { intervals, vectors: part, count, faces: indices(binary, faces, count) }
+        Self { intervals, vectors: part, count: vectors.len(), faces: indices(binary, faces, vectors.len()) }
     }
 }
 

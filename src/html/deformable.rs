@@ -65,7 +65,7 @@ impl Sampler {
             if elements.contains(&element) {
                 continue;
             }
-            left_out.remove(&replay::decoration(model, geom, geom.object()));
+            left_out.remove(&replay::decoration(model, geom));
             elements.push(element);
             looks.push(Deformable {
                 surface: Surface::new(geom),
@@ -73,8 +73,7 @@ impl Sampler {
                 faces: faces.map(|(faces, count)| indices(binary, faces, count)),
             });
         }
-        let sampler = (!elements.is_empty()).then_some(Self { scene, options, elements });
-        (sampler, looks)
+        ((!looks.is_empty()).then_some(Self { scene, options, elements }), looks)
     }
 
     /// Computes the results that an update reads.

@@ -5,7 +5,7 @@ use super::page::{Curve, Moving, Page, Track};
 use super::signal::{self, Source};
 use super::stream::{Binary, Interval, LIMIT, Prediction};
 use crate::data::Data;
-use crate::error::{Error, InvalidKind, Result};
+use crate::error::{Error, Result};
 use crate::math::Pose;
 use crate::replay;
 use crate::trajectory::Trajectory;
@@ -71,11 +71,9 @@ fn rounded(values: impl Iterator<Item = f64>, step: f64) -> Result<Vec<i64>> {
     let number = |value: f64| {
         let number = (value / step).round();
         // NaN is no number.
-        if number.abs() <= LIMIT {
-            return Ok(number as i64);
-        }
-        let expected = format!("within {:e} for this precision", LIMIT * step);
-        Err(Error::invalid(InvalidKind::OutOfRange, "a time or a coordinate in a page", value, expected))
+        let expected = format_args!("within {:e} for this precision", LIMIT * step);
+        Error::check_range(number.abs() <= LIMIT, "a time or a coordinate in a page", value, expected)?;
+        Ok(number as i64)
     };
     values.map(number).collect()
 }

@@ -84,8 +84,7 @@ impl HtmlOptions {
 }
 
 pub(super) fn check_positive(what: &str, value: f64, limit: f64) -> Result<f64> {
-    let expected = format_args!("above 0 and at most {limit:e}");
-    Error::check_range(value > 0.0 && value <= limit, what, value, expected)?;
+    Error::check_range(value > 0.0 && value <= limit, what, value, format_args!("above 0 and at most {limit:e}"))?;
     Ok(value)
 }
 

@@ -101,9 +101,6 @@ impl<'o> Page<'o> {
     }
 }
 
-/// Resolution of times, s.
-const TIME_STEP: f64 = 1e-6;
-
 /// Steps of the numbers in streams.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Steps {
@@ -121,7 +118,7 @@ impl Steps {
         let position = check_positive("HtmlOptions::position_error", position, f64::MAX)?;
         let rotation = check_positive("HtmlOptions::rotation_error", options.rotation_error, 0.1)?;
         Ok(Self {
-            time: TIME_STEP,
+            time: 1e-6,
             // Half a step along each axis.
             position: position * 2.0 / 3.0_f64.sqrt(),
             // Half a step in each of four components moves a unit quaternion by at most one step

@@ -121,8 +121,8 @@ impl Look {
             let (element, at) = match geom.object() {
                 Some(Object::Geom(id)) => (Kind::Geom, id.index()),
                 Some(Object::Site(id)) => (Kind::Site, id.index()),
-                other => {
-                    self.left_out.insert(decoration(model, geom, other));
+                _ => {
+                    self.left_out.insert(decoration(model, geom));
                     continue;
                 }
             };

@@ -16,8 +16,8 @@ pub(crate) fn description(model: &Model, kind: Kind, index: usize) -> String {
 }
 
 /// Describes a geom of the scene that is neither a geom nor a site of the model.
-pub(crate) fn decoration(model: &Model, geom: SceneGeom<'_>, object: Option<Object>) -> String {
-    match (object, geom.geom_type()) {
+pub(crate) fn decoration(model: &Model, geom: SceneGeom<'_>) -> String {
+    match (geom.object(), geom.geom_type()) {
         (Some(Object::Tendon(id)), _) => description(model, Kind::Tendon, id.index()),
         (Some(Object::Skin(id)), _) => description(model, Kind::Skin, id.index()),
         (_, SceneGeomType::Flex) => format!("flex {}", geom.flex().unwrap_or_default()),
