@@ -13,7 +13,6 @@ pub(super) const EPS: f64 = 1e-6;
 /// Coordinate that a simulation changes relative to the present point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
-    Nothing,
     /// Coordinate of the state at the start of the segment.
     State(usize),
     /// Unknown of the model.
@@ -59,7 +58,6 @@ impl Values<'_> {
     /// Returns the step of differences of a column.
     pub(super) fn step(&self, column: Column) -> f64 {
         match column {
-            Column::Nothing => 1.0,
             Column::State(_) => EPS,
             Column::Unknown(index) => self.moved(index) - self.coordinates[index],
         }

@@ -6,7 +6,7 @@
 
 use super::column::{Column, Derivative, Values};
 use super::experiment::Source;
-use super::plan::Plan;
+use super::plan::{PART, Plan, STEP};
 use super::unknown::{Kind, Unknown};
 use crate::data::Data;
 use crate::derivative::{
@@ -65,32 +65,32 @@ impl Formulas {
         Ok((states + found.len() >= MIN_COLUMNS).then_some(found))
     }
 
-    /// Computes the derivatives of a segment by coordinates of the state and by unknowns. `data` is
-    /// the simulation at its start. Returns an error for an unstable one.
+    /// Computes the derivatives of a part of a segment by coordinates of the state at its start and
+    /// by unknowns. `states` are those from there to the end of the segment. Returns an error for
+    /// an unstable simulation.
     pub(super) fn differentiate(
         &mut self,
         plan: &Plan,
-        segment: usize,
         columns: &[Column],
         values: &Values<'_>,
         data: &mut Data,
+        states: &[Vec<f64>],
     ) -> Result<Vec<Derivative>> {
         let Self { lineariser, system, parameters, by_parameters } = self;
         // The unknowns come last.
-        let states = columns.iter().take_while(|column| matches!(column, Column::State(_))).count();
+        let coordinates = columns.iter().take_while(|column| matches!(column, Column::State(_))).count();
         let (asked, factors): (Vec<_>, Vec<_>) =
-            columns[states..].iter().filter_map(|&column| parameter(column, values)).unzip();
+            columns[coordinates..].iter().filter_map(|&column| parameter(column, values)).unzip();
         if asked != *parameters {
             *by_parameters = ParameterJacobian::zeros(data.model(), asked.len());
             *parameters = asked;
         }
-        let (first, last) = (plan.nodes[segment], plan.nodes[segment + 1]);
         let size = plan.experiment.uncertainty.len();
         let mut present = Matrix::zeros(size, columns.len());
         let mut next = present.clone();
         let mut readings = Matrix::zeros(data.model().nsensordata(), columns.len());
         let empty = |&column: &Column| {
-            let readings = Vec::with_capacity((last - first + 1) * plan.width);
+            let readings = Vec::with_capacity(PART.min(states.len()) * plan.width);
             Derivative { column, readings, end: vec![0.0; size] }
         };
         let mut derivatives: Vec<Derivative> = columns.iter().map(empty).collect();
@@ -99,16 +99,17 @@ impl Formulas {
                 present[(*coordinate, place)] = 1.0;
             }
         }
-        for step in first..=last {
-            plan.set_inputs(step, data);
-            let a = (step < last).then_some(&mut system.a);
+        for (index, state) in states.iter().take(PART).enumerate() {
+            data.set_state(STEP, state)?;
+            let is_last = index + 1 == states.len();
+            let a = (!is_last).then_some(&mut system.a);
             let outputs = TransitionOutputs { a, c: Some(&mut system.c), ..Default::default() };
             lineariser.linear_system_with_parameters_into(data, outputs, parameters, (&mut *by_parameters).into())?;
             // The derivatives of a product with the state, and those by the parameters.
             let multiply = |by_state: &Matrix, by_parameters: &Matrix, result: &mut Matrix| {
                 result.transposed_mut().gemm(1.0, &present.transposed(), &by_state.transposed(), 0.0);
                 for (row, values) in by_parameters.rows().enumerate() {
-                    let outputs = result.row_mut(row)[states..].iter_mut();
+                    let outputs = result.row_mut(row)[coordinates..].iter_mut();
                     outputs.zip(values).zip(&factors).for_each(|((output, value), factor)| *output += factor * value);
                 }
             };
@@ -121,10 +122,9 @@ impl Formulas {
                     }
                 }
             }
-            if step < last {
+            if !is_last {
                 multiply(&system.a, &by_parameters.state, &mut next);
                 std::mem::swap(&mut present, &mut next);
-                data.step()?;
             }
         }
         for (place, derivative) in derivatives.iter_mut().enumerate() {

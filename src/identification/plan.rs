@@ -4,12 +4,18 @@ use super::Experiment;
 use super::column::Column;
 use super::experiment::Source;
 use super::unknown::{Correction, Kind, Unknown};
-use crate::data::Data;
+use crate::data::{Data, StateSpec};
 use crate::error::{Error, InvalidKind, Result};
 use crate::memory;
 
 /// Difference of times that counts as rounding, relative to a time step.
 const SAME: f64 = 1e-6;
+
+/// What changes from step to step in a simulation.
+pub(super) const STEP: StateSpec =
+    StateSpec::TIME.union(StateSpec::PHYSICS).union(StateSpec::CTRL).union(StateSpec::WARMSTART);
+/// Number of states that one thread differentiates by formulas at a time.
+pub(super) const PART: usize = 128;
 
 /// Experiment with the layout of its simulation.
 #[derive(Debug)]
@@ -22,6 +28,8 @@ pub(super) struct Plan {
     pub(super) channels: Vec<Channel>,
     /// Number of values of a simulated reading of all measurements.
     pub(super) width: usize,
+    /// Unknowns whose columns have formulas, as those of the state do, if formulas apply.
+    pub(super) formulas: Option<Vec<usize>>,
 }
 
 /// Layout of a measurement.
@@ -74,10 +82,10 @@ impl Plan {
         let what = format_args!("the number of steps of the experiment {}", experiment.name);
         Error::check_range(steps <= 1e9, what, steps, "at most 1e9")?;
         let steps = steps as usize;
-        // Derivatives keep the readings of all steps.
+        // Derivatives keep the readings of all steps, and points their states.
         let columns = 1 + experiment.uncertainty.len() + unknowns.len();
-        let what = format!("steps of the experiment {}", experiment.name);
-        memory::check(&what, steps + 1, size_of::<f64>() * width * columns)?;
+        let numbers = width * columns + 2 * experiment.model.state_size(STEP);
+        memory::check(&format!("steps of the experiment {}", experiment.name), steps + 1, size_of::<f64>() * numbers)?;
         let length = (experiment.segment / h).round().clamp(1.0, steps as f64) as usize;
         // A short rest belongs to the segment before it.
         let mut nodes: Vec<usize> = (0..steps).step_by(length).filter(|node| steps - node > length / 2).collect();
@@ -87,11 +95,19 @@ impl Plan {
         nodes.push(steps);
         let all = 0..experiment.uncertainty.len();
         let states = [all.clone().filter(|&index| experiment.uncertainty[index] > 0.0).collect(), all.collect()];
-        Ok(Self { experiment, nodes, states, channels, width })
+        Ok(Self { experiment, nodes, states, channels, width, formulas: None })
     }
 
     pub(super) fn segments(&self) -> usize {
         self.nodes.len() - 1
+    }
+
+    /// Returns `true` if the derivative by a column has a formula.
+    pub(super) fn has_formula(&self, column: Column) -> bool {
+        self.formulas.as_ref().is_some_and(|unknowns| match column {
+            Column::Unknown(index) => unknowns.contains(&index),
+            Column::State(_) => true,
+        })
     }
 
     /// Returns the number of steps of a segment.
@@ -112,7 +128,6 @@ impl Plan {
                 states.iter().position(|&state| state == coordinate).expect("Bug: a column of a known coordinate")
             }
             Column::Unknown(index) => states.len() + index,
-            Column::Nothing => unreachable!("Bug: a derivative by nothing"),
         }
     }
 

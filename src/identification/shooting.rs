@@ -7,13 +7,15 @@
 //! well-conditioned for unstable motions, where a method that eliminates them forwards in time
 //! (condensing) would not.
 
+use std::iter::{once, repeat};
+
 use nalgebra::DMatrix;
 
 use super::chain::Chain;
 use super::column::{Column, Derivative, Values};
 use super::formulas::Formulas;
 use super::measurement_error::{MeasurementError, errors_of};
-use super::plan::Plan;
+use super::plan::{PART, Plan};
 use super::segment::{self, Quadratic};
 use super::simulate::{Simulated, Worker};
 use super::states::first_state;
@@ -21,6 +23,7 @@ use super::unknown::Unknown;
 use crate::error::{Error, Result};
 use crate::least_squares::{Problem, damp};
 use crate::matrix::Matrix;
+use crate::numerics::linear_algebra::add;
 use crate::parallel::for_each_item;
 
 /// Number of simulated columns that are kept at a time, for each thread.
@@ -30,9 +33,6 @@ const COLUMNS_PER_THREAD: usize = 64;
 pub(super) struct Shooting<'p> {
     pub(super) unknowns: &'p [Unknown],
     pub(super) plans: Vec<Plan>,
-    /// For each experiment: unknowns whose columns have formulas as those of the state do, if they
-    /// apply.
-    formulas: Vec<Option<Vec<usize>>>,
     workers: Vec<Worker>,
     pub(super) present: Point,
     candidate: Point,
@@ -99,18 +99,20 @@ struct Place {
     node: usize,
 }
 
-/// Derivatives of the simulation of a segment by one column, or by several with formulas.
+/// Derivatives of the simulation of a segment by one column, or those of a part by several with
+/// formulas.
 struct Job {
     place: Place,
     columns: Vec<Column>,
-    has_formulas: bool,
+    part: Option<usize>,
     derivatives: Vec<Derivative>,
 }
 
 impl<'p> Shooting<'p> {
-    pub(super) fn new(unknowns: &'p [Unknown], plans: Vec<Plan>) -> Result<Self> {
+    pub(super) fn new(unknowns: &'p [Unknown], mut plans: Vec<Plan>) -> Result<Self> {
         let mut nodes = Vec::new();
-        for plan in &plans {
+        for plan in &mut plans {
+            plan.formulas = Formulas::unknowns(plan, unknowns)?;
             for segment in 0..plan.segments() {
                 nodes.push(first_state(plan, segment)?);
             }
@@ -118,11 +120,9 @@ impl<'p> Shooting<'p> {
         let coordinates = unknowns.iter().map(|unknown| unknown.coordinate(unknown.first)).collect();
         let present = Point { coordinates, nodes, base: Vec::new(), version: 1 };
         let n = unknowns.len();
-        let formulas = plans.iter().map(|plan| Formulas::unknowns(plan, unknowns)).collect::<Result<_>>()?;
         Ok(Self {
             unknowns,
             plans,
-            formulas,
             workers: (0..rayon::current_num_threads()).map(|_| Worker::default()).collect(),
             candidate: present.clone(),
             present,
@@ -164,18 +164,15 @@ impl<'p> Shooting<'p> {
         let unknowns = (0..self.unknowns.len()).filter(|&index| self.unknowns[index].has_column());
         let columns = states.chain(unknowns.map(Column::Unknown));
         let (by_formulas, by_differences): (Vec<Column>, Vec<Column>) =
-            columns.partition(|&column| self.has_formula(place.plan, column));
-        let job = |columns, has_formulas| Job { place, columns, has_formulas, derivatives: Vec::new() };
-        let differences = by_differences.into_iter().map(|column| job(vec![column], false));
-        let formulas = (!by_formulas.is_empty()).then_some(by_formulas).into_iter().map(|columns| job(columns, true));
-        formulas.chain(differences).collect()
-    }
-
-    fn has_formula(&self, plan: usize, column: Column) -> bool {
-        self.formulas[plan].as_ref().is_some_and(|unknowns| match column {
-            Column::Unknown(index) => unknowns.contains(&index),
-            Column::State(_) | Column::Nothing => true,
-        })
+            columns.partition(|&column| plan.has_formula(column));
+        let job = |columns, part| Job { place, columns, part, derivatives: Vec::new() };
+        let differences = by_differences.into_iter().map(|column| job(vec![column], None));
+        let parts = if by_formulas.is_empty() { 0 } else { (plan.steps(place.segment) + 1).div_ceil(PART) };
+        let all_states = (0..plan.experiment.uncertainty.len()).map(Column::State);
+        let is_unknown = |column: &&Column| matches!(column, Column::Unknown(_));
+        let later: Vec<Column> = all_states.chain(by_formulas.iter().filter(is_unknown).copied()).collect();
+        let formulas = once(by_formulas).chain(repeat(later)).take(parts).enumerate();
+        formulas.map(|(part, columns)| job(columns, Some(part))).chain(differences).collect()
     }
 
     /// Computes the derivatives of jobs at the present point. Returns `false` if a simulation
@@ -184,10 +181,10 @@ impl<'p> Shooting<'p> {
         let Self { unknowns, plans, workers, present, .. } = self;
         let values = present.values(unknowns);
         for_each_item(workers, jobs, |worker, _, job| {
-            let Job { place: Place { plan, segment, node }, columns, has_formulas, derivatives } = job;
+            let Job { place: Place { plan, segment, node }, columns, part, derivatives } = job;
             let (plan, state, base) = (&plans[*plan], &present.nodes[*node], &present.base[*node]);
-            if *has_formulas {
-                *derivatives = worker.by_formulas(plan, *segment, state, columns, &values)?;
+            if let Some(part) = *part {
+                *derivatives = worker.by_formulas(plan, columns, &values, &base.states[part * PART..])?;
                 return Ok(());
             }
             for &column in &*columns {
@@ -195,7 +192,16 @@ impl<'p> Shooting<'p> {
             }
             Ok(())
         })?;
-        Ok(jobs.iter().all(|job| job.derivatives.len() == job.columns.len()))
+        let is_stable = jobs.iter().all(|job| job.derivatives.len() == job.columns.len());
+        let mut first: &mut [Derivative] = &mut [];
+        for Job { part, derivatives, .. } in jobs {
+            match part {
+                Some(0) => first = derivatives,
+                Some(_) => append(first, &std::mem::take(derivatives)),
+                None => {}
+            }
+        }
+        Ok(is_stable)
     }
 
     /// Simulates all segments from a point. One that becomes unstable has no readings.
@@ -205,11 +211,7 @@ impl<'p> Shooting<'p> {
         let point = if is_candidate { candidate } else { present };
         let values = point.values(unknowns);
         for_each_item(workers, &mut jobs, |worker, _, (Place { plan, segment, node }, result)| {
-            match worker.simulate(&plans[*plan], *segment, &point.nodes[*node], Column::Nothing, &values) {
-                // Values with which the engine cannot compute are no candidate.
-                Err(Error::Engine { .. }) if is_candidate => {}
-                outcome => *result = outcome?,
-            }
+            *result = worker.simulate(&plans[*plan], *segment, &point.nodes[*node], None, &values)?;
             Ok(())
         })?;
         point.base = jobs.into_iter().map(|(_, result)| result).collect();
@@ -300,6 +302,26 @@ impl<'p> Shooting<'p> {
             end.column_mut(plan.column(place.segment, derivative.column)).copy_from_slice(&derivative.end);
         }
         Ok(end)
+    }
+}
+
+/// Appends those of the next steps to derivatives. They are by all coordinates of the state at the
+/// start of these steps, and by the same unknowns.
+fn append(derivatives: &mut [Derivative], next: &[Derivative]) {
+    for Derivative { column, readings, end } in derivatives {
+        let length = readings.len();
+        readings.resize(length + next.first().map_or(0, |one| one.readings.len()), 0.0);
+        let start = std::mem::replace(end, vec![0.0; end.len()]);
+        for other in next {
+            let factor = match other.column {
+                Column::State(coordinate) => start[coordinate],
+                unknown @ Column::Unknown(_) => f64::from(unknown == *column),
+            };
+            if factor != 0.0 {
+                add(&mut readings[length..], &other.readings, factor);
+                add(end, &other.end, factor);
+            }
+        }
     }
 }
 
@@ -409,9 +431,11 @@ impl Problem for Shooting<'_> {
         }
         self.points += 1;
         self.candidate.version = self.points;
-        self.simulate(true)?;
-        if !self.candidate.is_stable() {
-            return Ok(f64::INFINITY);
+        match self.simulate(true) {
+            Ok(()) if self.candidate.is_stable() => {}
+            // Values with which the engine cannot compute are no candidate.
+            Ok(()) | Err(Error::Engine { .. }) => return Ok(f64::INFINITY),
+            Err(error) => return Err(error),
         }
         let (_, mut cost) = self.priors(&self.candidate)?;
         for (place, base) in self.places().into_iter().zip(&self.candidate.base) {

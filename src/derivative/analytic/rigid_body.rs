@@ -16,8 +16,8 @@
 //! are the derivatives of the velocity by the position, of the acceleration by the position, and of
 //! the acceleration by the velocity, of all bodies that j moves, in axes that move with j. A body
 //! has the force F = I a + v ×* I v and the derivative B of F by v: B u = v ×* I u + u ×* I v − I
-//! (v × u). With I, B and F summed over the bodies that the lower of the two degrees of freedom
-//! moves,
+//! (v × u). By Jacobi's identity, it is zero for a translation u. With I, B and F summed over the
+//! bodies that the lower of the two degrees of freedom moves,
 //!
 //! ```text
 //! ∂τ_k/∂q_j = S_k · (I χ_j + B ψ_j  [+ S_j ×* F if k is above the group of j])
@@ -29,7 +29,9 @@ use crate::data::Data;
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::Model;
-use crate::numerics::spatial::{Inertia, Spatial, add, add_scaled, cross_force, cross_motion, dot, momentum, sub};
+use crate::numerics::spatial::{
+    Inertia, Spatial, add, add_scaled, angular, cross_force, cross_motion, dot, momentum, sub,
+};
 
 /// Motion before and after a group.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,12 +44,25 @@ struct Motion {
 #[derive(Clone, Copy, Debug)]
 struct Subtree {
     inertia: Inertia,
-    /// B, row-major.
-    bias: [Spatial; 6],
+    /// Columns of B by rotations. Those by translations are zero.
+    bias: [Spatial; 3],
     force: Spatial,
 }
 
-const EMPTY: Subtree = Subtree { inertia: [0.0; 10], bias: [[0.0; 6]; 6], force: [0.0; 6] };
+const EMPTY: Subtree = Subtree { inertia: [0.0; 10], bias: [[0.0; 6]; 3], force: [0.0; 6] };
+
+impl Subtree {
+    /// Returns the change of F by changes of the acceleration and the velocity of all bodies, `I ∂a
+    /// + B ∂v`.
+    #[inline]
+    fn change(&self, acceleration: &Spatial, velocity: &Spatial) -> Spatial {
+        let mut change = momentum(&self.inertia, acceleration);
+        for (column, &rotation) in self.bias.iter().zip(velocity) {
+            add_scaled(&mut change, column, rotation);
+        }
+        change
+    }
+}
 
 /// Changes of motion that a degree of freedom causes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,9 +119,8 @@ impl RigidBodies {
         }
         for (j, (axis, change)) in axes.iter().zip(&*changes).enumerate() {
             let subtree = &subtrees[ffi::size(model.dof_bodyid()[j])];
-            let bias = |motion: &Spatial| subtree.bias.map(|row| dot(&row, motion));
-            let by_position = add(&momentum(&subtree.inertia, &change.chi), &bias(&change.psi));
-            let by_velocity = add(&momentum(&subtree.inertia, &change.sigma), &bias(axis));
+            let by_position = subtree.change(&change.chi, &change.psi);
+            let by_velocity = subtree.change(&change.sigma, axis);
             let group = tree.groups[tree.group[j]];
             for (k, axis) in group.dofs().zip(&axes[group.dofs()]) {
                 let row = result.row_mut(k);
@@ -117,17 +131,14 @@ impl RigidBodies {
             // Derivatives of τ_j by the degrees of freedom above: I and B act on them through their
             // products with S_j.
             let axis_inertia = momentum(&subtree.inertia, axis);
-            let mut axis_bias = [0.0; 6];
-            for (row, &factor) in subtree.bias.iter().zip(axis) {
-                add_scaled(&mut axis_bias, row, factor);
-            }
+            let axis_bias = subtree.bias.map(|column| dot(&column, axis));
             for k in tree.chain(tree.parent[group.first]) {
                 let row = result.row_mut(k);
                 row[j] = dot(&axes[k], &with_force);
                 row[nv + j] = dot(&axes[k], &by_velocity);
                 let (above, row) = (&changes[k], result.row_mut(j));
-                row[k] = dot(&axis_inertia, &above.chi) + dot(&axis_bias, &above.psi);
-                row[nv + k] = dot(&axis_inertia, &above.sigma) + dot(&axis_bias, &axes[k]);
+                row[k] = dot(&axis_inertia, &above.chi) + dot(&axis_bias, &angular(&above.psi));
+                row[nv + k] = dot(&axis_inertia, &above.sigma) + dot(&axis_bias, &angular(&axes[k]));
             }
         }
     }
@@ -155,8 +166,7 @@ impl RigidBodies {
     /// Returns the change of F by changes of the acceleration and the velocity of all bodies of a
     /// subtree, `I ∂a + B ∂v`.
     pub(super) fn subtree_change(&self, body: usize, acceleration: &Spatial, velocity: &Spatial) -> Spatial {
-        let subtree = &self.subtrees[body];
-        add(&momentum(&subtree.inertia, acceleration), &subtree.bias.map(|row| dot(&row, velocity)))
+        self.subtrees[body].change(acceleration, velocity)
     }
 
     /// Returns the inertia of a subtree. The inertia of the world's subtree is unused.
@@ -245,15 +255,12 @@ impl RigidBodies {
                 let velocity = &motion.velocity;
                 let momentum_of_body = momentum(inertia, velocity);
                 add_scaled(&mut subtree.force, &cross_force(velocity, &momentum_of_body), 1.0);
-                for column in 0..6 {
+                for (axis, column) in subtree.bias.iter_mut().enumerate() {
                     let mut unit = [0.0; 6];
-                    unit[column] = 1.0;
+                    unit[axis] = 1.0;
                     let turned =
                         add(&cross_force(velocity, &momentum(inertia, &unit)), &cross_force(&unit, &momentum_of_body));
-                    let values = sub(&turned, &momentum(inertia, &cross_motion(velocity, &unit)));
-                    for (row, value) in subtree.bias.iter_mut().zip(values) {
-                        row[column] = value;
-                    }
+                    *column = sub(&turned, &momentum(inertia, &cross_motion(velocity, &unit)));
                 }
             }
         }
@@ -265,8 +272,8 @@ impl RigidBodies {
                 add_scaled(&mut sum.inertia, &subtree.inertia, 1.0);
                 add_scaled(&mut sum.force, &subtree.force, 1.0);
                 if BIAS {
-                    for (sum, row) in sum.bias.iter_mut().zip(&subtree.bias) {
-                        add_scaled(sum, row, 1.0);
+                    for (sum, column) in sum.bias.iter_mut().zip(&subtree.bias) {
+                        add_scaled(sum, column, 1.0);
                     }
                 }
             }
