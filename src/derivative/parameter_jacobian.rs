@@ -1,6 +1,6 @@
 //! Derivatives of steps and of inverse dynamics by parameters, by a lineariser.
 
-use super::analytic::{Analytic, Parameters};
+use super::analytic::Analytic;
 use super::method::{DifferencedTerms, Fallback, Kinks, LinearisationReport, TransitionMethod};
 use super::parameter::{Effect, ModelParameter, ParameterBuffers, ParameterJacobian, ParameterOutputs, Resolved};
 use super::perturbation::BasePoint;
@@ -332,7 +332,7 @@ fn in_closed_form(
     report.kinks = analytic.kinks;
     analytic.differentiate_terms(data, &parameters.resolved, wants_sensors);
     // Other numbers can change Q of the implicit integrator in ways that only the engine knows.
-    let is_implicit = analytic.parameters.integrator.is_implicit();
+    let is_implicit = analytic.integrator.is_implicit();
     let takes_step = |resolved: &Resolved| is_implicit && resolved.is_differenced && !resolved.acts_by_constraints;
     let takes_residual = |resolved: &Resolved| resolved.is_differenced && !takes_step(resolved);
     if parameters.resolved.iter().any(takes_residual) {
@@ -368,8 +368,8 @@ fn difference_residuals(
     let (resolved, differences, column) = parameters.differences_at(data)?;
     let mut kinks = Kinks::empty();
     for (index, resolved) in resolved.iter().enumerate().filter(|(_, resolved)| is_wanted(resolved)) {
-        let Parameters { integrator, columns, .. } = &mut analytic.parameters;
-        kinks |= differences.of_residual(resolved, integrator.spread(), column)?;
+        let columns = &mut analytic.parameters.columns;
+        kinks |= differences.of_residual(resolved, analytic.integrator.spread(), column)?;
         let (residual, rest) = column.split_at(nv);
         let (spread, activation) = rest.split_at(nv);
         residual.iter().enumerate().for_each(|(dof, value)| columns.residual[(dof, index)] = *value);

@@ -1,13 +1,4 @@
-//! Step of the implicit integrator: conversion of the derivatives of the accelerations to the
-//! derivatives of the next state.
-//!
-//! The integrator treats the smooth forces τ as linear in the velocity over the step: with
-//! `Q = ∂τ/∂v`, `W = M − h Q` and the accelerations a, `s = W⁻¹ M a` and `v' = v + h s` ("Numerical
-//! integration" in the engine's documentation). With `w = a − s = −h W⁻¹ Q a` and `X = −∂a`
-//!
-//! ```text
-//! ∂v' = ∂v + h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X).
-//! ```
+//! The matrices Q and W of the implicit integrator (`integrator.rs`), and the derivatives of `Q s`.
 //!
 //! Q consists of damping, of the velocity gains of actuators, which may depend on controls and
 //! activations, and of −∂c/∂v for the Coriolis and centrifugal forces c. These are quadratic in v,
@@ -23,35 +14,31 @@
 //! 2.2.2 it takes neither limits of controls nor limits of forces into account, since 3.5 the
 //! latter, and in 3.17 both.
 
+use std::ops::Range;
+
 use super::actuators::site_of;
 use super::actuators::velocity_gain;
 use super::rigid_body::RigidBodies;
 use super::tendon::{is_fixed, tendon_of};
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::rotation::{self, Rotation};
 use crate::enums::{ActuatorGain, Integrator};
 use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
-use crate::numerics::linear_algebra::{add, add_product, factor_lu, solve_lu};
+use crate::numerics::linear_algebra::{add, dot, factor_lu, solve_lu};
 
-/// Buffers of the integrator.
+/// Matrices of the integrator, with its buffers.
 #[derive(Debug)]
 pub(super) struct ImplicitStep {
     /// `(nv, nv)`: Q, and the LU factors of W.
     pub(super) forces: Matrix,
     pub(super) factor: Matrix,
-    /// `(nv, 1)`: w
-    pub(super) spread: Matrix,
-    /// `(nv)`: s, a velocity, and zeros.
-    pub(super) acceleration: Vec<f64>,
-    velocity: Vec<f64>,
+    /// `(nv)`: a velocity or a moment arm, and zeros.
+    row: Vec<f64>,
     zeros: Vec<f64>,
     /// `(nv, 2 nv)`: derivatives of inverse dynamics.
     bias: Matrix,
-    /// `(nv, nx + nu)`: ∂M w − h Q X + h ∂Q s, and then its product with W⁻¹.
-    sum: Matrix,
 }
 
 /// Returns `true` if the model uses the integrator.
@@ -86,65 +73,21 @@ pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
 }
 
 impl ImplicitStep {
-    pub(super) fn new(model: &Model, width: usize) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
         let (square, row) = (Matrix::zeros(nv, nv), vec![0.0; nv]);
-        Self {
-            forces: square.clone(),
-            factor: square,
-            spread: Matrix::zeros(nv, 1),
-            acceleration: row.clone(),
-            velocity: row.clone(),
-            zeros: row,
-            bias: Matrix::zeros(nv, 2 * nv),
-            sum: Matrix::zeros(nv, width),
-        }
+        let bias = Matrix::zeros(nv, 2 * nv);
+        Self { forces: square.clone(), factor: square, row: row.clone(), zeros: row, bias }
     }
 
-    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the
-    /// rotations.
-    pub(super) fn differentiate(
+    /// Computes Q, the factors of W, and w, `(nv, 1)`.
+    pub(super) fn prepare(
         &mut self,
         data: &Data,
         tree: &Tree,
         bodies: &mut RigidBodies,
-        derivative: &mut Matrix,
-        rotations: &mut Vec<Rotation>,
+        spread: &mut Matrix,
     ) -> Result<()> {
-        self.prepare(data, tree, bodies)?;
-        let model = data.model();
-        let (nv, h) = (model.nv(), model.raw().opt.timestep);
-        let Self { forces, factor, spread, acceleration, velocity, zeros, bias, sum } = self;
-        sum.as_mut_slice().fill(0.0);
-        bodies.differentiate_inertia(data, tree, spread.as_slice(), sum);
-        for dof in 0..nv {
-            // A product with the matrix combines the rows of X.
-            add_product(sum.row_mut(dof), derivative, forces.row(dof), -h);
-            // The derivatives at the present velocity are in `bias`.
-            add(&mut sum.row_mut(dof)[..nv], &bias.row(dof)[..nv], h);
-        }
-        let velocities = velocity.iter_mut().zip(data.qvel()).zip(&*acceleration);
-        velocities.for_each(|((velocity, qvel), acceleration)| *velocity = qvel + acceleration);
-        for (at, factor, columns) in
-            [(&*velocity, -h, 0..nv), (&*acceleration, h, 0..nv), (&*acceleration, -h, nv..2 * nv)]
-        {
-            bias.as_mut_slice().fill(0.0);
-            bodies.differentiate(data, tree, [0.0; 3], (at, zeros), bias);
-            for dof in 0..nv {
-                add(&mut sum.row_mut(dof)[columns.clone()], &bias.row(dof)[columns.clone()], factor);
-            }
-        }
-        add_gains(data, tree, acceleration, velocity, sum);
-        solve_lu(factor, sum);
-        let values = derivative.as_mut_slice().iter_mut().zip(sum.as_slice());
-        values.for_each(|(value, sum)| *value = h * (sum - *value));
-        (0..nv).for_each(|dof| derivative[(dof, nv + dof)] += 1.0);
-        rotation::differentiate(model, |dof| data.qvel()[dof] + h * acceleration[dof], rotations);
-        Ok(())
-    }
-
-    /// Computes Q, the factors of W, w and s.
-    pub(super) fn prepare(&mut self, data: &Data, tree: &Tree, bodies: &mut RigidBodies) -> Result<()> {
         let h = data.model().raw().opt.timestep;
         self.bias.as_mut_slice().fill(0.0);
         bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), &self.zeros), &mut self.bias);
@@ -152,16 +95,42 @@ impl ImplicitStep {
         data.full_m_into(&mut self.factor)?;
         add(self.factor.as_mut_slice(), self.forces.as_slice(), -h);
         factor_lu(&mut self.factor);
-
-        let Self { forces, factor, spread, acceleration, .. } = self;
-        for (dof, spread) in spread.as_mut_slice().iter_mut().enumerate() {
-            let product: f64 = forces.row(dof).iter().zip(data.qacc()).map(|(force, qacc)| force * qacc).sum();
-            *spread = -h * product;
+        for (spread, forces) in spread.as_mut_slice().iter_mut().zip(self.forces.rows()) {
+            *spread = -h * dot(forces, data.qacc());
         }
-        solve_lu(factor, spread);
-        let values = acceleration.iter_mut().zip(data.qacc()).zip(spread.as_slice());
-        values.for_each(|((acceleration, qacc), spread)| *acceleration = qacc - spread);
+        solve_lu(&self.factor, spread);
         Ok(())
+    }
+
+    /// Adds the derivatives of `h Q s` by positions, velocities, activations and controls, after
+    /// the preparation.
+    pub(super) fn add_changes(
+        &mut self,
+        data: &Data,
+        tree: &Tree,
+        bodies: &mut RigidBodies,
+        acceleration: &[f64],
+        sum: &mut Matrix,
+    ) {
+        let nv = data.model().nv();
+        let h = data.model().raw().opt.timestep;
+        let Self { row, zeros, bias, .. } = self;
+        row.copy_from_slice(data.qvel());
+        add(row, acceleration, 1.0);
+        let mut add_bias = |bias: &Matrix, factor: f64, columns: Range<usize>| {
+            for dof in 0..nv {
+                add(&mut sum.row_mut(dof)[columns.clone()], &bias.row(dof)[columns.clone()], factor);
+            }
+        };
+        // The derivatives at the present velocity are in `bias`.
+        add_bias(bias, h, 0..nv);
+        for (velocity, factor) in [(&**row, -h), (acceleration, h)] {
+            bias.as_mut_slice().fill(0.0);
+            bodies.differentiate(data, tree, [0.0; 3], (velocity, zeros), bias);
+            add_bias(bias, factor, 0..nv);
+        }
+        add_bias(bias, -h, nv..2 * nv);
+        add_gains(data, tree, acceleration, row, sum);
     }
 
     /// Assembles Q from the derivatives of the bias forces.
@@ -180,16 +149,16 @@ impl ImplicitStep {
             for tendon in 0..model.ntendon() {
                 let damping = tendon_damping(model, tendon);
                 if damping != 0.0 {
-                    data.tendon_row(tendon).write_into(&mut self.velocity);
-                    add_product_on_chains(tree, &self.velocity, -damping, &mut self.forces);
+                    data.tendon_row(tendon).write_into(&mut self.row);
+                    add_product_on_chains(tree, &self.row, -damping, &mut self.forces);
                 }
             }
         }
         for actuator in 0..model.nactuator() {
             let slope = velocity_gain(data, actuator).total;
             if slope != 0.0 {
-                data.moment_row(actuator).write_into(&mut self.velocity);
-                add_product_on_chains(tree, &self.velocity, slope, &mut self.forces);
+                data.moment_row(actuator).write_into(&mut self.row);
+                add_product_on_chains(tree, &self.row, slope, &mut self.forces);
             }
         }
     }

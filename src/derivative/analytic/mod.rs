@@ -17,7 +17,7 @@
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
 //! | sensors | `sensors/` |
-//! | step of the integrator | `euler.rs`, `damped_inertia.rs`, `implicit_step.rs` |
+//! | step of the integrator | `integrator.rs`, `damped_inertia.rs`, `implicit_step.rs` |
 //! | inertia matrix | `inertia.rs` |
 //!
 //! The derivatives of inverse dynamics (`inverse.rs`) consist of the same terms, and those by
@@ -35,10 +35,10 @@ mod actuators;
 mod applied;
 mod constraint;
 mod damped_inertia;
-mod euler;
 mod fluid;
 mod implicit_step;
 mod inertia;
+mod integrator;
 mod inverse;
 mod parameters;
 mod passive;
@@ -50,10 +50,9 @@ mod tree;
 use self::actuators::NextActivation;
 pub(super) use self::actuators::obstacle as actuator_obstacle;
 use self::constraint::Constraints;
-use self::euler::Euler;
 pub(super) use self::fluid::is_obstacle as has_fluid_obstacle;
-use self::implicit_step::ImplicitStep;
 pub(super) use self::implicit_step::is_obstacle as has_implicit_step_obstacle;
+use self::integrator::Integrator;
 use self::inverse::Inverse;
 pub(super) use self::parameters::Parameters;
 use self::rigid_body::RigidBodies;
@@ -81,9 +80,7 @@ pub(super) struct Analytic {
     tendons: Tendons,
     constraints: Constraints,
     newton: Newton,
-    euler: Euler,
-    /// Created when the integrator is first used.
-    implicit_step: Option<ImplicitStep>,
+    pub(super) integrator: Integrator,
     sensors: Sensors,
     /// Created when inverse dynamics is first differentiated.
     inverse: Option<Inverse>,
@@ -93,6 +90,8 @@ pub(super) struct Analytic {
     /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions,
     /// velocities, activations and controls.
     derivative: Matrix,
+    /// `(nv, nx + nu)`: buffer of the integrator.
+    sum: Matrix,
     /// `(na)`
     next_activation: Vec<NextActivation>,
     /// Kinks at the state of the last linearisation.
@@ -126,13 +125,13 @@ impl Analytic {
             tendons: Tendons::new(model),
             constraints: Constraints::new(model),
             newton: Newton::new(model),
-            euler: Euler::new(model, nx + nu),
-            implicit_step: None,
+            integrator: Integrator::new(model),
             sensors: Sensors::new(model, nx + nu),
             inverse: None,
             parameters: Parameters::new(model),
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
+            sum: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],
             kinks: Kinks::empty(),
         }
@@ -158,7 +157,7 @@ impl Analytic {
         if for_parameters && wants_sensors {
             self.differentiate_readings(data);
         }
-        let Self { tree, bodies, tendons, constraints, newton, euler, implicit_step, sensors, derivative, .. } = self;
+        let Self { tree, bodies, tendons, constraints, newton, integrator, sensors, derivative, sum, .. } = self;
         solve_cholesky(&newton.factor, derivative);
         if wants_sensors {
             let point = Point {
@@ -173,13 +172,7 @@ impl Analytic {
             };
             sensors.differentiate(point, false);
         }
-        if implicit_step::is_used(data.model()) {
-            let width = derivative.ncols();
-            let step = implicit_step.get_or_insert_with(|| ImplicitStep::new(data.model(), width));
-            step.differentiate(data, tree, bodies, derivative, &mut euler.rotations)?;
-        } else {
-            euler.differentiate(data, tree, bodies, derivative);
-        }
+        integrator.differentiate(data, tree, bodies, derivative, sum)?;
         if !derivative.as_slice().iter().all(|value| value.is_finite()) {
             return Ok(Err(Fallback::Singular));
         }
@@ -234,7 +227,8 @@ impl Analytic {
         let (nx, nu, _) = sizes(model);
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
         if let Some(a) = &mut outputs.a {
-            self.euler.write(h, &self.derivative, 0..nx, a);
+            self.integrator.write(h, &self.derivative, 0..nx, a);
+            self.integrator.add_position(nv, a);
             for (activation, next) in self.next_activation.iter().enumerate() {
                 let row = a.row_mut(2 * nv + activation);
                 row.fill(0.0);
@@ -242,7 +236,7 @@ impl Analytic {
             }
         }
         if let Some(b) = &mut outputs.b {
-            self.euler.write(h, &self.derivative, nx..nx + nu, b);
+            self.integrator.write(h, &self.derivative, nx..nx + nu, b);
             for (activation, next) in self.next_activation.iter().enumerate() {
                 let row = b.row_mut(2 * nv + activation);
                 row.fill(0.0);

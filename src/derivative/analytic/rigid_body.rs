@@ -202,16 +202,16 @@ impl RigidBodies {
         }
     }
 
-    /// Computes the velocity and the acceleration of each body, `(nbody)`, at other velocities,
-    /// without accelerations and gravity.
+    /// Computes the velocity and the acceleration of each body, `(nbody)`, at the given velocities
+    /// and accelerations without gravity.
     pub(super) fn motions(
         &mut self,
         data: &Data,
         tree: &Tree,
-        (qvel, zeros): (&[f64], &[f64]),
+        (qvel, qacc): (&[f64], &[f64]),
         motions: &mut [[Spatial; 2]],
     ) {
-        self.sweep(tree, data.cdof(), Some(qvel), zeros, [0.0; 3]);
+        self.sweep(tree, data.cdof(), Some(qvel), qacc, [0.0; 3]);
         for (motion, last) in motions.iter_mut().zip(&tree.last) {
             *motion = last.map_or([[0.0; 6]; 2], |dof| {
                 let Motion { velocity, acceleration } = self.after[tree.group[dof]];

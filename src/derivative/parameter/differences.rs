@@ -94,7 +94,7 @@ impl ParameterDifferences {
     pub(in crate::derivative) fn of_residual(
         &mut self,
         resolved: &Resolved,
-        spread: Option<&[f64]>,
+        spread: &[f64],
         result: &mut Vec<f64>,
     ) -> Result<Kinks> {
         let Self { state, accelerations, varied } = self;
@@ -104,9 +104,7 @@ impl ParameterDifferences {
             let (residual, rest) = sample.split_at_mut(nv);
             let (inertial, activations) = rest.split_at_mut(nv);
             Residual::of(data).evaluate(data, residual)?;
-            if let Some(spread) = spread {
-                multiply_inertia(data, inertial, spread);
-            }
+            multiply_inertia(data, inertial, spread);
             let model = data.model();
             for actuator in 0..model.nactuator() {
                 if let Some(activation) = model.activation_of(actuator) {

@@ -16,7 +16,7 @@ pub(super) use self::buffers::ParameterBuffers;
 pub use self::buffers::{ParameterJacobian, ParameterOutputs};
 pub(super) use self::effect::{Effect, Factor, Resolved};
 pub use self::inertial::InertialParameters;
-pub(super) use self::regressor::{BodyFrame, BodyMotion, in_engine_order};
+pub(super) use self::regressor::{BodyFrame, BodyMotion};
 pub(super) use self::solver::{Element, Quantity, SolverNumber};
 use crate::error::{Error, Result};
 use crate::id::BodyId;

@@ -71,7 +71,7 @@ impl BodyMotion {
 }
 
 /// Returns ten inertial parameters in the order of the engine.
-pub(in crate::derivative) fn in_engine_order(change: &[f64; 10]) -> Inertia {
+fn in_engine_order(change: &[f64; 10]) -> Inertia {
     let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *change;
     [xx, yy, zz, xy, xz, yz, x, y, z, mass]
 }

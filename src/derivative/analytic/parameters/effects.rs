@@ -12,44 +12,36 @@
 //! | solver parameters of constraints | `solver/` | – |
 //! | gear | moment arms, lengths and velocities are proportional to it | twice the velocity gain |
 //!
-//! Q and s belong to the integrators with implicit damping: see `euler.rs` and `implicit_step.rs`.
+//! Q, w and s belong to integrators with implicit forces: see `../integrator.rs`.
 
 use mujoco_sys::{mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON, mjCNSTRSTATE_LINEARNEG, mjCNSTRSTATE_LINEARPOS};
 
 use super::super::actuators::{self, ForceSlopes};
+use super::super::integrator::Integrator;
 use super::super::sensors::explicit;
 use super::super::tree::Tree;
 use super::sink::Sink;
 use super::solver;
 use crate::data::Data;
-use crate::derivative::parameter::{BodyFrame, BodyMotion, Effect, Factor, in_engine_order};
+use crate::derivative::parameter::{BodyFrame, BodyMotion, Effect, Factor};
 use crate::enums::JointType;
 use crate::ffi;
 use crate::layout::Row;
 use crate::math;
 use crate::model::{DisableFlags, Model};
-use crate::numerics::spatial::{Spatial, add_scaled, cross, dot, momentum, spatial};
+use crate::numerics::spatial::{add_scaled, cross, dot, momentum, spatial};
 
 /// State at which the terms are differentiated.
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
     pub(super) data: &'a Data,
     pub(super) tree: &'a Tree,
-    /// Integrator with implicit damping, if the step has it.
-    pub(super) damping: Option<Damping<'a>>,
+    /// Integrator of the step, or `None` for inverse dynamics, to which the forces applied to bodies
+    /// do not belong.
+    pub(super) integrator: Option<&'a Integrator>,
     pub(super) wants_sensors: bool,
-    /// True if actuators are part of g, and forces applied to bodies.
+    /// True if actuators are part of g.
     pub(super) has_actuators: bool,
-    pub(super) has_applied: bool,
-}
-
-/// Vectors of an integrator with implicit damping: w, and the accelerations of the step.
-#[derive(Clone, Copy)]
-pub(super) struct Damping<'a> {
-    pub(super) spread: &'a [f64],
-    pub(super) acceleration: &'a [f64],
-    /// Motions of the bodies with `v + s`, v and s, if the integrator depends on all velocities.
-    pub(super) motions: Option<[&'a [[Spatial; 2]]; 3]>,
 }
 
 /// Terms that are the same in the derivatives by all inertial parameters of a body.
@@ -57,33 +49,27 @@ pub(super) struct BodyTerms {
     body: usize,
     frame: BodyFrame,
     motion: BodyMotion,
-    /// Velocity at w, and the motions at `v + s`, v and s, of an integrator with implicit damping.
-    spread: Spatial,
-    motions: Option<[BodyMotion; 3]>,
+    /// Motions to whose forces `∂M w + h ∂Q s` is proportional, with factors.
+    of_integrator: [(f64, BodyMotion); 4],
 }
 
 impl BodyTerms {
     fn new(point: Point<'_>, body: usize) -> Self {
-        let Point { data, tree, damping, .. } = point;
-        let frame = BodyFrame::of(data, body);
-        let mut velocity = [0.0; 6];
-        if let Some(Damping { spread, .. }) = damping {
-            tree.chain(tree.last[body]).for_each(|dof| add_scaled(&mut velocity, &data.cdof()[dof], spread[dof]));
+        let frame = BodyFrame::of(point.data, body);
+        let mut of_integrator = [(0.0, BodyMotion::default()); 4];
+        let motions = point.integrator.into_iter().flat_map(|integrator| integrator.motions_of(body));
+        for (term, (factor, motion)) in of_integrator.iter_mut().zip(motions) {
+            let [velocity, acceleration] = motion.map(|motion| frame.motion(&motion));
+            *term = (factor, BodyMotion { velocity, acceleration });
         }
-        let motions = damping.and_then(|damping| damping.motions).map(|all| {
-            all.map(|motions| {
-                let [velocity, acceleration] = motions[body].map(|motion| frame.motion(&motion));
-                BodyMotion { velocity, acceleration }
-            })
-        });
-        Self { body, frame, motion: frame.present_motion(data, body), spread: frame.motion(&velocity), motions }
+        Self { body, frame, motion: frame.present_motion(point.data, body), of_integrator }
     }
 }
 
 /// Passes the derivatives by a parameter on. `terms` are those of the last inertial parameter at
 /// this point, if there was one.
 pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Option<BodyTerms>, sink: &mut impl Sink) {
-    let Point { data, damping, .. } = point;
+    let Point { data, integrator, .. } = point;
     let model = data.model();
     let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
     match *effect {
@@ -99,8 +85,8 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
         Effect::Armature(ref dofs) => {
             for dof in dofs.clone() {
                 sink.residual(dof, data.qacc()[dof]);
-                if let Some(Damping { spread, .. }) = damping {
-                    sink.spread(dof, spread[dof]);
+                if let Some(integrator) = integrator {
+                    sink.spread(dof, integrator.spread()[dof]);
                 }
             }
         }
@@ -110,10 +96,10 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
                 if has_passive {
                     sink.residual(dof, data.qvel()[dof]);
                 }
-                if let Some(Damping { acceleration, motions, .. }) = damping
-                    && (has_passive || motions.is_none())
+                if let Some(integrator) = integrator
+                    && (has_passive || !integrator.is_implicit())
                 {
-                    sink.spread(dof, -h * acceleration[dof]);
+                    sink.spread(dof, -h * integrator.acceleration()[dof]);
                 }
             }
         }
@@ -159,13 +145,12 @@ pub(super) fn differentiate(point: Point<'_>, effect: &Effect, terms: &mut Optio
 
 /// Adds the derivatives by the inertia of a body.
 fn inertial(point: Point<'_>, terms: &BodyTerms, change: &[f64; 10], centre: &[f64; 3], sink: &mut impl Sink) {
-    let Point { data, tree, damping, .. } = point;
-    let BodyTerms { body, frame, motion, ref spread, ref motions } = *terms;
-    let (model, axes) = (data.model(), data.cdof());
-    let h = model.raw().opt.timestep;
+    let Point { data, tree, .. } = point;
+    let BodyTerms { body, frame, motion, ref of_integrator } = *terms;
+    let axes = data.cdof();
     let mut force = frame.force(&motion.force(change));
     let [fx, fy, fz, ..] = data.xfrc_applied()[body];
-    if point.has_applied {
+    if point.integrator.is_some() {
         // The point of application moves.
         add_scaled(&mut force, &spatial(&cross(&frame.to_world(centre), &[fx, fy, fz]), &[0.0; 3]), -1.0);
     }
@@ -175,12 +160,12 @@ fn inertial(point: Point<'_>, terms: &BodyTerms, change: &[f64; 10], centre: &[f
     if point.wants_sensors {
         explicit::add_force(data, body, &force, |address, value| sink.sensor(address, value));
     }
-    if damping.is_none() {
-        return;
+    let mut local = [0.0; 6];
+    for (factor, motion) in of_integrator.iter().filter(|(factor, _)| *factor != 0.0) {
+        add_scaled(&mut local, &motion.force(change), *factor);
     }
-    let mut local = momentum(&in_engine_order(change), spread);
-    for (motion, factor) in motions.iter().flatten().zip([-h, h, h]) {
-        add_scaled(&mut local, &motion.force(change), factor);
+    if local == [0.0; 6] {
+        return;
     }
     let force = frame.force(&local);
     for dof in tree.chain(tree.last[body]) {
@@ -254,7 +239,8 @@ fn add_tendon(data: &Data, tendon: usize, force: f64, sink: &mut impl Sink) {
 /// Adds the change of the damping matrix by `factor · rowᵀ row` to the implicit integrator, as far
 /// as its dofs are on the same chain.
 fn add_damping(point: Point<'_>, row: Row<'_>, factor: f64, sink: &mut impl Sink) {
-    let Some(Damping { acceleration, motions: Some(_), .. }) = point.damping else { return };
+    let Some(integrator) = point.integrator.filter(|integrator| integrator.is_implicit()) else { return };
+    let acceleration = integrator.acceleration();
     let factor = factor * point.data.model().raw().opt.timestep;
     for (dof, arm) in row.iter() {
         sink.spread(dof, factor * arm * arm * acceleration[dof]);

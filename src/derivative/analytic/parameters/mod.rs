@@ -16,13 +16,11 @@
 
 mod columns;
 mod effects;
-mod integrator;
 mod sink;
 mod solver;
 
 use self::columns::{Column, Columns, Product};
 use self::effects::Point;
-use self::integrator::Integrator;
 use super::inverse::Inverse;
 use super::sensors::explicit;
 use super::{Analytic, actuators, constraint, passive};
@@ -39,7 +37,6 @@ use crate::numerics::linear_algebra::{add, solve_cholesky};
 /// Derivatives by parameters, with their buffers.
 #[derive(Debug)]
 pub(in crate::derivative) struct Parameters {
-    pub(in crate::derivative) integrator: Integrator,
     pub(in crate::derivative) columns: Columns,
     /// `(nv, 1)`: μ and h η.
     weights: [Matrix; 2],
@@ -51,7 +48,7 @@ pub(in crate::derivative) type Preparation = std::result::Result<(), Fallback>;
 impl Parameters {
     pub(super) fn new(model: &Model) -> Self {
         let column = Matrix::zeros(model.nv(), 1);
-        Self { integrator: Integrator::new(model), columns: Columns::default(), weights: [column.clone(), column] }
+        Self { columns: Columns::default(), weights: [column.clone(), column] }
     }
 }
 
@@ -72,10 +69,11 @@ impl Analytic {
             return Ok(Err(reason));
         }
         let Some(kinks) = solver::examine(data, resolved) else { return Ok(Err(Fallback::Constraint)) };
-        let Self { tree, bodies, parameters, .. } = self;
         self.kinks |= kinks;
+        let Self { tree, bodies, integrator, .. } = self;
         let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
-        parameters.integrator.prepare(data, tree, bodies, changes_damping)?;
+        integrator.prepare(data, tree, bodies, changes_damping)?;
+        integrator.compute_motions(data, tree, bodies);
         Ok(Ok(()))
     }
 
@@ -112,16 +110,15 @@ impl Analytic {
         resolved: &[Resolved],
         wants_sensors: bool,
     ) {
-        let Self { tree, parameters: Parameters { integrator, columns, .. }, .. } = self;
+        let Self { tree, integrator, parameters: Parameters { columns, .. }, .. } = self;
         columns.clear(data.model(), resolved.len(), wants_sensors);
-        let damping = integrator.damping();
-        let point = Point { data, tree, damping, wants_sensors, has_actuators: true, has_applied: true };
+        let point = Point { data, tree, integrator: Some(integrator), wants_sensors, has_actuators: true };
         add_all(point, resolved, columns);
     }
 
     /// Converts the terms to derivatives of the next velocities and of the sensors.
     pub(in crate::derivative) fn finish_columns(&mut self, data: &Data, wants_sensors: bool) -> &mut Columns {
-        let Self { tree, parameters: Parameters { integrator, columns, .. }, newton, inverse, .. } = self;
+        let Self { tree, integrator, parameters: Parameters { columns, .. }, newton, inverse, .. } = self;
         solve_cholesky(&newton.factor, &mut columns.residual);
         if wants_sensors {
             columns.deceleration.as_mut_slice().copy_from_slice(columns.residual.as_slice());
@@ -159,20 +156,16 @@ impl Analytic {
 
     /// Writes the derivatives of the next state, `(nx, n)`.
     pub(in crate::derivative) fn write_columns(&self, model: &Model, state: &mut Matrix) {
-        let Parameters { integrator, columns, .. } = &self.parameters;
-        let nv = model.nv();
-        integrator.write_positions(model.raw().opt.timestep, &columns.residual, state);
-        let width = columns.residual.ncols();
-        let values = &mut state.as_mut_slice()[nv * width..];
-        let (velocities, activations) = values.split_at_mut(nv * width);
-        velocities.copy_from_slice(columns.residual.as_slice());
-        activations.copy_from_slice(columns.activation.as_slice());
+        let Columns { residual, activation, .. } = &self.parameters.columns;
+        let width = residual.ncols();
+        self.integrator.write(model.raw().opt.timestep, residual, 0..width, state);
+        state.as_mut_slice()[2 * model.nv() * width..].copy_from_slice(activation.as_slice());
     }
 
     /// Computes the weights of a gradient, after the preparation: from the gradients by the next
     /// state, `(nx)`, and by the sensors, `(nsensordata)` or empty.
     pub(in crate::derivative) fn weigh(&mut self, data: &Data, by_state: &[f64], by_sensors: &[f64]) {
-        let Self { tree, parameters: Parameters { integrator, weights, .. }, newton, inverse, .. } = self;
+        let Self { tree, integrator, parameters: Parameters { weights, .. }, newton, inverse, .. } = self;
         integrator.transpose(data, tree, by_state, weights);
         let nv = data.model().nv();
         if let Some(inverse) = inverse {
@@ -192,9 +185,9 @@ impl Analytic {
         by_state: &[f64],
         by_sensors: &[f64],
     ) -> f64 {
-        let Parameters { integrator, weights, .. } = &self.parameters;
-        let (damping, wants_sensors) = (integrator.damping(), !by_sensors.is_empty());
-        let point = Point { data, tree: &self.tree, damping, wants_sensors, has_actuators: true, has_applied: true };
+        let Self { tree, integrator, parameters: Parameters { weights, .. }, .. } = self;
+        let wants_sensors = !by_sensors.is_empty();
+        let point = Point { data, tree, integrator: Some(integrator), wants_sensors, has_actuators: true };
         let mut product = Product {
             residual: weights[0].as_slice(),
             spread: weights[1].as_slice(),
@@ -228,7 +221,7 @@ impl Analytic {
         self.kinks |= kinks;
         let Self { tree, parameters: Parameters { columns, .. }, .. } = self;
         columns.clear(data.model(), resolved.len(), false);
-        let point = Point { data, tree, damping: None, wants_sensors: false, has_actuators, has_applied: false };
+        let point = Point { data, tree, integrator: None, wants_sensors: false, has_actuators };
         add_all(point, resolved, columns);
         Ok(Some(columns))
     }
