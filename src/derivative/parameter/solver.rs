@@ -37,30 +37,32 @@ pub(in crate::derivative) enum Quantity {
     Mix,
 }
 
+/// Element with the beginning and the end of the names of its arrays.
+type ArraysOf = (&'static str, &'static str, fn(usize) -> Element);
+
+const ELEMENTS: [ArraysOf; 7] = [
+    ("geom_", "", Element::Geom),
+    ("pair_", "", Element::Pair),
+    ("jnt_", "", Element::Joint),
+    ("dof_", "", Element::Dof),
+    ("tendon_", "_lim", Element::TendonLimit),
+    ("tendon_", "_fri", Element::TendonFriction),
+    ("eq_", "", Element::Equality),
+];
+
 impl SolverNumber {
     /// Returns the number at a place in an array of the model, if it is one of these. A weight that
     /// the engine takes for zero is none: the mean of two geoms jumps there.
     pub(super) fn of(model: &Model, array: &str, row: usize, column: usize) -> Option<Self> {
-        let (element, quantity) = match array {
-            "geom_friction" => (Element::Geom(row), Quantity::Friction(column)),
-            "geom_solref" => (Element::Geom(row), Quantity::Reference(column)),
-            "geom_solimp" => (Element::Geom(row), Quantity::Impedance(column)),
-            "geom_solmix" if model.geom_solmix()[row] >= mjMINVAL => (Element::Geom(row), Quantity::Mix),
-            "pair_friction" => (Element::Pair(row), Quantity::Friction(column)),
-            "pair_solref" => (Element::Pair(row), Quantity::Reference(column)),
-            "pair_solimp" => (Element::Pair(row), Quantity::Impedance(column)),
-            "jnt_solref" => (Element::Joint(row), Quantity::Reference(column)),
-            "jnt_solimp" => (Element::Joint(row), Quantity::Impedance(column)),
-            "dof_solref" => (Element::Dof(row), Quantity::Reference(column)),
-            "dof_solimp" => (Element::Dof(row), Quantity::Impedance(column)),
-            "tendon_solref_lim" => (Element::TendonLimit(row), Quantity::Reference(column)),
-            "tendon_solimp_lim" => (Element::TendonLimit(row), Quantity::Impedance(column)),
-            "tendon_solref_fri" => (Element::TendonFriction(row), Quantity::Reference(column)),
-            "tendon_solimp_fri" => (Element::TendonFriction(row), Quantity::Impedance(column)),
-            "eq_solref" => (Element::Equality(row), Quantity::Reference(column)),
-            "eq_solimp" => (Element::Equality(row), Quantity::Impedance(column)),
-            _ => return None,
-        };
-        Some(Self { element, quantity })
+        ELEMENTS.iter().find_map(|(start, end, element)| {
+            let quantity = match array.strip_prefix(start)?.strip_suffix(end)? {
+                "friction" => Quantity::Friction(column),
+                "solref" => Quantity::Reference(column),
+                "solimp" => Quantity::Impedance(column),
+                "solmix" if model.geom_solmix()[row] >= mjMINVAL => Quantity::Mix,
+                _ => return None,
+            };
+            Some(Self { element: element(row), quantity })
+        })
     }
 }

@@ -6,9 +6,8 @@
 //! ∂jar = ∂B J v + ∂(K I) (pos − margin) + (∂J)(a + B v).
 //! ```
 //!
-//! The inertia D of the first row is `I/(1 − I)` times a constant, except at the engine's limit, so
-//! `∂ln D = ∂I/(I (1 − I))`. In the quadratic zone `f = −D jar`, so `∂f = −D ∂jar + f ∂ln D`. With
-//! the friction μ₁, μ₂, … of a contact:
+//! The inertia D of the first row is `I/(1 − I)` times a constant, except at the engine's limit. In
+//! the quadratic zone `f = −D jar`. With the friction μ₁, μ₂, … of a contact:
 //!
 //! - **Pyramid:** the rows are `J₀ ± μ_k J_k`, and D of all rows is proportional to
 //!   `1/(μ₁² (1 + μ₁²))`. As `2 μ_k J_k` is the difference of two rows, `(∂J)(a + B v)` and
@@ -20,26 +19,29 @@
 //! f₀ = −D (jar₀ − T)/(1 + m²),        f_k = −f₀ μ_k² jar_k/T.
 //! ```
 
+use std::array;
+
 use mujoco_sys::{
-    mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact, mjMINVAL,
+    mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjMINVAL,
 };
 
 use super::curve::Curve;
+use super::dual::Dual;
 use super::sources::SolverParameters;
 use crate::data::Data;
 use crate::derivative::analytic::constraint::MAX_ROWS;
 use crate::derivative::newton::{constraint_row, contacts};
 use crate::ffi;
 
-/// Derivatives of the numbers of the rows of a constraint.
+/// Numbers of the rows of a constraint.
 struct Rows<'a> {
     data: &'a Data,
     first: usize,
     count: usize,
-    /// ∂jar
-    residual: [f64; MAX_ROWS],
-    /// ∂ln D of a row that is not at the engine's limit.
-    log_inertia: f64,
+    friction: [Dual; 5],
+    jar: [Dual; MAX_ROWS],
+    /// `I/(1 − I)`
+    odds: Dual,
 }
 
 /// Returns the changes of the forces of the rows that have the same effect as the change of
@@ -49,28 +51,27 @@ pub(super) fn changes(
     first: usize,
     count: usize,
     curve: &Curve,
-    change: &SolverParameters,
+    parameters: &SolverParameters,
 ) -> [f64; MAX_ROWS] {
-    let Curve { stiffness, damping, impedance } = curve;
-    let of_position = stiffness.change * impedance.value + stiffness.value * impedance.change;
-    let mut rows = Rows {
-        data,
-        first,
-        count,
-        residual: [0.0; MAX_ROWS],
-        log_inertia: impedance.change / (impedance.value * (1.0 - impedance.value)),
-    };
-    for (row, residual) in (first..first + count).zip(&mut rows.residual) {
-        let beyond = data.efc_pos()[row] - data.efc_margin()[row];
-        *residual = damping.change * data.efc_vel()[row] + of_position * beyond;
-    }
-    let contact = || &contacts(data)[ffi::size(data.efc_id()[first])];
+    let Curve { stiffness, damping, impedance } = *curve;
+    let jar = array::from_fn(|row| {
+        if row >= count {
+            return Dual::default();
+        }
+        let row = first + row;
+        let reference =
+            data.efc_vel()[row] * damping + (data.efc_pos()[row] - data.efc_margin()[row]) * (stiffness * impedance);
+        let acceleration: f64 = constraint_row(data, row).iter().map(|(dof, arm)| arm * data.qacc()[dof]).sum();
+        Dual { value: acceleration - data.efc_aref()[row], change: reference.change }
+    });
+    let odds = impedance / (Dual::constant(1.0) - impedance);
+    let mut rows = Rows { data, first, count, friction: parameters.friction, jar, odds };
     #[expect(non_upper_case_globals, reason = "the engine's constants")]
     match data.efc_type()[first] as u32 {
-        mjCNSTR_CONTACT_PYRAMIDAL => rows.of_pyramid(contact(), &change.friction),
-        mjCNSTR_CONTACT_ELLIPTIC if rows.state(0) == mjCNSTRSTATE_CONE => rows.of_cone(contact(), &change.friction),
-        mjCNSTR_CONTACT_ELLIPTIC => rows.of_ellipse(contact(), &change.friction),
-        _ => rows.quadratic(|row| rows.log_inertia_at(data.efc_R()[first + row])),
+        mjCNSTR_CONTACT_PYRAMIDAL => rows.of_pyramid(),
+        mjCNSTR_CONTACT_ELLIPTIC if rows.state(0) == mjCNSTRSTATE_CONE => rows.of_cone(),
+        mjCNSTR_CONTACT_ELLIPTIC => rows.of_ellipse(),
+        _ => rows.quadratic(|row| rows.inertia(data.efc_R()[first + row])),
     }
 }
 
@@ -79,83 +80,68 @@ impl Rows<'_> {
         self.data.efc_state()[self.first + row] as u32
     }
 
-    fn force(&self, row: usize) -> f64 {
-        self.data.efc_force()[self.first + row]
+    /// Returns a number proportional to D of a row with a regularisation, which is constant at the
+    /// engine's limit.
+    fn inertia(&self, regularisation: f64) -> Dual {
+        if regularisation > mjMINVAL { self.odds } else { Dual::constant(1.0) }
     }
 
-    /// Returns jar of a row.
-    fn jar(&self, row: usize) -> f64 {
-        let (row, qacc) = (self.first + row, self.data.qacc());
-        let acceleration: f64 = constraint_row(self.data, row).iter().map(|(dof, moment)| moment * qacc[dof]).sum();
-        acceleration - self.data.efc_aref()[row]
-    }
-
-    /// Returns `∂ln D` of a row with a regularisation, which is constant at the engine's limit.
-    fn log_inertia_at(&self, regularisation: f64) -> f64 {
-        if regularisation > mjMINVAL { self.log_inertia } else { 0.0 }
-    }
-
-    /// Returns the changes of the forces of the rows in the quadratic zone, for their `∂ln D`.
-    fn quadratic(&self, log_inertia: impl Fn(usize) -> f64) -> [f64; MAX_ROWS] {
-        let mut forces = [0.0; MAX_ROWS];
-        for (row, force) in forces.iter_mut().enumerate().take(self.count) {
-            if self.state(row) == mjCNSTRSTATE_QUADRATIC {
-                let inertia = self.data.efc_D()[self.first + row];
-                *force = -inertia * self.residual[row] + self.force(row) * log_inertia(row);
+    /// Returns the changes of the forces of the rows in the quadratic zone, for numbers
+    /// proportional to D.
+    fn quadratic(&self, inertia: impl Fn(usize) -> Dual) -> [f64; MAX_ROWS] {
+        array::from_fn(|row| {
+            if row >= self.count || self.state(row) != mjCNSTRSTATE_QUADRATIC {
+                return 0.0;
             }
-        }
-        forces
+            let inertia = inertia(row).scaled_to(self.data.efc_D()[self.first + row]);
+            -(inertia * self.jar[row]).change
+        })
     }
 
-    fn of_pyramid(mut self, contact: &mjContact, change: &[f64; 5]) -> [f64; MAX_ROWS] {
-        let (friction, rate) = (contact.friction[0], change[0] / contact.friction[0]);
+    fn of_pyramid(&mut self) -> [f64; MAX_ROWS] {
+        let friction = self.friction[0];
+        let square = friction * friction;
+        let contact = &contacts(self.data)[ffi::size(self.data.efc_id()[self.first])];
         let normal = self.data.efc_R()[self.first] / (2.0 * contact.mu * contact.mu);
-        let mut log_inertia = self.log_inertia_at(normal) - 2.0 * rate;
+        let mut inertia = self.inertia(normal) / square;
         if normal > mjMINVAL {
-            log_inertia -= 2.0 * friction * change[0] / (1.0 + friction * friction);
+            inertia = inertia / (Dual::constant(1.0) + square);
         }
         let mut turned = [0.0; MAX_ROWS];
-        for edge in (0..self.count / 2).filter(|&edge| change[edge] != 0.0) {
-            let (row, factor) = (2 * edge, 0.5 * change[edge] / contact.friction[edge]);
-            let tangential = factor * (self.jar(row) - self.jar(row + 1));
-            self.residual[row] += tangential;
-            self.residual[row + 1] -= tangential;
-            turned[row] = factor * (self.force(row) - self.force(row + 1));
+        for edge in 0..self.count / 2 {
+            let (row, factor) = (2 * edge, 0.5 * self.friction[edge].change / self.friction[edge].value);
+            let tangential = factor * (self.jar[row].value - self.jar[row + 1].value);
+            self.jar[row].change += tangential;
+            self.jar[row + 1].change -= tangential;
+            let force = &self.data.efc_force()[self.first + row..];
+            turned[row] = factor * (force[0] - force[1]);
             turned[row + 1] = -turned[row];
         }
-        let mut forces = self.quadratic(|_| log_inertia);
-        forces.iter_mut().zip(turned).for_each(|(force, turned)| *force += turned);
-        forces
+        let forces = self.quadratic(|_| inertia);
+        array::from_fn(|row| forces[row] + turned[row])
     }
 
-    fn of_ellipse(&self, contact: &mjContact, change: &[f64; 5]) -> [f64; MAX_ROWS] {
-        let normal = self.log_inertia_at(self.data.efc_R()[self.first]);
-        let rate = |at: usize| change[at] / contact.friction[at];
-        self.quadratic(|row| if row == 0 { normal } else { normal + 2.0 * (rate(row - 1) - rate(0)) })
+    fn of_ellipse(&self) -> [f64; MAX_ROWS] {
+        let normal = self.inertia(self.data.efc_R()[self.first]);
+        self.quadratic(|row| {
+            let ratio = if row == 0 { Dual::constant(1.0) } else { self.friction[row - 1] / self.friction[0] };
+            normal * ratio * ratio
+        })
     }
 
-    fn of_cone(&self, contact: &mjContact, change: &[f64; 5]) -> [f64; MAX_ROWS] {
-        let (friction, mu) = (&contact.friction, contact.mu);
-        let jar: [f64; MAX_ROWS] = std::array::from_fn(|row| if row < self.count { self.jar(row) } else { 0.0 });
-        let scaled = |row: usize| friction[row - 1] * jar[row];
-        let scaled_change = |row: usize| change[row - 1] * jar[row] + friction[row - 1] * self.residual[row];
-        let tangent = (1..self.count).map(|row| scaled(row).powi(2)).sum::<f64>().sqrt();
-        let tangent_change = (1..self.count).map(|row| scaled(row) * scaled_change(row)).sum::<f64>() / tangent;
-
-        let normal = self.force(0);
-        let log_factor = self.log_inertia_at(self.data.efc_R()[self.first])
-            - 2.0 * mu * mu * change[0] / (friction[0] * (1.0 + mu * mu));
-        let slope = self.data.efc_D()[self.first] / (1.0 + mu * mu);
-        let mut forces = [0.0; MAX_ROWS];
-        forces[0] = normal * log_factor - slope * (self.residual[0] - tangent_change);
-        for row in 1..self.count {
-            // The force is −normal · ratio.
-            let ratio = friction[row - 1] * scaled(row) / tangent;
-            let ratio_change = (change[row - 1] * scaled(row) + friction[row - 1] * scaled_change(row)
-                - ratio * tangent_change)
-                / tangent;
-            forces[row] = -forces[0] * ratio - normal * ratio_change;
-        }
-        forces
+    fn of_cone(&self) -> [f64; MAX_ROWS] {
+        let contact = &contacts(self.data)[ffi::size(self.data.efc_id()[self.first])];
+        let mu = self.friction[0].scaled_to(contact.mu);
+        let scaled: [Dual; MAX_ROWS] = array::from_fn(|row| {
+            if (1..self.count).contains(&row) { self.friction[row - 1] * self.jar[row] } else { Dual::default() }
+        });
+        let tangent = scaled.iter().fold(Dual::default(), |sum, &number| sum + number * number).sqrt();
+        let inertia = self.inertia(self.data.efc_R()[self.first]).scaled_to(self.data.efc_D()[self.first]);
+        let normal = inertia * (tangent - self.jar[0]) / (Dual::constant(1.0) + mu * mu);
+        array::from_fn(|row| match row {
+            0 => normal.change,
+            _ if row < self.count => -(normal * self.friction[row - 1] * scaled[row] / tangent).change,
+            _ => 0.0,
+        })
     }
 }

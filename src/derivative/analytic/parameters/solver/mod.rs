@@ -13,11 +13,14 @@
 //! computed, and the parameters of its contacts. That is checked at each state.
 
 mod curve;
+mod dual;
 mod forces;
 mod sources;
 
+use std::iter::from_fn;
+
 use self::curve::Curve;
-use self::sources::{Change, Origin, SolverParameters};
+use self::sources::SolverParameters;
 use super::sink::Sink;
 use crate::data::Data;
 use crate::derivative::analytic::constraint::{is_active, row_count};
@@ -27,35 +30,30 @@ use crate::derivative::parameter::{Effect, Resolved, SolverNumber};
 
 /// Passes the derivatives of the residual by a number on.
 pub(super) fn differentiate(data: &Data, number: SolverNumber, sink: &mut impl Sink) {
-    for_each_change(data, number, |row, count, Change { change, .. }| {
-        let values = SolverParameters::of(data, row);
-        let curve = Curve::new(data, row, count, &values, &change);
-        let forces = forces::changes(data, row, count, &curve, &change);
+    for (row, count) in active(data) {
+        let Some(parameters) = SolverParameters::of(data, row, Some(number)).filter(SolverParameters::varies) else {
+            continue;
+        };
+        let curve = Curve::new(data, row, count, &parameters);
+        let forces = forces::changes(data, row, count, &curve, &parameters);
         for (offset, force) in forces.into_iter().take(count).enumerate().filter(|(_, force)| *force != 0.0) {
             constraint_row(data, row + offset).iter().for_each(|(dof, moment)| sink.residual(dof, -moment * force));
         }
-    });
-}
-
-/// Calls a function for each constraint with a force whose parameters a number changes, with its
-/// first row, the count of its rows, and the change.
-fn for_each_change(data: &Data, number: SolverNumber, mut call: impl FnMut(usize, usize, Change)) {
-    for_each_active(data, |row, count| {
-        if let Some(change) = sources::change(data, row, number) {
-            call(row, count, change);
-        }
-    });
-}
-
-fn for_each_active(data: &Data, mut call: impl FnMut(usize, usize)) {
-    let mut row = 0;
-    while row < data.nefc() {
-        let count = row_count(data, row);
-        if is_active(data, row, count) {
-            call(row, count);
-        }
-        row += count;
     }
+}
+
+/// Returns the first row and the count of rows of each constraint with a force.
+fn active(data: &Data) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let mut next = 0;
+    let all = from_fn(move || {
+        let row = next;
+        (row < data.nefc()).then(|| {
+            let count = row_count(data, row);
+            next += count;
+            (row, count)
+        })
+    });
+    all.filter(|&(row, count)| is_active(data, row, count))
 }
 
 /// Returns the kinks of the parameters of constraints by some numbers: equal friction of two geoms
@@ -71,19 +69,14 @@ pub(super) fn examine(data: &Data, resolved: &[Resolved]) -> Option<Kinks> {
     if numbers().next().is_none() {
         return Some(Kinks::empty());
     }
-    let (mut is_understood, mut kinks) = (true, Kinks::empty());
-    for_each_active(data, |row, count| {
-        let values = SolverParameters::of(data, row);
-        let curve = Curve::new(data, row, count, &values, &SolverParameters::default());
-        is_understood &=
-            curve.is_of_engine(data, row) && Origin::of(data, row).is_some_and(|origin| origin.explains(data, row));
-    });
-    for number in numbers() {
-        for_each_change(data, number, |_, _, change| {
-            if change.is_kink {
-                kinks |= Kinks::CONSTRAINTS;
-            }
-        });
+    let mut is_kink = false;
+    for (row, count) in active(data) {
+        let parameters = SolverParameters::of(data, row, None)?;
+        if !Curve::new(data, row, count, &parameters).is_of_engine(data, row) {
+            return None;
+        }
+        let mut of_numbers = numbers().filter_map(|number| SolverParameters::of(data, row, Some(number)));
+        is_kink |= of_numbers.any(|parameters| parameters.is_kink);
     }
-    is_understood.then_some(kinks)
+    Some(if is_kink { Kinks::CONSTRAINTS } else { Kinks::empty() })
 }
