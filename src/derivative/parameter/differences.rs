@@ -16,7 +16,7 @@ use crate::derivative::residual::{Residual, multiply_inertia};
 use crate::derivative::{InverseForce, columns};
 use crate::error::Result;
 use crate::model::{Model, ModelMut};
-use crate::numerics::linear_algebra::quotient;
+use crate::numerics::linear_algebra::{add, quotient};
 
 /// Step relative to the value, the same for small numbers without a unit, and the factor for
 /// complete steps, whose solver has a tolerance.
@@ -35,10 +35,19 @@ const TRIALS: [f64; 3] = [1.0, 0.1, 0.01];
 /// kink between them makes an error of the size of the disagreement.
 const SMOOTH: f64 = 0.005;
 
-/// Multiples of the step: of central differences, with which the sides are compared, and of those
-/// to the right.
-const CENTRAL: [f64; 5] = [-2.0, -1.0, 1.0, 2.0, 0.0];
-const RIGHT: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
+/// Differences of a function by one number.
+struct Stencil {
+    /// Samples, as multiples of the step.
+    offsets: &'static [f64],
+    /// Pairs of samples between which there are slopes, and the factors of the slopes in the
+    /// extrapolated one.
+    slopes: [(usize, usize, f64); 3],
+}
+
+/// Central differences. The last slope, to the right, is compared with the first, on both sides.
+const CENTRAL: Stencil =
+    Stencil { offsets: &[-2.0, -1.0, 1.0, 2.0, 0.0], slopes: [(1, 2, 4.0 / 3.0), (0, 3, -1.0 / 3.0), (4, 2, 0.0)] };
+const RIGHT: Stencil = Stencil { offsets: &[0.0, 1.0, 2.0, 3.0], slopes: [(0, 1, 3.0), (0, 2, -3.0), (0, 3, 1.0)] };
 
 /// Function that writes a sample of the simulation with the varied model, given the change of the
 /// parameter.
@@ -202,32 +211,22 @@ impl Varied {
         for trial in TRIALS {
             let step = if is_step { FACTOR_OF_STEPS } else { 1.0 } * trial * resolved.step();
             let is_central = !resolved.is_bounded || resolved.value >= 2.0 * step;
-            let offsets: &[f64] = if is_central { &CENTRAL } else { &RIGHT };
+            let Stencil { offsets, slopes } = if is_central { CENTRAL } else { RIGHT };
             for (sample, offset) in offsets.iter().enumerate() {
                 let change = offset * step;
                 self.set(resolved, Some(resolved.value + change))?;
                 evaluate(&mut self.data, change, &mut self.samples[sample])?;
             }
-            let subtract = |slope: &mut [f64], from: &[f64], to: &[f64], width: f64| {
+            for (slope, (from, to, _)) in self.slopes.iter_mut().zip(slopes) {
+                let width = (offsets[to] - offsets[from]) * step;
+                let (from, to) = (&self.samples[from], &self.samples[to]);
                 if is_step {
-                    return columns::difference(&self.source, slope, from, to, width);
+                    columns::difference(&self.source, slope, from, to, width)?;
+                } else {
+                    quotient(slope, from, to, width);
                 }
-                quotient(slope, from, to, width);
-                Ok(())
-            };
-            let [a, b, c, d, base] = &self.samples;
-            let [first, second, third] = &mut self.slopes;
-            let factors = if is_central {
-                subtract(first, b, c, 2.0 * step)?;
-                subtract(second, a, d, 4.0 * step)?;
-                subtract(third, base, c, step)?;
-                [4.0 / 3.0, -1.0 / 3.0, 0.0]
-            } else {
-                subtract(first, a, b, step)?;
-                subtract(second, a, c, 2.0 * step)?;
-                subtract(third, a, d, 3.0 * step)?;
-                [3.0, -3.0, 1.0]
-            };
+            }
+            let [first, second, third] = &self.slopes;
             let scale = Scale::of(first.iter().copied());
             let worst_of = |one: &[f64], other: &[f64]| {
                 let pairs = one.iter().zip(other);
@@ -242,11 +241,9 @@ impl Varied {
             let score = worst.max(between / SMOOTH);
             if score < best_score || best_score.is_infinite() {
                 (best_score, least) = (score, worst);
-                for (at, best) in result.iter_mut().enumerate() {
-                    *best = factors[0] * first[at] + factors[1] * second[at];
-                    if !is_central {
-                        *best += factors[2] * third[at];
-                    }
+                result.fill(0.0);
+                for (slope, (.., factor)) in self.slopes.iter().zip(slopes) {
+                    add(result, slope, factor);
                 }
             }
             if score <= 1.0 {
