@@ -261,12 +261,12 @@ impl Lineariser {
         others.clear();
         if is_closed {
             report.kinks |= analytic.kinks;
-            analytic.weigh(data, present, weights);
+            analytic.differentiate_function(data, resolved, present, weights);
             for (index, resolved) in resolved.iter().enumerate() {
                 if resolved.is_differenced || !analytic.has_readings(data.model(), &resolved.effect, weights) {
                     others.push(index);
                 } else {
-                    gradient.parameters[index] += analytic.product(data, &resolved.effect, present, weights);
+                    gradient.parameters[index] += analytic.parameters.gradient[index];
                 }
             }
         } else {

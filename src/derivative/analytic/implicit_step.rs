@@ -24,6 +24,7 @@ use super::tree::Tree;
 use crate::data::Data;
 use crate::enums::{ActuatorGain, Integrator};
 use crate::error::Result;
+use crate::layout::Row;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
 use crate::numerics::linear_algebra::{add, dot, factor_lu, solve_lu};
@@ -34,9 +35,6 @@ pub(super) struct ImplicitStep {
     /// `(nv, nv)`: Q, and the LU factors of W.
     pub(super) forces: Matrix,
     pub(super) factor: Matrix,
-    /// `(nv)`: a velocity or a moment arm, and zeros.
-    row: Vec<f64>,
-    zeros: Vec<f64>,
     /// `(nv, 2 nv)`: derivatives of inverse dynamics.
     bias: Matrix,
 }
@@ -75,22 +73,22 @@ pub(in crate::derivative) fn is_obstacle(model: &Model) -> bool {
 impl ImplicitStep {
     pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
-        let (square, row) = (Matrix::zeros(nv, nv), vec![0.0; nv]);
-        let bias = Matrix::zeros(nv, 2 * nv);
-        Self { forces: square.clone(), factor: square, row: row.clone(), zeros: row, bias }
+        let square = Matrix::zeros(nv, nv);
+        Self { forces: square.clone(), factor: square, bias: Matrix::zeros(nv, 2 * nv) }
     }
 
-    /// Computes Q, the factors of W, and w, `(nv, 1)`.
+    /// Computes Q, the factors of W, and w, `(nv, 1)`. `zeros` has nv of them.
     pub(super) fn prepare(
         &mut self,
         data: &Data,
         tree: &Tree,
         bodies: &mut RigidBodies,
+        zeros: &[f64],
         spread: &mut Matrix,
     ) -> Result<()> {
         let h = data.model().raw().opt.timestep;
         self.bias.as_mut_slice().fill(0.0);
-        bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), &self.zeros), &mut self.bias);
+        bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), zeros), &mut self.bias);
         self.assemble(data, tree);
         data.full_m_into(&mut self.factor)?;
         add(self.factor.as_mut_slice(), self.forces.as_slice(), -h);
@@ -103,20 +101,18 @@ impl ImplicitStep {
     }
 
     /// Adds the derivatives of `h Q s` by positions, velocities, activations and controls, after
-    /// the preparation.
+    /// the preparation, for the vectors v + s, s, and zeros.
     pub(super) fn add_changes(
         &mut self,
         data: &Data,
         tree: &Tree,
         bodies: &mut RigidBodies,
-        acceleration: &[f64],
+        [velocity, acceleration, zeros]: [&[f64]; 3],
         sum: &mut Matrix,
     ) {
         let nv = data.model().nv();
         let h = data.model().raw().opt.timestep;
-        let Self { row, zeros, bias, .. } = self;
-        row.copy_from_slice(data.qvel());
-        add(row, acceleration, 1.0);
+        let bias = &mut self.bias;
         let mut add_bias = |bias: &Matrix, factor: f64, columns: Range<usize>| {
             for dof in 0..nv {
                 add(&mut sum.row_mut(dof)[columns.clone()], &bias.row(dof)[columns.clone()], factor);
@@ -124,13 +120,13 @@ impl ImplicitStep {
         };
         // The derivatives at the present velocity are in `bias`.
         add_bias(bias, h, 0..nv);
-        for (velocity, factor) in [(&**row, -h), (acceleration, h)] {
+        for (velocity, factor) in [(velocity, -h), (acceleration, h)] {
             bias.as_mut_slice().fill(0.0);
             bodies.differentiate(data, tree, [0.0; 3], (velocity, zeros), bias);
             add_bias(bias, factor, 0..nv);
         }
         add_bias(bias, -h, nv..2 * nv);
-        add_gains(data, tree, acceleration, row, sum);
+        add_gains(data, tree, acceleration, sum);
     }
 
     /// Assembles Q from the derivatives of the bias forces.
@@ -145,41 +141,36 @@ impl ImplicitStep {
                 row[dof] -= model.dof_damping()[dof];
             }
         }
-        if has_passive {
-            for tendon in 0..model.ntendon() {
-                let damping = tendon_damping(model, tendon);
-                if damping != 0.0 {
-                    data.tendon_row(tendon).write_into(&mut self.row);
-                    add_product_on_chains(tree, &self.row, -damping, &mut self.forces);
-                }
+        let mut add_product = |row: Row<'_>, slope: f64| {
+            if slope != 0.0 {
+                for_each_product(tree, row, |dof, other, product| self.forces[(dof, other)] += slope * product);
             }
+        };
+        if has_passive {
+            (0..model.ntendon())
+                .for_each(|tendon| add_product(data.tendon_row(tendon), -tendon_damping(model, tendon)));
         }
         for actuator in 0..model.nactuator() {
-            let slope = velocity_gain(data, actuator).total;
-            if slope != 0.0 {
-                data.moment_row(actuator).write_into(&mut self.row);
-                add_product_on_chains(tree, &self.row, slope, &mut self.forces);
-            }
+            add_product(data.moment_row(actuator), velocity_gain(data, actuator).total);
         }
     }
 }
 
-/// Adds `factor · vector vectorᵀ` to the entries of a matrix for which one degree of freedom moves
-/// the other.
-fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut Matrix) {
-    for (dof, &value) in vector.iter().enumerate().filter(|&(_, &value)| value != 0.0) {
-        matrix[(dof, dof)] += factor * value * value;
+/// Calls a function for the entries of `row rowᵀ` for which one degree of freedom moves the other.
+pub(super) fn for_each_product(tree: &Tree, row: Row<'_>, mut call: impl FnMut(usize, usize, f64)) {
+    for (dof, arm) in row.iter().filter(|&(_, arm)| arm != 0.0) {
+        call(dof, dof, arm * arm);
         for above in tree.chain(tree.parent[dof]) {
-            let product = factor * value * vector[above];
-            matrix[(dof, above)] += product;
-            matrix[(above, dof)] += product;
+            if let Some((_, other)) = row.iter().find(|&(other, _)| other == above) {
+                call(dof, above, arm * other);
+                call(above, dof, arm * other);
+            }
         }
     }
 }
 
 /// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend.
-/// `moment` is a buffer, `(nv)`.
-fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], moment: &mut [f64], sum: &mut Matrix) {
+fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], sum: &mut Matrix) {
     let model = data.model();
     let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
     for actuator in 0..model.nactuator() {
@@ -191,14 +182,8 @@ fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], moment: &mut [f64],
             Some(activation) => 2 * nv + activation,
             None => 2 * nv + na + actuator,
         };
-        data.moment_row(actuator).write_into(moment);
-        for (dof, &arm) in moment.iter().enumerate() {
-            sum[(dof, column)] += h * by_input * arm * arm * acceleration[dof];
-            for above in tree.chain(tree.parent[dof]) {
-                let product = h * by_input * arm * moment[above];
-                sum[(dof, column)] += product * acceleration[above];
-                sum[(above, column)] += product * acceleration[dof];
-            }
-        }
+        for_each_product(tree, data.moment_row(actuator), |dof, other, product| {
+            sum[(dof, column)] += h * by_input * product * acceleration[other];
+        });
     }
 }

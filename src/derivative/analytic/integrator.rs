@@ -37,7 +37,7 @@ pub(in crate::derivative) struct Integrator {
     implicit: Option<ImplicitStep>,
     /// `(nv, 1)`: w
     spread: Matrix,
-    /// `(nv)`: s, a velocity, and zeros.
+    /// `(nv)`: s, v + s, and zeros.
     acceleration: Vec<f64>,
     velocity: Vec<f64>,
     zeros: Vec<f64>,
@@ -88,7 +88,8 @@ impl Integrator {
         let may_damp = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
         let spread = &mut self.spread;
         self.kind = if implicit_step::is_used(model) {
-            self.implicit.get_or_insert_with(|| ImplicitStep::new(model)).prepare(data, tree, bodies, spread)?;
+            let step = self.implicit.get_or_insert_with(|| ImplicitStep::new(model));
+            step.prepare(data, tree, bodies, &self.zeros, spread)?;
             Kind::Implicit
         } else if has_implicit_damping(model) || (changes_damping && may_damp) {
             let values = spread.as_mut_slice().iter_mut().zip(model.dof_damping()).zip(data.qacc());
@@ -100,8 +101,10 @@ impl Integrator {
             spread.as_mut_slice().fill(0.0);
             Kind::Plain
         };
-        let values = self.acceleration.iter_mut().zip(data.qacc()).zip(self.spread.as_slice());
-        values.for_each(|((acceleration, qacc), spread)| *acceleration = qacc - spread);
+        self.acceleration.copy_from_slice(data.qacc());
+        add(&mut self.acceleration, self.spread.as_slice(), -1.0);
+        self.velocity.copy_from_slice(data.qvel());
+        add(&mut self.velocity, &self.acceleration, 1.0);
         let (qvel, acceleration) = (data.qvel(), &self.acceleration);
         rotation::differentiate(model, |dof| qvel[dof] + h * acceleration[dof], &mut self.rotations);
         Ok(())
@@ -119,8 +122,6 @@ impl Integrator {
             Kind::Implicit => [1.0, -h, h, h],
         };
         let Self { acceleration, velocity, zeros, spread, .. } = self;
-        let values = velocity.iter_mut().zip(data.qvel()).zip(&*acceleration);
-        values.for_each(|((sum, qvel), acceleration)| *sum = qvel + acceleration);
         let inputs: [(&[f64], &[f64]); 4] =
             [(zeros, spread.as_slice()), (velocity, zeros), (data.qvel(), zeros), (acceleration, zeros)];
         for ((motions, input), factor) in self.motions.iter_mut().zip(inputs).zip(self.factors) {
@@ -168,7 +169,7 @@ impl Integrator {
             bodies.differentiate_inertia(data, tree, self.spread.as_slice(), sum);
         }
         if let (Kind::Implicit, Some(step)) = (self.kind, &mut self.implicit) {
-            step.add_changes(data, tree, bodies, &self.acceleration, sum);
+            step.add_changes(data, tree, bodies, [&self.velocity, &self.acceleration, &self.zeros], sum);
         }
         self.finish(data, tree, derivative, sum);
         let nv = derivative.nrows();

@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use mujoco_sys::{mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON};
 use nalgebra::Vector4;
 
 use super::inertial::{self, InertialParameters, unit};
@@ -40,8 +41,12 @@ pub(in crate::derivative) enum Effect {
     Gravity(usize),
     Armature(Range<usize>),
     Damping(Range<usize>),
-    /// Dry friction of degrees of freedom, all of which have some.
-    FrictionLoss(Range<usize>),
+    /// Dry friction of degrees of freedom or of tendons, all of which have some, with the type of
+    /// their constraints.
+    FrictionLoss {
+        kind: u32,
+        ids: Range<usize>,
+    },
     Stiffness(usize),
     /// Rest position of a scalar degree of freedom, with the stiffness of its spring.
     SpringReference {
@@ -50,8 +55,6 @@ pub(in crate::derivative) enum Effect {
     },
     TendonStiffness(usize),
     TendonDamping(usize),
-    /// Dry friction of a tendon that has some.
-    TendonFrictionLoss(usize),
     /// Rest length of a tendon: its only one, or the lower or the upper end of its range.
     TendonRestLength {
         tendon: usize,
@@ -59,13 +62,10 @@ pub(in crate::derivative) enum Effect {
         is_upper: bool,
     },
     /// Coefficient of a constant, of the length and of the velocity in an affine gain or bias.
-    Gain {
+    Coefficient {
         actuator: usize,
         factor: Factor,
-    },
-    Bias {
-        actuator: usize,
-        factor: Factor,
+        is_gain: bool,
     },
     /// Time constant of a filter.
     TimeConstant {
@@ -173,15 +173,15 @@ fn number(model: &Model, array: &str, rows: Range<usize>, column: usize) -> Effe
         }
         "dof_armature" => Effect::Armature(rows),
         "dof_damping" => damping(model, rows),
-        "dof_frictionloss" => friction_loss(model, rows),
+        "dof_frictionloss" => friction_loss(mjCNSTR_FRICTION_DOF, model.dof_frictionloss(), rows),
         "jnt_stiffness" => Effect::Stiffness(row),
         "qpos_spring" => spring_reference(model, row),
         "tendon_stiffness" => Effect::TendonStiffness(row),
         "tendon_damping" if model.tendon_damping()[row] >= 0.0 => Effect::TendonDamping(row),
-        "tendon_frictionloss" if model.tendon_frictionloss()[row] > 0.0 => Effect::TendonFrictionLoss(row),
+        "tendon_frictionloss" => friction_loss(mjCNSTR_FRICTION_TENDON, model.tendon_frictionloss(), rows),
         "tendon_lengthspring" => rest_length(model, row, column),
-        "actuator_gainprm" => gain(model, row, column),
-        "actuator_biasprm" => bias(model, row, column),
+        "actuator_gainprm" => coefficient(model, row, column, true),
+        "actuator_biasprm" => coefficient(model, row, column, false),
         "actuator_dynprm" if column == 0 => time_constant(model, row),
         "actuator_gear" if column == 0 => gear(model, row),
         _ => SolverNumber::of(model, array, row, column).map_or(Effect::Other, Effect::Solver),
@@ -194,10 +194,10 @@ fn damping(model: &Model, dofs: Range<usize>) -> Effect {
     if is_valid { Effect::Damping(dofs) } else { Effect::Other }
 }
 
-/// A degree of freedom without friction has no constraint that could change.
-fn friction_loss(model: &Model, dofs: Range<usize>) -> Effect {
-    let has_friction = model.dof_frictionloss()[dofs.clone()].iter().all(|&loss| loss > 0.0);
-    if has_friction { Effect::FrictionLoss(dofs) } else { Effect::Other }
+/// Without friction there is no constraint that could change.
+fn friction_loss(kind: u32, losses: &[f64], ids: Range<usize>) -> Effect {
+    let has_friction = losses[ids.clone()].iter().all(|&loss| loss > 0.0);
+    if has_friction { Effect::FrictionLoss { kind, ids } } else { Effect::Other }
 }
 
 fn spring_reference(model: &Model, at: usize) -> Effect {
@@ -221,27 +221,19 @@ fn rest_length(model: &Model, tendon: usize, column: usize) -> Effect {
     Effect::TendonRestLength { tendon, is_lower: is_only || column == 0, is_upper: is_only || column == 1 }
 }
 
-/// Returns what a coefficient multiplies, if the first `used` ones have an effect.
-fn factor(column: usize, used: usize) -> Factor {
-    [Factor::One, Factor::Length, Factor::Velocity][..used].get(column).copied().unwrap_or(Factor::Zero)
-}
-
-fn gain(model: &Model, actuator: usize, column: usize) -> Effect {
-    let used = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
-        Some(ActuatorGain::Fixed) => 1,
-        Some(ActuatorGain::Affine) => 3,
+fn coefficient(model: &Model, actuator: usize, column: usize, is_gain: bool) -> Effect {
+    let kinds = if is_gain { model.actuator_gaintype() } else { model.actuator_biastype() };
+    // Quantities with a coefficient.
+    let used = match (is_gain, kinds[actuator]) {
+        (true, kind) if kind == ActuatorGain::Fixed.raw() => 1,
+        (true, kind) if kind == ActuatorGain::Affine.raw() => 3,
+        (false, kind) if kind == ActuatorBias::None.raw() => 0,
+        (false, kind) if kind == ActuatorBias::Affine.raw() => 3,
         _ => return Effect::Other,
     };
-    Effect::Gain { actuator, factor: factor(column, used) }
-}
-
-fn bias(model: &Model, actuator: usize, column: usize) -> Effect {
-    let used = match ActuatorBias::from_raw(model.actuator_biastype()[actuator]) {
-        Some(ActuatorBias::None) => 0,
-        Some(ActuatorBias::Affine) => 3,
-        _ => return Effect::Other,
-    };
-    Effect::Bias { actuator, factor: factor(column, used) }
+    let quantities = [Factor::One, Factor::Length, Factor::Velocity];
+    let factor = quantities[..used].get(column).copied().unwrap_or(Factor::Zero);
+    Effect::Coefficient { actuator, factor, is_gain }
 }
 
 fn time_constant(model: &Model, actuator: usize) -> Effect {

@@ -1,6 +1,5 @@
-//! Columns of derivatives, one for each parameter, and gradients, one number for each.
+//! Columns of derivatives, one for each parameter.
 
-use super::sink::Sink;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
@@ -44,56 +43,26 @@ impl Columns {
 pub(super) struct Column<'a> {
     pub(super) columns: &'a mut Columns,
     pub(super) index: usize,
-    /// False if ∂g is differenced.
-    pub(super) has_residual: bool,
 }
 
-impl Sink for Column<'_> {
-    fn residual(&mut self, dof: usize, value: f64) {
-        if self.has_residual {
-            self.columns.residual[(dof, self.index)] += value;
-        }
+impl Column<'_> {
+    /// Adds to ∂g.
+    pub(super) fn residual(&mut self, dof: usize, value: f64) {
+        self.columns.residual[(dof, self.index)] += value;
     }
 
-    fn spread(&mut self, dof: usize, value: f64) {
+    /// Adds to `∂M w + h ∂Q s`.
+    pub(super) fn spread(&mut self, dof: usize, value: f64) {
         self.columns.spread[(dof, self.index)] += value;
     }
 
-    fn activation(&mut self, activation: usize, value: f64) {
+    /// Adds to the derivative of a next activation.
+    pub(super) fn activation(&mut self, activation: usize, value: f64) {
         self.columns.activation[(activation, self.index)] += value;
     }
 
-    fn sensor(&mut self, address: usize, value: f64) {
+    /// Adds to the derivative of a reading at constant accelerations.
+    pub(super) fn sensor(&mut self, address: usize, value: f64) {
         self.columns.reading[(address, self.index)] += value;
-    }
-}
-
-/// Derivative of a number whose gradients by all terms are known.
-pub(super) struct Product<'a> {
-    /// μ
-    pub(super) residual: &'a [f64],
-    /// `h η`
-    pub(super) spread: &'a [f64],
-    pub(super) activation: &'a [f64],
-    /// ζ, empty without sensors.
-    pub(super) sensor: &'a [f64],
-    pub(super) sum: f64,
-}
-
-impl Sink for Product<'_> {
-    fn residual(&mut self, dof: usize, value: f64) {
-        self.sum -= self.residual[dof] * value;
-    }
-
-    fn spread(&mut self, dof: usize, value: f64) {
-        self.sum += self.spread[dof] * value;
-    }
-
-    fn activation(&mut self, activation: usize, value: f64) {
-        self.sum += self.activation[activation] * value;
-    }
-
-    fn sensor(&mut self, address: usize, value: f64) {
-        self.sum += self.sensor[address] * value;
     }
 }

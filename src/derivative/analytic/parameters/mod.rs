@@ -1,13 +1,9 @@
 //! Derivatives of a step and of inverse dynamics by parameters of the model.
 //!
-//! With ∂g and ∂(M w), ∂Q of a parameter (`effects.rs`), `∂a = −H⁻¹ ∂g = −X` and
-//!
-//! ```text
-//! ∂v' = h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X),      ∂q' = h ∂⊕/∂v ∂v',
-//! ```
-//!
-//! where Q is −D in the Euler integrator. For a function with the gradients λ by the next state and
-//! ζ by the sensors, the gradient by any number of parameters takes one solution with each matrix:
+//! With ∂g and ∂(M w), ∂Q of a parameter (`effects.rs`), `∂a = −H⁻¹ ∂g = −X`, which the integrator
+//! (`../integrator.rs`) converts to the derivative of the next state. For a function with the
+//! gradients λ by the next state and ζ by the sensors, the gradient by any number of parameters
+//! takes one solution with each matrix:
 //!
 //! ```text
 //! ℓ = λ_v + h (∂⊕/∂v)ᵀ λ_q,    η = W⁻ᵀ ℓ,    μ = H⁻¹ (h (ℓ + h Qᵀ η) + (∂y/∂a)ᵀ ζ),
@@ -16,10 +12,9 @@
 
 mod columns;
 mod effects;
-mod sink;
 mod solver;
 
-use self::columns::{Column, Columns, Product};
+use self::columns::{Column, Columns};
 use self::effects::Point;
 use super::inverse::Inverse;
 use super::sensors::explicit;
@@ -32,14 +27,16 @@ use crate::error::Result;
 use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::Model;
-use crate::numerics::linear_algebra::{add, solve_cholesky};
+use crate::numerics::linear_algebra::{add, add_product, solve_cholesky};
 
 /// Derivatives by parameters, with their buffers.
 #[derive(Debug)]
 pub(in crate::derivative) struct Parameters {
     pub(in crate::derivative) columns: Columns,
-    /// `(nv, 1)`: μ and h η.
+    /// `(nv, 1)`: μ and h η, the columns that they weigh, and their products, `(n)`.
     weights: [Matrix; 2],
+    weighted: Columns,
+    pub(in crate::derivative) gradient: Vec<f64>,
 }
 
 /// Success, or the reason why there is no closed form.
@@ -48,7 +45,12 @@ pub(in crate::derivative) type Preparation = std::result::Result<(), Fallback>;
 impl Parameters {
     pub(super) fn new(model: &Model) -> Self {
         let column = Matrix::zeros(model.nv(), 1);
-        Self { columns: Columns::default(), weights: [column.clone(), column] }
+        Self {
+            columns: Columns::default(),
+            weights: [column.clone(), column],
+            weighted: Columns::default(),
+            gradient: Vec::new(),
+        }
     }
 }
 
@@ -162,10 +164,18 @@ impl Analytic {
         state.as_mut_slice()[2 * model.nv() * width..].copy_from_slice(activation.as_slice());
     }
 
-    /// Computes the weights of a gradient, after the preparation: from the gradients by the next
-    /// state, `(nx)`, and by the sensors, `(nsensordata)` or empty.
-    pub(in crate::derivative) fn weigh(&mut self, data: &Data, by_state: &[f64], by_sensors: &[f64]) {
-        let Self { tree, integrator, parameters: Parameters { weights, .. }, newton, inverse, .. } = self;
+    /// Computes the derivatives of a function by the parameters that have formulas, after the
+    /// preparation, from its gradients by the next state, `(nx)`, and by the sensors,
+    /// `(nsensordata)` or empty.
+    pub(in crate::derivative) fn differentiate_function(
+        &mut self,
+        data: &Data,
+        resolved: &[Resolved],
+        by_state: &[f64],
+        by_sensors: &[f64],
+    ) {
+        let Self { tree, integrator, parameters, newton, inverse, .. } = self;
+        let Parameters { weights, weighted: columns, gradient, .. } = parameters;
         integrator.transpose(data, tree, by_state, weights);
         let nv = data.model().nv();
         if let Some(inverse) = inverse {
@@ -174,29 +184,16 @@ impl Analytic {
             }
         }
         solve_cholesky(&newton.factor, &mut weights[0]);
-    }
-
-    /// Returns the derivative by a parameter with a formula, after [`weigh`](Self::weigh) with the
-    /// same gradients.
-    pub(in crate::derivative) fn product(
-        &self,
-        data: &Data,
-        effect: &Effect,
-        by_state: &[f64],
-        by_sensors: &[f64],
-    ) -> f64 {
-        let Self { tree, integrator, parameters: Parameters { weights, .. }, .. } = self;
         let wants_sensors = !by_sensors.is_empty();
+        columns.clear(data.model(), resolved.len(), wants_sensors);
         let point = Point { data, tree, integrator: Some(integrator), wants_sensors, has_actuators: true };
-        let mut product = Product {
-            residual: weights[0].as_slice(),
-            spread: weights[1].as_slice(),
-            activation: &by_state[2 * data.model().nv()..],
-            sensor: by_sensors,
-            sum: 0.0,
-        };
-        effects::differentiate(point, effect, &mut None, &mut product);
-        product.sum
+        add_all(point, resolved, columns);
+        gradient.clear();
+        gradient.resize(resolved.len(), 0.0);
+        add_product(gradient, &columns.residual, weights[0].as_slice(), -1.0);
+        add_product(gradient, &columns.spread, weights[1].as_slice(), 1.0);
+        add_product(gradient, &columns.activation, &by_state[2 * nv..], 1.0);
+        add_product(gradient, &columns.reading, by_sensors, 1.0);
     }
 
     /// Computes the derivatives of the forces of inverse dynamics at the present positions,
@@ -231,7 +228,6 @@ impl Analytic {
 fn add_all(point: Point<'_>, resolved: &[Resolved], columns: &mut Columns) {
     let mut terms = None;
     for (index, resolved) in resolved.iter().enumerate() {
-        let has_residual = !resolved.is_differenced;
-        effects::differentiate(point, &resolved.effect, &mut terms, &mut Column { columns, index, has_residual });
+        effects::differentiate(point, &resolved.effect, &mut terms, &mut Column { columns, index });
     }
 }

@@ -21,7 +21,7 @@ use std::iter::from_fn;
 
 use self::curve::Curve;
 use self::sources::SolverParameters;
-use super::sink::Sink;
+use super::columns::Column;
 use crate::data::Data;
 use crate::derivative::analytic::constraint::{is_active, row_count};
 use crate::derivative::method::Kinks;
@@ -29,7 +29,7 @@ use crate::derivative::newton::constraint_row;
 use crate::derivative::parameter::{Effect, Resolved, SolverNumber};
 
 /// Passes the derivatives of the residual by a number on.
-pub(super) fn differentiate(data: &Data, number: SolverNumber, sink: &mut impl Sink) {
+pub(super) fn differentiate(data: &Data, number: SolverNumber, column: &mut Column<'_>) {
     for (row, count) in active(data) {
         let Some(parameters) = SolverParameters::of(data, row, Some(number)).filter(SolverParameters::varies) else {
             continue;
@@ -37,7 +37,7 @@ pub(super) fn differentiate(data: &Data, number: SolverNumber, sink: &mut impl S
         let curve = Curve::new(data, row, count, &parameters);
         let forces = forces::changes(data, row, count, &curve, &parameters);
         for (offset, force) in forces.into_iter().take(count).enumerate().filter(|(_, force)| *force != 0.0) {
-            constraint_row(data, row + offset).iter().for_each(|(dof, moment)| sink.residual(dof, -moment * force));
+            constraint_row(data, row + offset).iter().for_each(|(dof, moment)| column.residual(dof, -moment * force));
         }
     }
 }
