@@ -9,9 +9,9 @@
 //! ∂v' = ∂v + h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X),        ∂q' = ∂⊕/∂q ∂q + h ∂⊕/∂v ∂v'.
 //! ```
 //!
-//! `∂M w` is the derivative of `M w` at constant w. The Euler integrator has Q = −D for the implicit
-//! damping D of the degrees of freedom (`damped_inertia.rs`), which is constant; for the other Q see
-//! `implicit_step.rs`. Without implicit forces W is M, and the terms of W cancel.
+//! `∂M w` is the derivative of `M w` at constant w. The Euler integrator has Q = −D for the
+//! implicit damping D of the degrees of freedom (`damped_inertia.rs`), which is constant. For the
+//! other Q see `implicit_step.rs`. Without implicit forces W is M, and the terms of W cancel.
 
 use std::ops::Range;
 

@@ -40,8 +40,8 @@ use crate::numerics::spatial::{add_scaled, cross, dot, momentum, spatial};
 pub(super) struct Point<'a> {
     pub(super) data: &'a Data,
     pub(super) tree: &'a Tree,
-    /// Integrator of the step, or `None` for inverse dynamics, to which the forces applied to bodies
-    /// do not belong.
+    /// Integrator of the step, or `None` for inverse dynamics, to which forces applied to bodies do
+    /// not belong.
     pub(super) integrator: Option<&'a Integrator>,
     pub(super) wants_sensors: bool,
     /// True if actuators are part of g.
