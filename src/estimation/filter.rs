@@ -102,7 +102,7 @@ impl ExtendedKalmanFilter {
         let plant = Plant::new(data, noise, measurement)?;
         let (nx, inputs) = plant.sizes();
         let nz = nx + inputs;
-        let (model, longest) = (plant.data.model(), plant.measurement.parts.iter().map(Range::len).max());
+        let model = plant.data.model();
         let mut filter = Self {
             joint: Matrix::zeros(nz, nz),
             covariance: Matrix::zeros(nx, nx),
@@ -111,7 +111,7 @@ impl ExtendedKalmanFilter {
             rotations: covariance::rotations(model),
             gate: None,
             propagation: Propagation::new(),
-            correction: Correction::new(nz, plant.measurement.len(), longest.unwrap_or(0)),
+            correction: Correction::new(nz, plant.measurement.len()),
             work: Matrix::zeros(nz, nz),
             position: vec![0.0; model.nq()],
             plant,
@@ -131,7 +131,7 @@ impl ExtendedKalmanFilter {
     ///
     /// [`Error::Invalid`] unless the probability is between 0 and 1.
     pub fn with_gate(mut self, probability: f64) -> Result<Self> {
-        self.gate = Some(Gate::new(probability, &self.plant.measurement.parts)?);
+        self.gate = Some(Gate::new(probability, &self.plant.measurement.parts, self.joint.nrows())?);
         Ok(self)
     }
 
@@ -237,7 +237,7 @@ impl ExtendedKalmanFilter {
         measurement.subtract(readings, predicted, &mut self.correction.innovations);
         self.work.as_mut_slice().copy_from_slice(self.joint.as_slice());
         self.correction.estimate.fill(0.0);
-        let mut update = self.correction.run(&mut self.work, output, measurement, self.gate.as_ref());
+        let mut update = self.correction.run(&mut self.work, output, measurement, self.gate.as_mut());
         if update.status == UpdateStatus::Corrected && !self.apply()? {
             update.status = UpdateStatus::OutOfRange;
         }

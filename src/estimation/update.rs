@@ -54,13 +54,17 @@ pub enum ReadingOutcome {
 pub(super) struct Gate {
     /// Largest normalised square for each number of components.
     bounds: Vec<f64>,
+    /// The estimate and its covariance before a sensor.
+    estimate: Vec<f64>,
+    covariance: Matrix,
 }
 
 impl Gate {
-    pub(super) fn new(probability: f64, parts: &[Range<usize>]) -> Result<Self> {
+    /// Creates a test for `nz` estimated numbers.
+    pub(super) fn new(probability: f64, parts: &[Range<usize>], nz: usize) -> Result<Self> {
         let longest = parts.iter().map(Range::len).max().unwrap_or(0);
         let bounds = (0..=longest).map(|size| chi_square_quantile(probability, size.max(1)));
-        Ok(Self { bounds: bounds.collect::<Result<_>>()? })
+        Ok(Self { bounds: bounds.collect::<Result<_>>()?, estimate: vec![0.0; nz], covariance: Matrix::zeros(nz, nz) })
     }
 }
 
@@ -79,16 +83,11 @@ pub(super) struct Correction {
     /// have corrected, and its variance.
     pub(super) residuals: Vec<[f64; 2]>,
     product: Vec<f64>,
-    /// `(n, nz)`: products of the covariance with the gradients of a sensor, orthogonalised.
-    products: Matrix,
-    variances: Vec<f64>,
-    errors: Vec<f64>,
 }
 
 impl Correction {
-    /// Creates buffers for `nz` estimated numbers and `ny` readings, of which a sensor has at most
-    /// `longest`.
-    pub(super) fn new(nz: usize, ny: usize, longest: usize) -> Self {
+    /// Creates buffers for `nz` estimated numbers and `ny` readings.
+    pub(super) fn new(nz: usize, ny: usize) -> Self {
         Self {
             innovations: vec![0.0; ny],
             outcomes: vec![ReadingOutcome::Missing; ny],
@@ -96,9 +95,6 @@ impl Correction {
             gains: Matrix::zeros(ny, nz),
             residuals: vec![[0.0; 2]; ny],
             product: vec![0.0; nz],
-            products: Matrix::zeros(longest, nz),
-            variances: vec![0.0; longest],
-            errors: vec![0.0; longest],
         }
     }
 
@@ -107,28 +103,41 @@ impl Correction {
     ///
     /// The noise of the components is independent, so they are processed one after another, without
     /// a factorisation. The result is that of all components together (Bar-Shalom and others, 2001,
-    /// section 7.3).
+    /// section 7.3). So is the normalised square of a sensor, which the gate bounds. A correction by
+    /// a sensor that it rejects is undone.
     pub(super) fn run(
         &mut self,
         covariance: &mut Matrix,
         output: &Matrix,
         measurement: &Measurement,
-        gate: Option<&Gate>,
+        mut gate: Option<&mut Gate>,
     ) -> Update {
         let mut update = Update { status: UpdateStatus::NoReadings, used: 0, rejected: 0, nis: 0.0 };
         for part in &measurement.parts {
-            let is_rejected = gate.is_some_and(|gate| !self.passes(covariance, output, measurement, gate, part));
+            if let Some(gate) = &mut gate {
+                gate.estimate.copy_from_slice(&self.estimate);
+                gate.covariance.as_mut_slice().copy_from_slice(covariance.as_slice());
+            }
+            let (mut count, mut square) = (0, 0.0);
             for index in part.clone() {
-                if self.innovations[index].is_nan() {
-                    self.outcomes[index] = ReadingOutcome::Missing;
-                } else if is_rejected {
-                    self.outcomes[index] = ReadingOutcome::Rejected;
-                    update.rejected += 1;
-                } else {
+                self.outcomes[index] = ReadingOutcome::Missing;
+                if !self.innovations[index].is_nan() {
                     self.outcomes[index] = ReadingOutcome::Used;
-                    update.used += 1;
-                    update.nis += self.add(covariance, output.row(index), index, measurement.variances[index]);
+                    count += 1;
+                    square += self.add(covariance, output.row(index), index, measurement.variances[index]);
                 }
+            }
+            match &gate {
+                // NaN passes, and makes the correction out of range.
+                Some(gate) if square > gate.bounds[count] => {
+                    self.estimate.copy_from_slice(&gate.estimate);
+                    covariance.as_mut_slice().copy_from_slice(gate.covariance.as_slice());
+                    let used =
+                        self.outcomes[part.clone()].iter_mut().filter(|outcome| **outcome == ReadingOutcome::Used);
+                    used.for_each(|outcome| *outcome = ReadingOutcome::Rejected);
+                    update.rejected += count;
+                }
+                _ => (update.used, update.nis) = (update.used + count, update.nis + square),
             }
         }
         if update.used > 0 {
@@ -151,37 +160,5 @@ impl Correction {
         covariance::correct(covariance, gradient, gains, &self.product, variance);
         self.residuals[index] = [innovation, total];
         innovation * innovation / total
-    }
-
-    /// Returns `true` if the innovations of a sensor are likely enough. Its components are made
-    /// independent of each other one by one, as [`add`](Self::add) does, but without a change of
-    /// the covariance.
-    fn passes(
-        &mut self,
-        covariance: &Matrix,
-        output: &Matrix,
-        measurement: &Measurement,
-        gate: &Gate,
-        part: &Range<usize>,
-    ) -> bool {
-        let (mut count, mut square) = (0, 0.0);
-        for index in part.clone().filter(|&index| !self.innovations[index].is_nan()) {
-            let gradient = output.row(index);
-            covariance::variance_of(covariance, gradient, &mut self.product);
-            let mut error = self.innovations[index] - dot(gradient, &self.estimate);
-            for earlier in 0..count {
-                let row = self.products.row(earlier);
-                let factor = dot(gradient, row) / self.variances[earlier];
-                error -= factor * self.errors[earlier];
-                self.product.iter_mut().zip(row).for_each(|(product, earlier)| *product -= factor * earlier);
-            }
-            let total = dot(gradient, &self.product).max(0.0) + measurement.variances[index];
-            self.products.row_mut(count).copy_from_slice(&self.product);
-            (self.variances[count], self.errors[count]) = (total, error);
-            square += error * error / total;
-            count += 1;
-        }
-        // NaN passes, and makes the correction out of range.
-        square.is_nan() || square <= gate.bounds[count]
     }
 }

@@ -35,9 +35,8 @@ impl Passes {
     pub(super) fn new(filter: &ExtendedKalmanFilter) -> Self {
         let (nx, inputs) = filter.plant.sizes();
         let (nz, measurement, model) = (nx + inputs, filter.measurement(), filter.data().model());
-        let longest = measurement.parts().iter().map(|part| part.len()).max().unwrap_or(0);
         Self {
-            correction: Correction::new(nz, measurement.len(), longest),
+            correction: Correction::new(nz, measurement.len()),
             work: Matrix::zeros(nz, nz),
             zeros: Matrix::zeros(nz, nz),
             predicted: Matrix::zeros(nx, nx),
