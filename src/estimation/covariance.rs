@@ -124,7 +124,7 @@ fn correct_rows(
 
 vectorised! {
 /// Computes `product = P c` for a symmetric P.
-fn multiply_symmetric(covariance: &[f64], gradient: &[f64], product: &mut [f64]) {
+pub(super) fn multiply_symmetric(covariance: &[f64], gradient: &[f64], product: &mut [f64]) {
     product.fill(0.0);
     for (row, &factor) in covariance.chunks_exact(product.len().max(1)).zip(gradient) {
         if factor != 0.0 {

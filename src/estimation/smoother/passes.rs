@@ -194,17 +194,10 @@ impl Passes {
                 (step.output.row(index), step.gains.row(index), step.residuals[index]);
             let factor = dot(gain, &self.vector) + innovation / variance;
             add(&mut self.vector, gradient, -factor);
-            for (product, row) in self.product.iter_mut().zip(self.matrix.rows()) {
-                *product = dot(row, gain);
-            }
-            let factor = dot(gain, &self.product) + 1.0 / variance;
-            for row in 0..gain.len() {
-                let values = self.matrix.row_mut(row);
-                add(values, gradient, factor * gradient[row] - self.product[row]);
-                if gradient[row] != 0.0 {
-                    add(values, &self.product, -gradient[row]);
-                }
-            }
+            // Λ ← (I − k cᵀ)ᵀ Λ (I − k cᵀ) + c cᵀ / s has the form of a correction in which the gain
+            // and the gradient change places.
+            covariance::multiply_symmetric(self.matrix.as_slice(), gain, &mut self.product);
+            covariance::correct(&mut self.matrix, gain, gradient, &self.product, 1.0 / variance);
         }
     }
 
