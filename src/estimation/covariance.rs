@@ -52,9 +52,8 @@ pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()>
 }
 
 /// Buffers for the propagation of a covariance.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Propagation {
-    simd: InstructionSet,
     prior: PackedMatrix,
     transition: PackedMatrix,
     transposed: PackedMatrix,
@@ -63,27 +62,16 @@ pub(super) struct Propagation {
 }
 
 impl Propagation {
-    pub(super) fn new() -> Self {
-        Self {
-            simd: InstructionSet::detect(),
-            prior: PackedMatrix::default(),
-            transition: PackedMatrix::default(),
-            transposed: PackedMatrix::default(),
-            product: PackedMatrix::default(),
-            result: PackedMatrix::default(),
-        }
-    }
-
     /// Computes `result = F P Fᵀ + Q` with a transition F `(nx, nz)`, a covariance P `(nz, nz)` and
     /// a process noise Q `(nx, nx)`. The result is exactly symmetric.
     pub(super) fn propagate(&mut self, transition: &Matrix, prior: &Matrix, noise: &Matrix, result: &mut Matrix) {
-        let (nx, nz) = transition.shape();
+        let (simd, (nx, nz)) = (InstructionSet::detect(), transition.shape());
         self.prior.copy_rows(nz, nz, prior.as_slice());
         self.transition.copy_rows(nx, nz, transition.as_slice());
         self.transposed.transpose_from(&self.transition);
-        self.product.product(self.simd, &self.prior, &self.transposed);
+        self.product.product(simd, &self.prior, &self.transposed);
         self.result.copy_rows(nx, nx, noise.as_slice());
-        self.result.add_symmetric_product(self.simd, &self.transition, &self.product);
+        self.result.add_symmetric_product(simd, &self.transition, &self.product);
         for row in 0..nx {
             self.result.row_into(row, result.row_mut(row));
         }

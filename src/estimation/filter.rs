@@ -110,7 +110,7 @@ impl ExtendedKalmanFilter {
             has_disturbance: false,
             rotations: covariance::rotations(model),
             gate: None,
-            propagation: Propagation::new(),
+            propagation: Propagation::default(),
             correction: Correction::new(nz, plant.measurement.len()),
             work: Matrix::zeros(nz, nz),
             position: vec![0.0; model.nq()],
