@@ -27,14 +27,10 @@ pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()>
             return Err(Error::out_of_range(entry(row, row), matrix[(row, row)], "a variance, which is not negative"));
         }
     }
-    // The correlations do not depend on units. Those of a variable without variance are zero.
-    let mut correlations = DMatrix::zeros(n, n);
     for row in 0..n {
         for column in 0..n {
             let mean = matrix[(row, row)].sqrt() * matrix[(column, column)].sqrt();
             let (value, mirrored) = (matrix[(row, column)], matrix[(column, row)]);
-            // Of numbers below 1e-154, the product of two roots can be zero.
-            correlations[(row, column)] = if value == 0.0 { 0.0 } else { value / mean };
             if (value - mirrored).abs() > TOLERANCE * mean {
                 return Err(Error::invalid(
                     InvalidKind::OutOfRange,
@@ -45,10 +41,26 @@ pub(super) fn check(what: &'static str, matrix: &Matrix, n: usize) -> Result<()>
             }
         }
     }
+    let correlations = correlations(matrix, 0..n);
     let is_not_negative = |&value: &f64| value >= -TOLERANCE * n as f64;
     let is_semidefinite = n == 0
         || (is_finite(correlations.as_slice()) && correlations.symmetric_eigenvalues().iter().all(is_not_negative));
     Error::check_range(is_semidefinite, what, "indefinite", "positive semidefinite")
+}
+
+/// Returns the correlations of a part of the variables, which do not depend on units. Those of a
+/// variable without variance are zero.
+pub(super) fn correlations(covariance: &Matrix, part: Range<usize>) -> DMatrix<f64> {
+    let deviation = |index: usize| covariance[(index, index)].sqrt();
+    DMatrix::from_fn(part.len(), part.len(), |row, column| {
+        let (row, column) = (part.start + row, part.start + column);
+        // Of numbers below 1e-154, the product of two roots can be zero.
+        if covariance[(row, column)] == 0.0 {
+            0.0
+        } else {
+            covariance[(row, column)] / (deviation(row) * deviation(column))
+        }
+    })
 }
 
 /// Buffers for the propagation of a covariance.

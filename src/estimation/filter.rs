@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use nalgebra::{Cholesky, DVector};
+
 use super::covariance::{self, Propagation};
 use super::measurement::Measurement;
 use super::noise::ProcessNoise;
@@ -10,9 +12,8 @@ use super::update::{Correction, Gate, ReadingOutcome, Update, UpdateStatus};
 use crate::data::Data;
 use crate::derivative::LinearisationReport;
 use crate::error::{Error, Result};
-use crate::math;
 use crate::matrix::{Matrix, StridedView};
-use crate::numerics::linear_algebra::{dot, symmetrise};
+use crate::numerics::linear_algebra::{add, symmetrise};
 
 /// Extended Kalman filter for the state of a simulation: positions, velocities and activations.
 ///
@@ -74,8 +75,8 @@ pub struct ExtendedKalmanFilter {
     pub(super) correction: Correction,
     /// Copy of `joint` while it is changed.
     work: Matrix,
-    /// Position before a correction, `(nq)`.
-    position: Vec<f64>,
+    /// Corrected state, `(nq + nv + na)`.
+    state: Vec<f64>,
 }
 
 impl ExtendedKalmanFilter {
@@ -113,7 +114,7 @@ impl ExtendedKalmanFilter {
             propagation: Propagation::default(),
             correction: Correction::new(nz, plant.measurement.len()),
             work: Matrix::zeros(nz, nz),
-            position: vec![0.0; model.nq()],
+            state: plant.data.physics_state(),
             plant,
         };
         filter.set_covariance(covariance)?;
@@ -247,21 +248,16 @@ impl ExtendedKalmanFilter {
     /// Moves the estimate by the correction. Returns `false` and changes nothing if the result is
     /// not finite.
     fn apply(&mut self) -> Result<bool> {
-        let Self { plant: Plant { data, .. }, correction, work, rotations, position, .. } = self;
-        let model = data.model().clone();
-        let (nv, nx) = (model.nv(), self.covariance.nrows());
-        let (state, inputs) = correction.estimate.split_at(nx);
-        covariance::transport(work, rotations, &state[..nv]);
-        position.copy_from_slice(data.qpos());
-        data.integrate_pos(&state[..nv], 1.0)?;
-        if !covariance::is_finite(work.as_slice()) || !covariance::is_finite(data.qpos()) {
-            data.qpos_mut().copy_from_slice(position);
+        let Self { plant: Plant { data, .. }, correction, work, rotations, state, .. } = self;
+        let (by, inputs) = correction.estimate.split_at(self.covariance.nrows());
+        covariance::transport(work, rotations, by);
+        data.physics_state_into(state)?;
+        data.model().integrate_state(state, by)?;
+        if !covariance::is_finite(work.as_slice()) || !covariance::is_finite(state) {
             return Ok(false);
         }
-        let (velocities, activations) = state[nv..].split_at(nv);
-        data.qvel_mut().iter_mut().zip(velocities).for_each(|(value, by)| *value += by);
-        data.act_mut().iter_mut().zip(activations).for_each(|(value, by)| *value += by);
-        self.inputs.iter_mut().zip(inputs).for_each(|(value, by)| *value += by);
+        data.set_physics_state(state)?;
+        add(&mut self.inputs, inputs, 1.0);
         std::mem::swap(&mut self.joint, &mut self.work);
         self.read_covariance();
         Ok(true)
@@ -305,11 +301,7 @@ impl ExtendedKalmanFilter {
         let estimate = &self.plant.data;
         estimate.model().relation(truth.model()).check("the simulation to compare with an estimate")?;
         Error::check_length("the error of an estimate (2 nv + na)", error.len(), self.covariance.nrows())?;
-        let nv = estimate.model().nv();
-        estimate.model().differentiate_pos_into(1.0, estimate.qpos(), truth.qpos(), &mut error[..nv])?;
-        let values = truth.qvel().iter().chain(truth.act()).zip(estimate.qvel().iter().chain(estimate.act()));
-        error[nv..].iter_mut().zip(values).for_each(|(error, (truth, estimate))| *error = truth - estimate);
-        Ok(())
+        estimate.model().differentiate_state_into(&estimate.physics_state(), &truth.physics_state(), error)
     }
 
     /// Returns the normalised square `eᵀ P⁻¹ e` of the error e of these components of `[dq; dv;
@@ -338,44 +330,27 @@ impl ExtendedKalmanFilter {
 
     /// Copies the covariance of the state from that of the state and the inputs.
     fn read_covariance(&mut self) {
-        let nx = self.covariance.nrows();
-        for row in 0..nx {
-            self.covariance.row_mut(row).copy_from_slice(&self.joint.row(row)[..nx]);
-        }
+        let shape = self.covariance.shape();
+        self.covariance.transposed_mut().copy_from(&self.joint.transposed().view((0, 0), shape));
     }
 
     /// Sets the covariance of the state and the inputs at the start of a step, where they are
     /// independent.
     fn restart_inputs(&mut self) {
-        let nx = self.covariance.nrows();
         self.inputs.fill(0.0);
         self.has_disturbance = false;
-        self.joint.as_mut_slice().fill(0.0);
-        for row in 0..nx {
-            self.joint.row_mut(row)[..nx].copy_from_slice(self.covariance.row(row));
-        }
-        self.plant.set_control_covariance(&mut self.joint);
+        self.plant.start(&self.covariance, &mut self.joint);
     }
 }
 
 /// Returns `eᵀ P⁻¹ e` of a range of components, unless P is singular.
 fn normalised_square(covariance: &Matrix, error: &[f64], range: Range<usize>) -> Option<f64> {
-    let n = range.len();
-    // Correlations do not depend on units.
-    let deviation = |index: usize| covariance[(index, index)].sqrt();
-    let mut factor = Matrix::zeros(n, n);
-    for row in 0..n {
-        for column in 0..n {
-            let (i, j) = (range.start + row, range.start + column);
-            factor[(row, column)] = covariance[(i, j)] / (deviation(i) * deviation(j));
-        }
-    }
-    if !covariance::is_finite(factor.as_slice()) || math::chol_factor(&mut factor, 1e-14).ok()? < n {
+    let factor = Cholesky::new(covariance::correlations(covariance, range.clone()))?;
+    if factor.l_dirty().diagonal().iter().any(|root| root * root < 1e-14) {
         return None;
     }
-    let scaled: Vec<f64> = range.map(|index| error[index] / deviation(index)).collect();
-    let mut solved = scaled.clone();
-    math::chol_solve_in_place(&factor, &mut solved).ok()?;
-    let square = dot(&scaled, &solved);
+    let scaled = range.map(|index| error[index] / covariance[(index, index)].sqrt());
+    let scaled = DVector::from_iterator(factor.l_dirty().nrows(), scaled);
+    let square = scaled.dot(&factor.solve(&scaled));
     square.is_finite().then_some(square)
 }

@@ -37,7 +37,7 @@ use crate::numerics::linear_algebra::{add, dot};
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 pub struct Measurement {
-    model: Arc<Model>,
+    pub(super) model: Arc<Model>,
     sensors: Vec<SelectedSensor>,
     residuals: Vec<Box<dyn Residual>>,
     /// Components of each sensor and each residual.
@@ -181,10 +181,6 @@ impl Measurement {
             readings[part.clone()].copy_from_slice(&sensordata[sensor.source.clone()]);
         }
         Ok(())
-    }
-
-    pub(super) fn model(&self) -> &Arc<Model> {
-        &self.model
     }
 
     pub(super) fn has_accelerometers(&self) -> bool {

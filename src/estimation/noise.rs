@@ -10,7 +10,7 @@ use crate::id::{BodyId, IntoId};
 use crate::kind;
 use crate::matrix::{Matrix, StridedView};
 use crate::model::{IntoModel, Model};
-use crate::numerics::linear_algebra::{add, symmetrise};
+use crate::numerics::linear_algebra::{add, add_product, symmetrise};
 
 /// Noise of a step of the simulation: disturbances and errors of the model, as standard deviations
 /// of independent numbers that are drawn for each step.
@@ -54,7 +54,7 @@ use crate::numerics::linear_algebra::{add, symmetrise};
 /// ```
 #[derive(Clone, Debug)]
 pub struct ProcessNoise {
-    model: Arc<Model>,
+    pub(super) model: Arc<Model>,
     /// `(nx, nx)`
     pub(super) covariance: Matrix,
     /// Variances of the generalised forces, `(nv)`.
@@ -154,10 +154,6 @@ impl ProcessNoise {
         Ok(self)
     }
 
-    pub(super) fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
     /// Returns `true` if there is noise of forces.
     pub(super) fn has_forces(&self) -> bool {
         self.contacts.is_some() || !self.bodies.is_empty() || self.forces.iter().any(|&variance| variance > 0.0)
@@ -246,12 +242,10 @@ impl Disturbance {
             let [first, second] = geoms.map(|geom| model.geom_bodyid()[geom.index()] as usize);
             data.jac_into(*contact.pos(), first, Some(&mut self.other), None)?;
             data.jac_into(*contact.pos(), second, Some(&mut self.linear), None)?;
+            add(self.linear.as_mut_slice(), self.other.as_slice(), -1.0);
             for (axis, direction) in contact.frame().chunks_exact(3).enumerate() {
                 self.row.fill(0.0);
-                for (coordinate, &factor) in direction.iter().enumerate() {
-                    add(&mut self.row, self.linear.row(coordinate), factor);
-                    add(&mut self.row, self.other.row(coordinate), -factor);
-                }
+                add_product(&mut self.row, &self.linear, direction, 1.0);
                 add_square(&mut self.matrix, &self.row, if axis == 0 { normal } else { tangential });
             }
         }

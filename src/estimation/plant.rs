@@ -42,7 +42,7 @@ impl Plant {
     pub(super) fn new(mut data: Data, noise: ProcessNoise, measurement: Measurement) -> Result<Self> {
         let model = data.model().clone();
         check_model(&model)?;
-        for (other, what) in [(noise.model(), "the process noise"), (measurement.model(), "the measurement")] {
+        for (other, what) in [(&noise.model, "the process noise"), (&measurement.model, "the measurement")] {
             if other.lineage() != model.lineage() {
                 return Err(Error::OtherModel { what });
             }
@@ -104,9 +104,12 @@ impl Plant {
         check_model(self.data.model())
     }
 
-    /// Writes the covariance of the noise of the controls to that of the state and the inputs.
-    pub(super) fn set_control_covariance(&self, joint: &mut Matrix) {
+    /// Writes the covariance of the state and the inputs at the start of a step, where they are
+    /// independent, without that of the disturbance.
+    pub(super) fn start(&self, covariance: &Matrix, joint: &mut Matrix) {
         let (nx, _) = self.sizes();
+        joint.as_mut_slice().fill(0.0);
+        joint.transposed_mut().view_mut((0, 0), (nx, nx)).copy_from(&covariance.transposed());
         for (index, &variance) in self.noise.controls.iter().enumerate() {
             joint[(nx + index, nx + index)] = variance;
         }
@@ -119,9 +122,7 @@ impl Plant {
         if count > 0 {
             let first = self.transition.ncols() - count;
             let values = self.disturbance.compute(&self.noise, &mut self.data)?;
-            for (row, values) in values.rows().enumerate() {
-                joint.row_mut(first + row)[first..].copy_from_slice(values);
-            }
+            joint.transposed_mut().view_mut((first, first), (count, count)).copy_from(&values.transposed());
         }
         Ok(())
     }
@@ -155,13 +156,9 @@ impl Plant {
         let b = (nw > 0).then_some(&mut self.system.b);
         let outputs = TransitionOutputs { a: Some(&mut self.system.a), b, ..Default::default() };
         let report = self.lineariser.linear_system_into(&mut self.data, outputs)?;
-        for row in 0..nx {
-            let (state, controls) = self.transition.row_mut(row).split_at_mut(nx);
-            state.copy_from_slice(self.system.a.row(row));
-            if nw > 0 {
-                controls[..nw].copy_from_slice(self.system.b.row(row));
-            }
-        }
+        let mut transition = self.transition.transposed_mut();
+        transition.rows_mut(0, nx).copy_from(&self.system.a.transposed());
+        transition.rows_mut(nx, nw).copy_from(&self.system.b.transposed().rows(0, nw));
         self.data.step()?;
         // The results belong to the state before the step.
         let h = self.data.model().timestep();

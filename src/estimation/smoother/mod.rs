@@ -234,15 +234,16 @@ impl FixedLagSmoother {
 
     fn iterate(&mut self) -> Result<Smoothing> {
         let Self { filter, steps, used, passes, .. } = self;
+        let steps = &mut steps.make_contiguous()[..*used];
         let mut smoothing = Smoothing { iterations: 0, change: f64::INFINITY, converged: false };
         while smoothing.iterations < self.iterations && !smoothing.converged {
-            match passes.run(filter, steps, *used) {
+            match passes.run(filter, steps) {
                 Ok(Some(change)) => smoothing.change = change,
                 // The trajectory of the iteration before is not valid.
                 Ok(None) => break,
                 Err(error) if smoothing.iterations == 0 => return Err(error),
                 Err(_) => {
-                    Passes::undo(steps, *used);
+                    Passes::undo(steps);
                     break;
                 }
             }

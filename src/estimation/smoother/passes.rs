@@ -1,7 +1,5 @@
 //! The forward and the backward pass over a window, about a trajectory.
 
-use std::collections::VecDeque;
-
 use super::step::Step;
 use crate::error::Result;
 use crate::estimation::covariance;
@@ -49,45 +47,37 @@ impl Passes {
         }
     }
 
-    /// Moves the trajectory of the first `used` steps to the estimate of the linear system about
-    /// it. Returns the largest change in standard deviations, or `None` if the estimate is not
-    /// finite, in which case the trajectory is unchanged.
-    pub(super) fn run(
-        &mut self,
-        filter: &mut ExtendedKalmanFilter,
-        steps: &mut VecDeque<Step>,
-        used: usize,
-    ) -> Result<Option<f64>> {
+    /// Moves the trajectory to the estimate of the linear system about it. Returns the largest
+    /// change in standard deviations, or `None` if the estimate is not finite, in which case the
+    /// trajectory is unchanged.
+    pub(super) fn run(&mut self, filter: &mut ExtendedKalmanFilter, steps: &mut [Step]) -> Result<Option<f64>> {
         self.begin(filter, &mut steps[0])?;
-        for index in 0..used {
+        for index in 0..steps.len() {
             self.correct(filter, &mut steps[index])?;
-            if index + 1 < used {
-                self.advance(filter, steps, index)?;
+            if let [step, next, ..] = &mut steps[index..] {
+                self.advance(filter, step, next)?;
             }
         }
         self.vector.fill(0.0);
         self.matrix.as_mut_slice().fill(0.0);
         let mut change = 0.0_f64;
-        for index in (0..used).rev() {
-            let step = &mut steps[index];
-            change = self.estimate(filter, step).max(change);
-            self.step_back_readings(step);
+        for index in (0..steps.len()).rev() {
+            change = self.estimate(filter, &mut steps[index]).max(change);
+            self.step_back_readings(&steps[index]);
             if index > 0 {
                 self.step_back_state(filter, &steps[index - 1]);
             }
         }
-        if !change.is_finite() || !steps.iter().take(used).all(|step| covariance::is_finite(&step.deviation)) {
+        if !change.is_finite() || !steps.iter().all(|step| covariance::is_finite(&step.deviation)) {
             return Ok(None);
         }
-        for step in steps.iter_mut().take(used) {
-            move_step(filter, step)?;
-        }
+        steps.iter_mut().try_for_each(|step| move_step(filter, step))?;
         Ok(Some(change))
     }
 
     /// Restores the trajectory of the iteration before.
-    pub(super) fn undo(steps: &mut VecDeque<Step>, used: usize) {
-        for step in steps.iter_mut().take(used) {
+    pub(super) fn undo(steps: &mut [Step]) {
+        for step in steps {
             step.state.copy_from_slice(&step.previous_state);
             step.inputs.copy_from_slice(&step.previous_inputs);
         }
@@ -97,23 +87,19 @@ impl Passes {
     fn begin(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
         filter.data().model().differentiate_state_into(&step.prior_state, &step.state, &mut self.difference)?;
         self.predicted.as_mut_slice().copy_from_slice(step.prior_covariance.as_slice());
-        self.set_prior(filter, step, None);
+        step.deviation.fill(0.0);
+        self.set_prior(filter, step);
         Ok(())
     }
 
-    /// Sets the prior of a step, given the covariance in the tangent space at a state, the
-    /// difference from this state to the point of linearisation, and the deviation from the state,
-    /// by default zero.
-    fn set_prior(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step, deviation: Option<&[f64]>) {
-        let nx = self.predicted.nrows();
+    /// Sets the prior of a step, given the deviation from a state, its covariance in the tangent
+    /// space there, and the difference from this state to the point of linearisation.
+    fn set_prior(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) {
         covariance::transport(&mut self.predicted, &filter.rotations, &self.difference);
-        step.joint.as_mut_slice().fill(0.0);
-        for row in 0..nx {
-            step.joint.row_mut(row)[..nx].copy_from_slice(self.predicted.row(row));
-            step.deviation[row] = deviation.map_or(0.0, |deviation| deviation[row]) - self.difference[row];
-        }
-        filter.plant.set_control_covariance(&mut step.joint);
-        step.deviation[nx..].iter_mut().zip(&step.inputs).for_each(|(deviation, input)| *deviation = -input);
+        filter.plant.start(&self.predicted, &mut step.joint);
+        let (state, inputs) = step.deviation.split_at_mut(self.difference.len());
+        add(state, &self.difference, -1.0);
+        inputs.iter_mut().zip(&step.inputs).for_each(|(deviation, input)| *deviation = -input);
     }
 
     /// Corrects the deviation of a step by its readings.
@@ -139,27 +125,20 @@ impl Passes {
     }
 
     /// Predicts the deviation of the next step.
-    fn advance(&mut self, filter: &mut ExtendedKalmanFilter, steps: &mut VecDeque<Step>, index: usize) -> Result<()> {
-        let step = &mut steps[index];
+    fn advance(&mut self, filter: &mut ExtendedKalmanFilter, step: &mut Step, next: &mut Step) -> Result<()> {
         let (plant, propagation) = (&mut filter.plant, &mut filter.propagation);
         plant.advance(&step.inputs, &mut step.joint, step.has_readings)?;
         propagation.propagate(&plant.transition, &step.joint, &plant.step_noise, &mut self.predicted);
         plant.data.physics_state_into(&mut self.state)?;
         // The transition leads to the tangent space at the state after the step of the simulation,
         // from there to that of the trajectory.
-        let next = &mut steps[index + 1];
         plant.data.model().differentiate_state_into(&self.state, &next.state, &mut self.difference)?;
         covariance::transport_rows(&mut plant.transition, &filter.rotations, &self.difference);
-        let step = &mut steps[index];
-        for (row, values) in plant.transition.rows().enumerate() {
-            self.product[row] = dot(values, &step.deviation);
-            for (column, &value) in values.iter().enumerate() {
-                step.transition[(column, row)] = value;
-            }
+        plant.transition.transposed().transpose_to(&mut step.transition.transposed_mut());
+        for (deviation, row) in next.deviation.iter_mut().zip(plant.transition.rows()) {
+            *deviation = dot(row, &step.deviation);
         }
-        let product = std::mem::take(&mut self.product);
-        self.set_prior(filter, &mut steps[index + 1], Some(&product));
-        self.product = product;
+        self.set_prior(filter, next);
         Ok(())
     }
 
@@ -177,10 +156,8 @@ impl Passes {
                 change = change.max(size / variance.sqrt());
             }
         }
-        for row in 0..nx {
-            let reduced = step.joint.row(row).iter().zip(self.work.row(row)).map(|(before, by)| before - by);
-            step.covariance.row_mut(row).iter_mut().zip(reduced).for_each(|(value, reduced)| *value = reduced);
-        }
+        add(step.joint.as_mut_slice(), self.work.as_slice(), -1.0);
+        step.covariance.transposed_mut().copy_from(&step.joint.transposed().view((0, 0), (nx, nx)));
         change
     }
 
@@ -204,9 +181,7 @@ impl Passes {
     /// Takes the adjoint to the step before.
     fn step_back_state(&mut self, filter: &mut ExtendedKalmanFilter, before: &Step) {
         let nx = self.predicted.nrows();
-        for row in 0..nx {
-            self.state_matrix.row_mut(row).copy_from_slice(&self.matrix.row(row)[..nx]);
-        }
+        self.state_matrix.transposed_mut().copy_from(&self.matrix.transposed().view((0, 0), (nx, nx)));
         filter.propagation.propagate(&before.transition, &self.state_matrix, &self.zeros, &mut self.matrix);
         for (product, row) in self.product.iter_mut().zip(before.transition.rows()) {
             *product = dot(row, &self.vector[..nx]);
