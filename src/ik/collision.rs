@@ -6,14 +6,15 @@
 //! degrees of freedom", ICRA 1987).
 
 use super::Ik;
+use super::inequality::Inequality;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, IntoId};
 use crate::kind;
 use crate::matrix::Matrix;
-use crate::numerics::linear_algebra::add;
-use crate::numerics::spatial::sub;
+use crate::numerics::linear_algebra::add_product;
+use crate::numerics::spatial::{norm, sub};
 
 /// Distance that two geoms keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +83,9 @@ impl Ik {
         let (is_valid, expected) = (detection >= minimum && detection.is_finite(), "finite and at least the minimum");
         Error::check_range(is_valid, "the detection of an Avoidance", detection, expected)?;
         Error::check_range(gain > 0.0 && gain <= 1.0, "the gain of an Avoidance", gain, "above 0 and at most 1")?;
-        self.pairs.push(Pair { geoms, avoidance });
+        self.inequalities.push(Inequality::Distance(Pair { geoms, avoidance }));
+        // The workspace has no row for the pair.
+        self.levels.clear();
         self.is_prepared = false;
         Ok(())
     }
@@ -96,25 +99,23 @@ impl Pair {
         Ok(found.map_or(0.0, |found| (minimum - found.distance).max(0.0)))
     }
 
-    /// Writes the derivative of the distance, and returns the smallest change of the distance,
+    /// Writes the derivative of the distance to a row of zeros, and returns the smallest change of the distance,
     /// which is positive for a pair that is too near.
     pub(super) fn write(&self, data: &mut Data, buffers: &mut [Matrix; 2], row: &mut [f64]) -> Result<f64> {
         let Avoidance { minimum, detection, gain } = self.avoidance;
-        row.fill(0.0);
         let [first, second] = self.geoms;
         // The bounding spheres of most pairs are far apart; those of planes have the radius zero.
         let radii = self.geoms.map(|geom| data.model().geom_rbound()[geom.index()]);
         if radii.iter().all(|&radius| radius > 0.0) {
             let offset = sub(&data.geom_xpos()[first.index()], &data.geom_xpos()[second.index()]);
-            let square: f64 = offset.iter().map(|value| value * value).sum();
-            if square > (radii[0] + radii[1] + detection).powi(2) {
+            if norm(&offset) > radii[0] + radii[1] + detection {
                 return Ok(f64::NEG_INFINITY);
             }
         }
         let Some(found) = data.geom_distance(first, second, detection)? else { return Ok(f64::NEG_INFINITY) };
         let [from, to] = found.fromto;
         let offset = sub(&to, &from);
-        let length = offset.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let length = norm(&offset);
         if length < 1e-12 {
             // The nearest points coincide, so the direction is unknown.
             return Ok(f64::NEG_INFINITY);
@@ -126,10 +127,8 @@ impl Pair {
             let body: BodyId = Id::new(ffi::size(model.geom_bodyid()[geom.index()]), model.lineage());
             data.jac_into(point, body, Some(&mut buffers[buffer]), None)?;
         }
-        for (axis, factor) in normal.into_iter().enumerate() {
-            add(row, buffers[1].row(axis), factor);
-            add(row, buffers[0].row(axis), -factor);
-        }
+        add_product(row, &buffers[1], &normal, 1.0);
+        add_product(row, &buffers[0], &normal, -1.0);
         Ok(-gain * (found.distance - minimum))
     }
 }

@@ -6,24 +6,14 @@
 //! function of d. It leaves the same freedom in the next tick, so the bounds never contradict each
 //! other.
 
+use super::inequality::Inequality;
 use super::limit::Limit;
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{Id, JointId};
-use crate::math::quat2vel;
 use crate::model::Model;
-
-/// Positions and degrees of freedom of a ball with a range.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
-    pub(super) joint: usize,
-    qpos: usize,
-    pub(super) dof: usize,
-    /// True if the joint was within its range before the last motion.
-    is_inside: bool,
-}
 
 #[derive(Debug)]
 pub(super) struct JointLimits {
@@ -36,7 +26,6 @@ pub(super) struct JointLimits {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) causes: Vec<[Option<Limit>; 2]>,
-    pub(super) limited_balls: Vec<Ball>,
 }
 
 /// Interval of a displacement, with the causes of its ends.
@@ -82,15 +71,6 @@ pub(super) enum Motion {
 impl JointLimits {
     pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
-        let balls = (0..model.njnt()).filter(|&joint| {
-            JointType::of_field(model.jnt_type()[joint]) == JointType::Ball && model.jnt_limited()[joint] != 0
-        });
-        let ball = |joint| Ball {
-            joint,
-            qpos: ffi::size(model.jnt_qposadr()[joint]),
-            dof: ffi::size(model.jnt_dofadr()[joint]),
-            is_inside: false,
-        };
         Self {
             velocities: vec![f64::INFINITY; nv],
             accelerations: vec![f64::INFINITY; nv],
@@ -99,7 +79,6 @@ impl JointLimits {
             lower: vec![0.0; nv],
             upper: vec![0.0; nv],
             causes: vec![[None; 2]; nv],
-            limited_balls: balls.map(ball).collect(),
         }
     }
 
@@ -170,68 +149,49 @@ impl JointLimits {
         }
         Ok(())
     }
-
-    /// Returns the largest distance of a position from its range.
-    pub(super) fn violation(&self, data: &Data) -> f64 {
-        let model = &**data.model();
-        let scalars = (0..model.njnt()).filter(|&joint| has_range(model, joint)).map(|joint| {
-            let q = data.qpos()[ffi::size(model.jnt_qposadr()[joint])];
-            let [from, to] = model.jnt_range()[joint];
-            (from - q).max(q - to)
-        });
-        let balls = self
-            .limited_balls
-            .iter()
-            .map(|ball| ball.rotation(data.qpos()).map_or(0.0, |(_, angle)| angle - model.jnt_range()[ball.joint][1]));
-        scalars.chain(balls).fold(0.0, f64::max)
-    }
-
-    /// Brings positions that exceed their range by rounding, or by the curvature of rotations, back
-    /// to its end.
-    fn clamp(&self, model: &Model, qpos: &mut [f64]) {
-        const ROUNDING: f64 = 1e-9;
-        for joint in (0..model.njnt()).filter(|&joint| has_range(model, joint)) {
-            let q = &mut qpos[ffi::size(model.jnt_qposadr()[joint])];
-            let [from, to] = model.jnt_range()[joint];
-            if *q < from && *q >= from - ROUNDING * (1.0 + from.abs()) {
-                *q = from;
-            }
-            if *q > to && *q <= to + ROUNDING * (1.0 + to.abs()) {
-                *q = to;
-            }
-        }
-        for ball in self.limited_balls.iter().filter(|ball| ball.is_inside) {
-            let Some((axis, angle)) = ball.rotation(qpos) else { continue };
-            let largest = model.jnt_range()[ball.joint][1];
-            if angle > largest {
-                let (sin, cos) = (0.5 * largest).sin_cos();
-                let quaternion = [cos, sin * axis[0], sin * axis[1], sin * axis[2]];
-                qpos[ball.qpos..ball.qpos + 4].copy_from_slice(&quaternion);
-            }
-        }
-    }
-
-    /// Moves positions by a displacement for a time, within the ranges of joints that are within
-    /// them before.
-    pub(super) fn integrate(&mut self, model: &Model, qpos: &mut [f64], velocity: &[f64], dt: f64) -> Result<()> {
-        for ball in &mut self.limited_balls {
-            let angle = ball.rotation(qpos).map_or(0.0, |(_, angle)| angle);
-            ball.is_inside = angle <= model.jnt_range()[ball.joint][1] + 1e-9;
-        }
-        model.integrate_pos(qpos, velocity, dt)?;
-        self.clamp(model, qpos);
-        Ok(())
-    }
 }
 
-impl Ball {
-    /// Returns the axis and the angle of the rotation from the reference, if the axis is defined.
-    pub(super) fn rotation(self, qpos: &[f64]) -> Option<([f64; 3], f64)> {
-        let quaternion: &[f64; 4] = qpos[self.qpos..].first_chunk()?;
-        let vector = quat2vel(quaternion, 1.0);
-        let angle = vector.iter().map(|value| value * value).sum::<f64>().sqrt();
-        (angle > 1e-6).then(|| (vector.map(|value| value / angle), angle))
+/// Returns the largest distance of a hinge or a slide from its range.
+pub(super) fn violation(data: &Data) -> f64 {
+    let excess = |(place, [from, to]): (usize, [f64; 2])| (from - data.qpos()[place]).max(data.qpos()[place] - to);
+    ranges(data.model()).map(excess).fold(0.0, f64::max)
+}
+
+/// Moves positions by a velocity for a time. Brings joints that are within their ranges before, and
+/// exceed them by rounding or by the curvature of rotations, back to the ends.
+pub(super) fn integrate(inequalities: &mut [Inequality], data: &mut Data, velocity: &[f64], dt: f64) -> Result<()> {
+    const ROUNDING: f64 = 1e-9;
+    let model = data.model().clone();
+    let qpos = data.qpos_mut();
+    for inequality in inequalities.iter_mut() {
+        if let Inequality::Rotation(ball) = inequality {
+            ball.is_inside = ball.excess(&model, qpos) <= ROUNDING;
+        }
     }
+    model.integrate_pos(qpos, velocity, dt)?;
+    for (place, [from, to]) in ranges(&model) {
+        let q = &mut qpos[place];
+        if *q < from && *q >= from - ROUNDING * (1.0 + from.abs()) {
+            *q = from;
+        }
+        if *q > to && *q <= to + ROUNDING * (1.0 + to.abs()) {
+            *q = to;
+        }
+    }
+    for inequality in inequalities {
+        if let Inequality::Rotation(ball) = inequality
+            && ball.is_inside
+        {
+            ball.clamp(&model, qpos);
+        }
+    }
+    Ok(())
+}
+
+/// Returns the position in `qpos` and the range of each hinge and slide that has one.
+fn ranges(model: &Model) -> impl Iterator<Item = (usize, [f64; 2])> {
+    let ranged = (0..model.njnt()).filter(|&joint| has_range(model, joint));
+    ranged.map(|joint| (ffi::size(model.jnt_qposadr()[joint]), model.jnt_range()[joint]))
 }
 
 fn has_range(model: &Model, joint: usize) -> bool {

@@ -99,14 +99,14 @@
 //! [`Subtree::velocity`]: crate::control::residual::Subtree::velocity
 
 mod collision;
-mod equations;
+mod constraints;
+mod inequality;
 mod limit;
 mod limits;
 mod objective;
 mod search;
 mod settings;
 mod task;
-mod tendons;
 mod tick;
 
 use std::sync::Arc;
@@ -117,15 +117,13 @@ pub use self::search::{SearchOptions, SearchOutcome, SearchResult};
 pub use self::task::{Task, TaskId};
 pub use self::tick::{IkStatus, Tick};
 
-use self::collision::Pair;
-use self::equations::Equations;
+use self::constraints::Constraints;
+use self::inequality::Inequality;
 use self::limits::JointLimits;
 use self::objective::Objective;
-use self::tendons::TendonLimits;
 use self::tick::Level;
+use crate::control::residual::ResidualJacobian;
 use crate::error::Result;
-use crate::id::Id;
-use crate::matrix::Matrix;
 use crate::model::{IntoModel, Model};
 
 /// Inverse kinematics of a model: tasks, limits, and the workspace of their solution. See the
@@ -135,36 +133,25 @@ pub struct Ik {
     model: Arc<Model>,
     tasks: Vec<Task>,
     limits: JointLimits,
-    tendons: TendonLimits,
-    pairs: Vec<Pair>,
-    /// Damping of the displacement, relative to the mean diagonal of the matrix of the tasks.
-    regularisation: f64,
+    inequalities: Vec<Inequality>,
     objective: Objective,
-    equations: Equations,
+    constraints: Constraints,
     /// Priorities in use, the first one first.
     levels: Vec<Level>,
-    /// `(rows, nv)`: rows of the equations, of the pairs, of the balls and of the tendons.
-    constraints: Matrix,
-    /// `(rows)` each.
-    row_limits: [Vec<f64>; 2],
-    /// Limit of each row.
-    row_causes: Vec<Limit>,
     /// `(nv)`: displacement of the tick.
     displacement: Vec<f64>,
     /// `(nv)`: velocity of the last tick.
     velocity: Vec<f64>,
     active: Vec<Limit>,
     conflicts: Vec<Limit>,
-    /// Jacobians of the nearest points of a pair.
-    buffers: [Matrix; 2],
+    /// Number of iterations of the quadratic programs of the tick.
+    iterations: u32,
     /// `(nq)`: first and best positions of a search.
     start: Vec<f64>,
     best: Vec<f64>,
-    /// Priorities and sizes of the tasks, and the number of pairs, for which the workspace was
-    /// created.
+    /// Priorities and sizes of the tasks for which the workspace was created.
     layout: Vec<(u32, usize)>,
-    pair_count: Option<usize>,
-    /// False if tasks or pairs may have changed since the workspace was created.
+    /// False if tasks may have changed since the workspace was created.
     is_prepared: bool,
 }
 
@@ -177,24 +164,18 @@ impl Ik {
         Self {
             tasks: Vec::new(),
             limits: JointLimits::new(&model),
-            tendons: TendonLimits::new(&model),
-            pairs: Vec::new(),
-            regularisation: 1e-9,
+            inequalities: inequality::of_ranges(&model).collect(),
             objective: Objective::new(&model),
-            equations: Equations::new(0, nv),
+            constraints: Constraints::new(0, &[], nv),
             levels: Vec::new(),
-            constraints: Matrix::zeros(0, nv),
-            row_limits: [Vec::new(), Vec::new()],
-            row_causes: Vec::new(),
             displacement: vec![0.0; nv],
             velocity: vec![0.0; nv],
             active: Vec::new(),
             conflicts: Vec::new(),
-            buffers: [Matrix::zeros(3, nv), Matrix::zeros(3, nv)],
-            start: Vec::with_capacity(model.nq()),
-            best: Vec::with_capacity(model.nq()),
+            iterations: 0,
+            start: vec![0.0; model.nq()],
+            best: vec![0.0; model.nq()],
             layout: Vec::new(),
-            pair_count: None,
             is_prepared: false,
             model,
         }
@@ -268,13 +249,10 @@ impl Ik {
         }
         self.tasks.iter_mut().try_for_each(Task::prepare)?;
         self.is_prepared = true;
-        if self.layout.iter().copied().eq(self.tasks.iter().map(Task::layout))
-            && self.pair_count == Some(self.pairs.len())
-        {
+        if !self.levels.is_empty() && self.layout.iter().copied().eq(self.tasks.iter().map(Task::layout)) {
             return Ok(());
         }
         self.layout = self.tasks.iter().map(Task::layout).collect();
-        self.pair_count = Some(self.pairs.len());
         let nv = self.model.nv();
         let mut priorities: Vec<u32> = self.tasks.iter().map(|task| task.priority).collect();
         priorities.sort_unstable();
@@ -283,18 +261,11 @@ impl Ik {
             priorities.push(0);
         }
         let equations = if self.model.neq() > 0 || priorities.len() > 1 { nv } else { 0 };
-        let pairs = self.pairs.iter().map(|pair| Limit::Distance(pair.geoms[0], pair.geoms[1]));
-        let balls =
-            self.limits.limited_balls.iter().map(|ball| Limit::Position(Id::new(ball.joint, self.model.lineage())));
-        let tendons = self.tendons.tendons.iter().map(|&tendon| Limit::Tendon(tendon));
-        self.row_causes = vec![Limit::Equation; equations];
-        self.row_causes.extend(pairs.chain(balls).chain(tendons));
-        let rows = self.row_causes.len();
-        self.equations = Equations::new(equations, nv);
+        self.constraints = Constraints::new(equations, &self.inequalities, nv);
+        let rows = self.constraints.causes.len();
         self.levels = priorities.into_iter().map(|priority| Level::new(priority, nv, rows)).collect();
-        self.constraints = Matrix::zeros(rows, nv);
-        self.row_limits = [vec![f64::NEG_INFINITY; rows], vec![f64::INFINITY; rows]];
-        self.objective.resize(&self.model, self.tasks.iter().map(Task::size).max().unwrap_or(0));
+        let largest = self.tasks.iter().map(Task::size).max().unwrap_or(0);
+        self.objective.jacobian = ResidualJacobian::zeros(&self.model, largest);
         self.active = Vec::with_capacity(2 * nv + rows);
         // Each priority adds at most one limit, and each row is relaxed once.
         self.conflicts = Vec::with_capacity(2 * nv + 2 * self.levels.len() + rows);

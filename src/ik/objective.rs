@@ -1,6 +1,7 @@
 //! The quadratic function of the tasks of one priority.
 
 use super::Task;
+use super::constraints::Constraints;
 use crate::control::residual::{Needs, ResidualJacobian};
 use crate::data::Data;
 use crate::error::{Error, Result};
@@ -15,23 +16,20 @@ pub(super) struct Objective {
     pub(super) matrix: Matrix,
     /// `(nv)`
     pub(super) gradient: Vec<f64>,
-    jacobian: ResidualJacobian,
+    pub(super) jacobian: ResidualJacobian,
+    /// Damping of the displacement, relative to the mean diagonal of the matrix.
+    pub(super) regularisation: f64,
 }
 
 impl Objective {
     pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
-        Self { matrix: Matrix::zeros(nv, nv), gradient: vec![0.0; nv], jacobian: ResidualJacobian::zeros(model, 0) }
-    }
-
-    /// Makes space for the Jacobians of residuals with `size` components.
-    pub(super) fn resize(&mut self, model: &Model, size: usize) {
-        self.jacobian = ResidualJacobian::zeros(model, size);
-    }
-
-    /// Prepares for another position.
-    pub(super) fn move_point(&mut self) {
-        self.jacobian.move_point();
+        Self {
+            matrix: Matrix::zeros(nv, nv),
+            gradient: vec![0.0; nv],
+            jacobian: ResidualJacobian::zeros(model, 0),
+            regularisation: 1e-9,
+        }
     }
 
     /// Returns the results of the pipeline that the tasks need.
@@ -40,22 +38,30 @@ impl Objective {
         needs.max().unwrap_or(Needs::State)
     }
 
-    /// Computes the matrix and the gradient for a displacement in the time `dt`.
+    /// Computes the matrix and the gradient for a displacement in the time `dt`. The damping is
+    /// relative to the weighted square of the residuals. Adds the rows of the Jacobians to the
+    /// equations for lower priorities, if there are any.
     pub(super) fn assemble(
         &mut self,
         tasks: &mut [Task],
         priority: u32,
         data: &mut Data,
         dt: f64,
-        damping: Damping,
+        damping: f64,
+        mut equations: Option<&mut Constraints>,
     ) -> Result<()> {
         let nv = self.gradient.len();
         self.matrix.as_mut_slice().fill(0.0);
         self.gradient.fill(0.0);
         let mut diagonal = 0.0;
-        for (index, task) in weighted(tasks, priority) {
+        let weighted = |task: &&mut Task| task.priority == priority && task.weight != 0.0;
+        for (index, task) in tasks.iter_mut().enumerate().filter(|(_, task)| weighted(task)) {
             task.check(index)?;
-            self.evaluate(task, index, data)?;
+            task.residual.evaluate(data, &mut task.error)?;
+            let what = |component| format!("component {component} of the residual of task {index}");
+            Error::check_finite(&task.error, what)?;
+            self.jacobian.clear(task.error.len());
+            task.residual.differentiate(data, &mut self.jacobian)?;
             let range = if task.is_rate { nv..2 * nv } else { 0..nv };
             let mut square = 0.0;
             for (component, (&error, &factor)) in task.error.iter().zip(&task.weights).enumerate() {
@@ -64,6 +70,9 @@ impl Objective {
                     continue;
                 }
                 let row = &self.jacobian.row(component)[range.clone()];
+                if let Some(equations) = &mut equations {
+                    equations.push(row);
+                }
                 if task.is_rate {
                     // The part of the residual that does not depend on the velocity.
                     let constant = error - row.iter().zip(data.qvel()).map(|(row, rate)| row * rate).sum::<f64>();
@@ -73,57 +82,16 @@ impl Objective {
                     square += weight * error * error;
                 }
             }
-            diagonal += task.damping * square + damping.of_residual * square;
+            diagonal += task.damping * square + damping * square;
         }
         let mean = (0..nv).map(|dof| self.matrix[(dof, dof)]).sum::<f64>() / nv.max(1) as f64;
-        diagonal += damping.relative * mean;
+        diagonal += self.regularisation * mean;
         if mean == 0.0 {
             diagonal = 1.0;
         }
         (0..nv).for_each(|dof| self.matrix[(dof, dof)] += diagonal);
         Ok(())
     }
-
-    /// Computes the residual and the Jacobian of a task.
-    fn evaluate(&mut self, task: &mut Task, index: usize, data: &mut Data) -> Result<()> {
-        task.residual.evaluate(data, &mut task.error)?;
-        Error::check_finite(&task.error, |component| format!("component {component} of the residual of task {index}"))?;
-        self.jacobian.clear(task.error.len());
-        task.residual.differentiate(data, &mut self.jacobian)
-    }
-
-    /// Calls `found` with each row of the Jacobians of a priority, for displacements.
-    pub(super) fn for_each_row(
-        &mut self,
-        tasks: &mut [Task],
-        priority: u32,
-        data: &mut Data,
-        mut found: impl FnMut(&[f64]),
-    ) -> Result<()> {
-        let nv = self.gradient.len();
-        for (index, task) in weighted(tasks, priority) {
-            self.evaluate(task, index, data)?;
-            let range = if task.is_rate { nv..2 * nv } else { 0..nv };
-            for component in (0..task.error.len()).filter(|&component| task.weights[component] != 0.0) {
-                found(&self.jacobian.row(component)[range.clone()]);
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Damping of the displacement.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Damping {
-    /// Relative to the mean diagonal of the matrix.
-    pub(super) relative: f64,
-    /// Relative to the weighted square of the residual.
-    pub(super) of_residual: f64,
-}
-
-/// Returns the tasks of a priority that have a weight, with their indices.
-fn weighted(tasks: &mut [Task], priority: u32) -> impl Iterator<Item = (usize, &mut Task)> {
-    tasks.iter_mut().enumerate().filter(move |(_, task)| task.priority == priority && task.weight != 0.0)
 }
 
 /// Adds the matrix and the gradient of `½ weight (row x)² + slope row x`.

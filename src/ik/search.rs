@@ -8,8 +8,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::Ik;
-use super::limits::Motion;
-use super::objective::Damping;
+use super::limits::{self, Motion};
 use super::tick::IkStatus;
 use crate::data::Data;
 use crate::enums::JointType;
@@ -17,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::math::axis_angle2quat;
 use crate::model::Model;
+use crate::numerics::spatial::norm;
 
 /// Iterations without progress after which a start is given up.
 const PATIENCE: u32 = 10;
@@ -118,10 +118,8 @@ impl Ik {
             Error::check_range(value > 0.0 && value.is_finite(), what, value, "above zero and finite")?;
         }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        self.start.clear();
-        self.start.extend_from_slice(data.qpos());
-        self.best.clear();
-        self.best.extend_from_slice(data.qpos());
+        self.start.copy_from_slice(data.qpos());
+        self.best.copy_from_slice(data.qpos());
         let mut result = SearchResult { error: f64::INFINITY, starts: 0, iterations: 0 };
         for start in 0..starts {
             result.starts = start + 1;
@@ -134,8 +132,7 @@ impl Ik {
             let mut least = f64::INFINITY;
             let mut waited = 0;
             for _ in 0..=iterations {
-                let damping = Damping { relative: self.regularisation, of_residual: 0.5 };
-                let (status, _) = self.displace(data, Motion::Free(step), damping)?;
+                let status = self.displace(data, Motion::Free(step))?;
                 result.iterations += 1;
                 let error = self.search_error(data, tolerance)?;
                 if error < result.error {
@@ -153,8 +150,7 @@ impl Ik {
                 if waited > PATIENCE || status != IkStatus::Solved {
                     break;
                 }
-                let model = data.model().clone();
-                self.limits.integrate(&model, data.qpos_mut(), &self.displacement, 1.0)?;
+                limits::integrate(&mut self.inequalities, data, &self.displacement, 1.0)?;
             }
         }
         data.qpos_mut().copy_from_slice(&self.best);
@@ -165,7 +161,7 @@ impl Ik {
     /// Returns the error at the positions before the last displacement.
     fn search_error(&self, data: &mut Data, tolerance: f64) -> Result<f64> {
         let first = self.levels[0].priority;
-        let mut error = self.equations.violation;
+        let mut error = self.constraints.violation;
         for task in self.tasks.iter().filter(|task| task.priority == first && task.weight != 0.0 && !task.is_rate) {
             for (value, weight) in task.error.iter().zip(&task.weights) {
                 if *weight != 0.0 {
@@ -175,10 +171,10 @@ impl Ik {
         }
         // The distances and ranges are checked only at solutions.
         if error <= tolerance {
-            for pair in &self.pairs {
-                error = error.max(pair.violation(data)?);
+            error = error.max(limits::violation(data));
+            for inequality in &self.inequalities {
+                error = error.max(inequality.violation(data)?);
             }
-            error = error.max(self.limits.violation(data)).max(self.tendons.violation(data)?);
         }
         Ok(error)
     }
@@ -202,7 +198,7 @@ impl Ik {
                 (JointType::Ball, range) => {
                     let axis: [f64; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
                     let largest = range.map_or(std::f64::consts::PI, |range| range[1].min(std::f64::consts::PI));
-                    let length = axis.iter().map(|value| value * value).sum::<f64>().sqrt().max(1e-9);
+                    let length = norm(&axis).max(1e-9);
                     let quaternion = axis_angle2quat(&axis.map(|value| value / length), uniform([0.0, largest]));
                     qpos[place..place + 4].copy_from_slice(&quaternion);
                 }

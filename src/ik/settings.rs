@@ -98,7 +98,7 @@ impl Ik {
     /// [`Error::Invalid`] for a number that is negative or not finite.
     pub fn set_regularisation(&mut self, regularisation: f64) -> Result<()> {
         Error::check_not_negative("the regularisation", regularisation)?;
-        self.regularisation = regularisation;
+        self.objective.regularisation = regularisation;
         Ok(())
     }
 

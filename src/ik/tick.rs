@@ -1,17 +1,14 @@
 //! One tick: the constraints, the quadratic programs of all priorities, and the result.
 
 use super::Ik;
+use super::inequality::Inequality;
 use super::limit::Limit;
-use super::limits::Motion;
-use super::objective::{Damping, Objective};
+use super::limits::{self, Motion};
+use super::objective::Objective;
 use crate::control::residual::Needs;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::math::{Qp, QpProblem, QpSolution, QpStatus};
-use crate::numerics::linear_algebra::dot;
-
-/// Half the width of the equations of higher priorities, relative to `1 + |x|`.
-const SLACK: f64 = 1e-10;
 
 /// Termination status of a tick. Unless it is [`Solved`](Self::Solved), the joints brake within
 /// their own limits. If only a lower priority has failed, the velocity is that of the higher ones.
@@ -115,14 +112,13 @@ impl Ik {
     /// If the residual of a task was created for another model.
     pub fn solve(&mut self, data: &mut Data, dt: f64) -> Result<Tick<'_>> {
         Error::check_range(dt > 0.0 && dt.is_finite(), "dt of Ik::solve", dt, "above zero and finite")?;
-        let damping = Damping { relative: self.regularisation, of_residual: 0.0 };
-        let (mut status, iterations) = self.displace(data, Motion::Timed(dt), damping)?;
+        let mut status = self.displace(data, Motion::Timed(dt))?;
         self.velocity.iter_mut().zip(&self.displacement).for_each(|(velocity, change)| *velocity = change / dt);
         if !self.velocity.iter().all(|value| value.is_finite()) {
             status = IkStatus::Overflow;
             self.velocity.fill(0.0);
         }
-        Ok(self.tick(status, iterations))
+        Ok(self.tick(status))
     }
 
     /// Computes the velocity as [`solve`](Self::solve) does, and moves the positions.
@@ -135,12 +131,9 @@ impl Ik {
     ///
     /// As for [`solve`](Self::solve).
     pub fn step(&mut self, data: &mut Data, dt: f64) -> Result<Tick<'_>> {
-        let (status, iterations) = {
-            let tick = self.solve(data, dt)?;
-            (tick.status, tick.iterations)
-        };
+        let status = self.solve(data, dt)?.status;
         self.integrate(data, dt)?;
-        Ok(self.tick(status, iterations))
+        Ok(self.tick(status))
     }
 
     /// Moves the positions by the velocity of the last tick for `dt` seconds. Rounding and the
@@ -152,13 +145,12 @@ impl Ik {
     /// [`Error::Invalid`] for a `dt` that is not finite.
     pub fn integrate(&mut self, data: &mut Data, dt: f64) -> Result<()> {
         self.check_model(data)?;
-        let model = data.model().clone();
-        self.limits.integrate(&model, data.qpos_mut(), &self.velocity, dt)
+        limits::integrate(&mut self.inequalities, data, &self.velocity, dt)
     }
 
-    fn tick(&self, status: IkStatus, iterations: u32) -> Tick<'_> {
-        let Self { velocity, active, conflicts, .. } = self;
-        Tick { status, iterations, velocity, active, conflicts, violation: self.equations.violation }
+    fn tick(&self, status: IkStatus) -> Tick<'_> {
+        let Self { iterations, velocity, active, conflicts, constraints, .. } = self;
+        Tick { status, iterations: *iterations, velocity, active, conflicts, violation: constraints.violation }
     }
 
     pub(super) fn check_model(&self, data: &Data) -> Result<()> {
@@ -166,7 +158,7 @@ impl Ik {
     }
 
     /// Computes the displacement.
-    pub(super) fn displace(&mut self, data: &mut Data, motion: Motion, damping: Damping) -> Result<(IkStatus, u32)> {
+    pub(super) fn displace(&mut self, data: &mut Data, motion: Motion) -> Result<IkStatus> {
         self.check_model(data)?;
         self.prepare()?;
         let needs = Objective::needs(&self.tasks);
@@ -178,58 +170,55 @@ impl Ik {
             }
         } else {
             needs.max(Needs::Poses).compute(data)?;
-            if self.tendons.len() > 0 && needs < Needs::Forward {
+            let has_tendons = self.inequalities.iter().any(|limited| matches!(limited, Inequality::Length(_)));
+            if has_tendons && needs < Needs::Forward {
                 data.compute_tendon()?;
             }
         }
-        self.objective.move_point();
+        self.objective.jacobian.move_point();
         self.active.clear();
         self.conflicts.clear();
         self.limits.compute(data, motion, &self.velocity, &mut self.conflicts)?;
-        self.write_constraints(data)?;
-        let dt = if let Motion::Timed(dt) = motion { dt } else { 1.0 };
-        let mut iterations = 0;
+        self.constraints.start(&self.inequalities, data)?;
+        let (dt, damping) = match motion {
+            Motion::Timed(dt) => (dt, 0.0),
+            Motion::Free(_) => (1.0, 0.5),
+        };
+        self.iterations = 0;
         let last = self.levels.len() - 1;
         for index in 0..=last {
             let priority = self.levels[index].priority;
-            self.objective.assemble(&mut self.tasks, priority, data, dt, damping)?;
-            self.write_equations(index > 0);
-            let mut solved = self.solve_level(index)?;
-            iterations += solved.1;
-            if solved.0 == IkStatus::Infeasible && self.relax_rows() {
-                solved = self.solve_level(index)?;
-                iterations += solved.1;
+            let equations = (index < last).then_some(&mut self.constraints);
+            self.objective.assemble(&mut self.tasks, priority, data, dt, damping, equations)?;
+            let mut status = self.solve_level(index)?;
+            if status == IkStatus::Infeasible && self.constraints.relax(&mut self.conflicts) {
+                status = self.solve_level(index)?;
             }
-            if solved.0 != IkStatus::Solved {
+            if status != IkStatus::Solved {
                 if index == 0 {
                     self.brake();
                 }
-                return Ok((solved.0, iterations));
+                return Ok(status);
             }
-            if index < last {
-                let Self { objective, equations, displacement, tasks, .. } = self;
-                objective.for_each_row(tasks, priority, data, |row| equations.push(row))?;
-                equations.hold(displacement);
-            }
+            self.constraints.hold(&self.displacement);
         }
-        Ok((IkStatus::Solved, iterations))
+        Ok(IkStatus::Solved)
     }
 
     /// Solves the quadratic program of a priority. Writes the displacement and the active limits,
-    /// or a limit that contradicts others. Returns the status and the number of iterations.
-    fn solve_level(&mut self, index: usize) -> Result<(IkStatus, u32)> {
-        let numbers = self.objective.gradient.iter().chain(self.row_limits[0].iter().take(self.equations.count()));
-        if !numbers.copied().all(f64::is_finite) {
-            return Ok((IkStatus::Overflow, 0));
+    /// or a limit that contradicts others.
+    fn solve_level(&mut self, index: usize) -> Result<IkStatus> {
+        let Self { constraints, limits, objective, .. } = self;
+        if !objective.gradient.iter().all(|slope| slope.is_finite()) || !constraints.is_finite() {
+            return Ok(IkStatus::Overflow);
         }
         let Level { solver, displacement, .. } = &mut self.levels[index];
-        let mut problem = QpProblem::new(&self.objective.matrix, &self.objective.gradient)
-            .with_bounds(&self.limits.lower, &self.limits.upper);
-        if self.constraints.nrows() > 0 {
-            problem = problem.with_constraints(&self.constraints, &self.row_limits[0], &self.row_limits[1]);
-        }
+        let problem = QpProblem::new(&objective.matrix, &objective.gradient)
+            .with_bounds(&limits.lower, &limits.upper)
+            .with_constraints(&constraints.rows, &constraints.lower, &constraints.upper);
         let QpSolution { status, iterations, bound_multipliers, constraint_multipliers, conflict } =
             solver.solve(displacement, &problem)?;
+        self.iterations += iterations;
         let status = match status {
             QpStatus::Solved => IkStatus::Solved,
             QpStatus::Infeasible => IkStatus::Infeasible,
@@ -237,38 +226,21 @@ impl Ik {
             QpStatus::NotPositiveDefinite => IkStatus::NotPositiveDefinite,
             QpStatus::Overflow => IkStatus::Overflow,
         };
-        let equations = self.equations.capacity();
         if status != IkStatus::Solved {
             let limit = conflict.and_then(|conflict| match conflict.checked_sub(bound_multipliers.len()) {
-                None => self.limits.causes[conflict][usize::from(self.limits.lower[conflict] <= 0.0)],
-                Some(row) => Some(self.row_causes[row]),
+                None => limits.causes[conflict][usize::from(limits.lower[conflict] <= 0.0)],
+                Some(row) => Some(constraints.causes[row]),
             });
             self.conflicts.extend(limit);
-            return Ok((status, iterations));
+            return Ok(status);
         }
         self.active.clear();
         let of_joints = bound_multipliers.iter().enumerate().filter(|(_, multiplier)| **multiplier != 0.0);
-        self.active
-            .extend(of_joints.filter_map(|(dof, multiplier)| self.limits.causes[dof][usize::from(*multiplier > 0.0)]));
-        let of_rows = constraint_multipliers.iter().enumerate().skip(equations).filter(|(_, value)| **value != 0.0);
-        self.active.extend(of_rows.map(|(row, _)| self.row_causes[row]));
+        self.active.extend(of_joints.filter_map(|(dof, value)| limits.causes[dof][usize::from(*value > 0.0)]));
+        let of_rows = constraint_multipliers.iter().zip(&constraints.causes).skip(constraints.capacity);
+        self.active.extend(of_rows.filter(|(value, _)| **value != 0.0).map(|(_, cause)| cause));
         self.displacement.copy_from_slice(displacement);
-        Ok((status, iterations))
-    }
-
-    /// No longer asks pairs that are too near to move apart, and tendons outside of their ranges to
-    /// return, and reports them. Returns `false` if there are none.
-    fn relax_rows(&mut self) -> bool {
-        let before = self.conflicts.len();
-        let first = self.equations.capacity();
-        let Self { row_limits: [lower, upper], row_causes, conflicts, .. } = self;
-        for row in first..lower.len() {
-            if lower[row] > 0.0 || upper[row] < 0.0 {
-                (lower[row], upper[row]) = (lower[row].min(0.0), upper[row].max(0.0));
-                conflicts.push(row_causes[row]);
-            }
-        }
-        conflicts.len() > before
+        Ok(status)
     }
 
     /// Sets the displacement that is nearest to zero within the bounds of the joints.
@@ -278,59 +250,5 @@ impl Ik {
             .iter_mut()
             .zip(bounds)
             .for_each(|(change, (lower, upper))| *change = 0_f64.max(*lower).min(*upper));
-    }
-
-    /// Writes the rows of the pairs, of the balls and of the tendons, and finds the equations of
-    /// the model.
-    fn write_constraints(&mut self, data: &mut Data) -> Result<()> {
-        self.equations.clear();
-        if self.model.neq() > 0 {
-            self.equations.push_constraints(data);
-        }
-        let (pairs, balls) = (self.pairs.len(), self.limits.limited_balls.len());
-        let first = self.equations.capacity();
-        let [lower, upper] = &mut self.row_limits;
-        let buffers = &mut self.buffers;
-        for (index, pair) in self.pairs.iter().enumerate() {
-            lower[first + index] = pair.write(data, buffers, self.constraints.row_mut(first + index))?;
-        }
-        for (index, ball) in self.limits.limited_balls.iter().enumerate() {
-            let place = first + pairs + index;
-            let row = self.constraints.row_mut(place);
-            row.fill(0.0);
-            upper[place] = f64::INFINITY;
-            if let Some((axis, angle)) = ball.rotation(data.qpos()) {
-                row[ball.dof..ball.dof + 3].copy_from_slice(&axis);
-                // A ball outside of its range does not move farther out.
-                upper[place] = (data.model().jnt_range()[ball.joint][1] - angle).max(0.0);
-            }
-        }
-        for index in 0..self.tendons.len() {
-            let place = first + pairs + balls + index;
-            [lower[place], upper[place]] = self.tendons.write(data, index, self.constraints.row_mut(place))?;
-        }
-        Ok(())
-    }
-
-    /// Writes the equations to the rows of the constraints. After the first priority, widens the
-    /// limits of all rows so that they contain the present displacement despite rounding.
-    fn write_equations(&mut self, contains_present: bool) {
-        let Self { constraints, row_limits: [lower, upper], equations, displacement, .. } = self;
-        let largest = displacement.iter().fold(0.0, |largest: f64, change| largest.max(change.abs()));
-        let slack = if contains_present { SLACK * (1.0 + largest) } else { 0.0 };
-        for (index, (row, right)) in equations.iter().enumerate() {
-            constraints.row_mut(index).copy_from_slice(row);
-            (lower[index], upper[index]) = (right - slack, right + slack);
-        }
-        for index in equations.count()..equations.capacity() {
-            (lower[index], upper[index]) = (f64::NEG_INFINITY, f64::INFINITY);
-        }
-        if contains_present {
-            for index in equations.capacity()..constraints.nrows() {
-                let value = dot(constraints.row(index), displacement);
-                lower[index] = lower[index].min(value);
-                upper[index] = upper[index].max(value);
-            }
-        }
     }
 }
