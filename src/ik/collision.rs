@@ -99,8 +99,8 @@ impl Pair {
         Ok(found.map_or(0.0, |found| (minimum - found.distance).max(0.0)))
     }
 
-    /// Writes the derivative of the distance to a row of zeros, and returns the smallest change of the distance,
-    /// which is positive for a pair that is too near.
+    /// Writes the derivative of the distance to a row of zeros, and returns the smallest change of
+    /// the distance, which is positive for a pair that is too near.
     pub(super) fn write(&self, data: &mut Data, buffers: &mut [Matrix; 2], row: &mut [f64]) -> Result<f64> {
         let Avoidance { minimum, detection, gain } = self.avoidance;
         let [first, second] = self.geoms;

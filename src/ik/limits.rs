@@ -82,15 +82,6 @@ impl JointLimits {
         }
     }
 
-    pub(super) fn fill_velocities(&mut self, model: &Model, limit: f64) {
-        for (dof, velocity) in self.velocities.iter_mut().enumerate() {
-            let joint = ffi::size(model.dof_jntid()[dof]);
-            if JointType::of_field(model.jnt_type()[joint]) != JointType::Free {
-                *velocity = limit;
-            }
-        }
-    }
-
     /// Computes the bounds. Appends limits that contradict each other to `conflicts`.
     pub(super) fn compute(
         &mut self,
@@ -103,29 +94,28 @@ impl JointLimits {
         for (dof, last) in last.iter().enumerate() {
             let joint = ffi::size(model.dof_jntid()[dof]);
             let id: JointId = Id::new(joint, model.lineage());
+            if let Some(velocity) = self.prescribed[dof] {
+                let dt = if let Motion::Timed(dt) = motion { dt } else { 0.0 };
+                let change = (velocity * dt).clamp(f64::MIN, f64::MAX);
+                (self.lower[dof], self.upper[dof]) = (change, change);
+                self.causes[dof] = [Some(Limit::Prescribed(id)); 2];
+                continue;
+            }
             let mut interval = Interval { ends: [f64::NEG_INFINITY, f64::INFINITY], causes: [None; 2] };
-            match (self.prescribed[dof], motion) {
-                (Some(velocity), _) => {
-                    let dt = if let Motion::Timed(dt) = motion { dt } else { 0.0 };
-                    let change = (velocity * dt).clamp(f64::MIN, f64::MAX);
-                    interval = Interval { ends: [change; 2], causes: [Some(Limit::Prescribed(id)); 2] };
+            let mut intersect = |ends: [f64; 2], cause: Option<Limit>| {
+                if !interval.intersect(ends, cause) {
+                    conflicts.extend(cause);
                 }
-                (None, Motion::Free(largest)) => {
-                    interval.intersect([-largest, largest], None);
-                }
-                (None, Motion::Timed(dt)) => {
-                    let change = self.accelerations[dof] * dt;
-                    if change < f64::INFINITY {
-                        let ends = [(last - change) * dt, (last + change) * dt];
-                        interval.intersect(ends, Some(Limit::Acceleration(id)));
-                    }
-                    let largest = self.velocities[dof] * dt;
-                    if !interval.intersect([-largest, largest], Some(Limit::Velocity(id))) {
-                        conflicts.push(Limit::Velocity(id));
-                    }
+            };
+            match motion {
+                Motion::Free(largest) => intersect([-largest, largest], None),
+                Motion::Timed(dt) => {
+                    let (change, largest) = (self.accelerations[dof] * dt, self.velocities[dof] * dt);
+                    intersect([(last - change) * dt, (last + change) * dt], Some(Limit::Acceleration(id)));
+                    intersect([-largest, largest], Some(Limit::Velocity(id)));
                 }
             }
-            if self.prescribed[dof].is_none() && has_range(model, joint) {
+            if has_range(model, joint) {
                 let q = data.qpos()[ffi::size(model.jnt_qposadr()[joint])];
                 let [from, to] = model.jnt_range()[joint];
                 if from.is_nan() || to.is_nan() {
@@ -140,9 +130,7 @@ impl JointLimits {
                 if ends[0] > ends[1] {
                     ends = [0.5 * (ends[0] + ends[1]); 2];
                 }
-                if !interval.intersect(ends, Some(Limit::Position(id))) {
-                    conflicts.push(Limit::Position(id));
-                }
+                intersect(ends, Some(Limit::Position(id)));
             }
             [self.lower[dof], self.upper[dof]] = interval.ends;
             self.causes[dof] = interval.causes;

@@ -1,6 +1,7 @@
 //! The limits of joints, as settings.
 
 use super::Ik;
+use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::IntoId;
@@ -33,7 +34,12 @@ impl Ik {
     /// [`Error::Invalid`] for a negative number or NaN.
     pub fn set_velocity_limits(&mut self, limit: f64) -> Result<()> {
         check("a limit of velocity", limit)?;
-        self.limits.fill_velocities(&self.model, limit);
+        let model = self.model.clone();
+        for joint in 0..model.njnt() {
+            if JointType::of_field(model.jnt_type()[joint]) != JointType::Free {
+                self.set_velocity_limit(joint, limit)?;
+            }
+        }
         Ok(())
     }
 
