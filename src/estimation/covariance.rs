@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3};
 
 use crate::enums::JointType;
 use crate::error::{Error, InvalidKind, Result};
@@ -175,14 +175,10 @@ pub(super) fn rotations(model: &Model) -> Vec<usize> {
 /// `I − [by/2]×`).
 pub(super) fn transport(covariance: &mut Matrix, rotations: &[usize], by: &[f64]) {
     transport_rows(covariance, rotations, by);
-    let n = covariance.ncols();
     for (first, jacobian) in jacobians(rotations, by) {
-        for row in covariance.as_mut_slice().chunks_exact_mut(n) {
-            let part = &mut row[first..first + 3];
-            let old = [part[0], part[1], part[2]];
-            for (value, factors) in part.iter_mut().zip(jacobian.chunks_exact(3)) {
-                *value = dot(factors, &old);
-            }
+        for mut row in covariance.transposed_mut().fixed_rows_mut::<3>(first).column_iter_mut() {
+            let moved = jacobian * &row;
+            row.copy_from(&moved);
         }
     }
 }
@@ -190,20 +186,19 @@ pub(super) fn transport(covariance: &mut Matrix, rotations: &[usize], by: &[f64]
 /// Changes the coordinates of the rows of a matrix, as [`transport`] does.
 pub(super) fn transport_rows(matrix: &mut Matrix, rotations: &[usize], by: &[f64]) {
     for (first, jacobian) in jacobians(rotations, by) {
-        for column in 0..matrix.ncols() {
-            let old = [0, 1, 2].map(|row| matrix[(first + row, column)]);
-            for (row, factors) in jacobian.chunks_exact(3).enumerate() {
-                matrix[(first + row, column)] = dot(factors, &old);
-            }
+        for mut column in matrix.transposed_mut().fixed_columns_mut::<3>(first).row_iter_mut() {
+            let moved = &column * jacobian.transpose();
+            column.copy_from(&moved);
         }
     }
 }
 
 /// Returns the first degree of freedom of each rotation that is not zero, and its right Jacobian.
-fn jacobians(rotations: &[usize], by: &[f64]) -> impl Iterator<Item = (usize, [f64; 9])> {
+fn jacobians(rotations: &[usize], by: &[f64]) -> impl Iterator<Item = (usize, Matrix3<f64>)> {
     rotations.iter().filter_map(|&first| {
         let rotation = by[first..].first_chunk::<3>()?;
         let is_zero = rotation.iter().all(|&value| value == 0.0);
-        (!is_zero).then(|| (first, math::quat_integrate_derivative(rotation, 1.0).dvel))
+        let jacobian = || Matrix3::from_row_slice(&math::quat_integrate_derivative(rotation, 1.0).dvel);
+        (!is_zero).then(|| (first, jacobian()))
     })
 }

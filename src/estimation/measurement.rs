@@ -220,13 +220,10 @@ impl Measurement {
     ) -> Result<()> {
         let nx = c.ncols();
         for (sensor, part) in self.sensors.iter().zip(&self.parts) {
-            for (source, component) in sensor.source.clone().zip(part.clone()) {
-                let (state, controls) = output.row_mut(component).split_at_mut(nx);
-                state.copy_from_slice(c.row(source));
-                if nw > 0 {
-                    controls[..nw].copy_from_slice(d.row(source));
-                }
-            }
+            let (source, first, count) = (sensor.source.start, part.start, part.len());
+            let (c, d, mut output) = (c.transposed(), d.transposed(), output.transposed_mut());
+            output.view_mut((0, first), (nx, count)).copy_from(&c.columns(source, count));
+            output.view_mut((nx, first), (nw, count)).copy_from(&d.view((0, source), (nw, count)));
         }
         jacobian.move_point();
         for (residual, part) in self.residuals.iter().zip(&self.parts[self.sensors.len()..]) {

@@ -10,7 +10,7 @@ use crate::id::{BodyId, IntoId};
 use crate::kind;
 use crate::matrix::{Matrix, StridedView};
 use crate::model::{IntoModel, Model};
-use crate::numerics::linear_algebra::{add, add_product, symmetrise};
+use crate::numerics::linear_algebra::{add, add_product, add_products, symmetrise};
 
 /// Noise of a step of the simulation: disturbances and errors of the model, as standard deviations
 /// of independent numbers that are drawn for each step.
@@ -176,8 +176,9 @@ pub(super) fn variances(what: &str, deviations: &[f64]) -> Result<Vec<f64>> {
 /// Covariance of the accelerations that result from noise of forces, with buffers.
 #[derive(Clone, Debug)]
 pub(super) struct Disturbance {
-    /// `(nv, nv)`: covariance of the generalised forces, then of the accelerations.
+    /// `(nv, nv)`: covariance of the generalised forces.
     matrix: Matrix,
+    /// `(nv, nv)`: covariance of the accelerations.
     solved: Matrix,
     /// `(3, nv)`
     linear: Matrix,
@@ -219,17 +220,17 @@ impl Disturbance {
         data.solve_m_into(self.matrix.as_slice(), self.solved.as_mut_slice())?;
         self.solved.transposed().transpose_to(&mut self.matrix.transposed_mut());
         data.solve_m_into(self.matrix.as_slice(), self.solved.as_mut_slice())?;
-        self.matrix.as_mut_slice().copy_from_slice(self.solved.as_slice());
-        symmetrise(&mut self.matrix);
-        Ok(&self.matrix)
+        symmetrise(&mut self.solved);
+        Ok(&self.solved)
     }
 
     fn add_bodies(&mut self, noise: &ProcessNoise, data: &mut Data) -> Result<()> {
         for &(body, [force, torque]) in &noise.bodies {
             data.jac_body_com_into(body, Some(&mut self.linear), Some(&mut self.angular))?;
             for axis in 0..3 {
-                add_square(&mut self.matrix, self.linear.row(axis), force);
-                add_square(&mut self.matrix, self.angular.row(axis), torque);
+                for (row, variance) in [(self.linear.row(axis), force), (self.angular.row(axis), torque)] {
+                    add_products(self.matrix.as_mut_slice(), row.len(), row, row, variance);
+                }
             }
         }
         Ok(())
@@ -246,18 +247,10 @@ impl Disturbance {
             for (axis, direction) in contact.frame().chunks_exact(3).enumerate() {
                 self.row.fill(0.0);
                 add_product(&mut self.row, &self.linear, direction, 1.0);
-                add_square(&mut self.matrix, &self.row, if axis == 0 { normal } else { tangential });
+                let variance = if axis == 0 { normal } else { tangential };
+                add_products(self.matrix.as_mut_slice(), self.row.len(), &self.row, &self.row, variance);
             }
         }
         Ok(())
-    }
-}
-
-/// Adds `factor · row · rowᵀ` to a square matrix.
-fn add_square(matrix: &mut Matrix, row: &[f64], factor: f64) {
-    for (index, &value) in row.iter().enumerate() {
-        if factor * value != 0.0 {
-            add(matrix.row_mut(index), row, factor * value);
-        }
     }
 }

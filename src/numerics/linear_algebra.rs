@@ -1,5 +1,7 @@
 //! Row operations on small dense matrices, written so that the compiler vectorises them.
 
+use std::ops::Range;
+
 use super::vectorised;
 use crate::matrix::Matrix;
 
@@ -32,6 +34,28 @@ pub(crate) fn symmetrise(matrix: &mut Matrix) {
 /// Computes `result += factor · matrixᵀ · vector`.
 pub(crate) fn add_product(result: &mut [f64], matrix: &Matrix, vector: &[f64], factor: f64) {
     vector.iter().enumerate().for_each(|(row, value)| add(result, matrix.row(row), factor * value));
+}
+
+/// Adds `factor · left · rightᵀ` to a row-major matrix, whose rows have the length `columns` of
+/// `right`. Returns the range of entries of `right` that are not zero.
+#[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
+#[inline(always)]
+pub(crate) fn add_products(
+    matrix: &mut [f64],
+    columns: usize,
+    left: &[f64],
+    right: &[f64],
+    factor: f64,
+) -> Range<usize> {
+    let Some(first) = right.iter().position(|&value| value != 0.0) else { return 0..0 };
+    let end = right.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
+    let right = &right[first..end];
+    for (row, &value) in left.iter().enumerate() {
+        if value != 0.0 {
+            add(&mut matrix[row * columns..][first..end], right, factor * value);
+        }
+    }
+    first..end
 }
 
 /// Computes the difference quotient `result = (to − from) / width`.

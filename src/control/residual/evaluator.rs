@@ -1,7 +1,6 @@
 //! Evaluation of terms in simulations.
 
 use std::fmt;
-use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Needs, ResidualJacobian, Term};
@@ -9,7 +8,7 @@ use crate::control::ilqr::CostExpansion;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::model::{Model, Relation};
-use crate::numerics::linear_algebra::add;
+use crate::numerics::linear_algebra::{add, add_products};
 use crate::numerics::vectorised;
 use crate::parallel::is_edited;
 
@@ -108,22 +107,6 @@ fn add_component(row: &[f64], slope: f64, curvature: f64, expansion: &mut CostEx
         add_products(xu.as_mut_slice(), nu, states, controls, curvature);
     }
 }
-}
-
-/// Adds `factor · left · rightᵀ` to a row-major matrix, whose rows have the length `columns` of
-/// `right`. Returns the range of entries of `right` that are not zero.
-#[allow(clippy::inline_always, reason = "only inlined code is compiled for the target features of the caller")]
-#[inline(always)]
-fn add_products(matrix: &mut [f64], columns: usize, left: &[f64], right: &[f64], factor: f64) -> Range<usize> {
-    let Some(first) = right.iter().position(|&value| value != 0.0) else { return 0..0 };
-    let end = right.iter().rposition(|&value| value != 0.0).map_or(first, |last| last + 1);
-    let right = &right[first..end];
-    for (row, &value) in left.iter().enumerate() {
-        if value != 0.0 {
-            add(&mut matrix[row * columns..][first..end], right, factor * value);
-        }
-    }
-    first..end
 }
 
 /// Terms to evaluate at a point, with their weights there.

@@ -101,7 +101,10 @@ impl FixedLagSmoother {
         let model = filter.data().model();
         let sizes = [nx, inputs, model.nu(), filter.measurement().len()];
         let state = model.nq() + model.nv() + model.na();
-        let bytes = Step::size(state, sizes).saturating_mul(size_of::<f64>()).saturating_add(size_of::<Step>());
+        // About the size of the buffers of a step. The filter has matrices of these sizes.
+        let (nz, ny) = (nx + inputs, filter.measurement().len());
+        let values = 4 * nz * nz + 2 * ny * (nz + 3) + 3 * state + 2 * model.nu();
+        let bytes = size_of::<Step>() + size_of::<f64>() * values;
         memory::check("states in the window of a FixedLagSmoother", window, bytes)?;
         let data = filter.data().try_clone()?;
         let steps = (0..window).map(|_| Step::new(state, sizes)).collect();

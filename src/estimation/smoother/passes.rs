@@ -4,14 +4,12 @@ use super::step::Step;
 use crate::error::Result;
 use crate::estimation::covariance;
 use crate::estimation::filter::ExtendedKalmanFilter;
-use crate::estimation::update::Correction;
 use crate::matrix::Matrix;
 use crate::numerics::linear_algebra::{add, dot};
 
 /// Buffers of the passes.
 #[derive(Debug)]
 pub(super) struct Passes {
-    correction: Correction,
     /// `(nz, nz)`
     work: Matrix,
     zeros: Matrix,
@@ -32,9 +30,8 @@ pub(super) struct Passes {
 impl Passes {
     pub(super) fn new(filter: &ExtendedKalmanFilter) -> Self {
         let (nx, inputs) = filter.plant.sizes();
-        let (nz, measurement, model) = (nx + inputs, filter.measurement(), filter.data().model());
+        let (nz, model) = (nx + inputs, filter.data().model());
         Self {
-            correction: Correction::new(nz, measurement.len()),
             work: Matrix::zeros(nz, nz),
             zeros: Matrix::zeros(nz, nz),
             predicted: Matrix::zeros(nx, nx),
@@ -53,7 +50,7 @@ impl Passes {
     pub(super) fn run(&mut self, filter: &mut ExtendedKalmanFilter, steps: &mut [Step]) -> Result<Option<f64>> {
         self.begin(filter, &mut steps[0])?;
         for index in 0..steps.len() {
-            self.correct(filter, &mut steps[index])?;
+            Self::correct(filter, &mut steps[index])?;
             if let [step, next, ..] = &mut steps[index..] {
                 self.advance(filter, step, next)?;
             }
@@ -68,7 +65,7 @@ impl Passes {
                 self.step_back_state(filter, &steps[index - 1]);
             }
         }
-        if !change.is_finite() || !steps.iter().all(|step| covariance::is_finite(&step.deviation)) {
+        if !change.is_finite() || !steps.iter().all(|step| covariance::is_finite(&step.correction.estimate)) {
             return Ok(None);
         }
         steps.iter_mut().try_for_each(|step| move_step(filter, step))?;
@@ -87,7 +84,7 @@ impl Passes {
     fn begin(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
         filter.data().model().differentiate_state_into(&step.prior_state, &step.state, &mut self.difference)?;
         self.predicted.as_mut_slice().copy_from_slice(step.prior_covariance.as_slice());
-        step.deviation.fill(0.0);
+        step.correction.estimate.fill(0.0);
         self.set_prior(filter, step);
         Ok(())
     }
@@ -97,13 +94,13 @@ impl Passes {
     fn set_prior(&mut self, filter: &ExtendedKalmanFilter, step: &mut Step) {
         covariance::transport(&mut self.predicted, &filter.rotations, &self.difference);
         filter.plant.start(&self.predicted, &mut step.joint);
-        let (state, inputs) = step.deviation.split_at_mut(self.difference.len());
+        let (state, inputs) = step.correction.estimate.split_at_mut(self.difference.len());
         add(state, &self.difference, -1.0);
         inputs.iter_mut().zip(&step.inputs).for_each(|(deviation, input)| *deviation = -input);
     }
 
     /// Corrects the deviation of a step by its readings.
-    fn correct(&mut self, filter: &mut ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
+    fn correct(filter: &mut ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
         let plant = &mut filter.plant;
         plant.set_controls(&step.controls, &step.inputs)?;
         plant.data.set_physics_state(&step.state)?;
@@ -112,14 +109,9 @@ impl Passes {
         }
         plant.measure(&step.inputs)?;
         plant.set_disturbance_covariance(&mut step.joint)?;
-        let correction = &mut self.correction;
-        plant.measurement.subtract(&step.readings, &plant.predicted, &mut correction.innovations);
-        correction.estimate.copy_from_slice(&step.deviation);
-        correction.run(&mut step.joint, &plant.output, &plant.measurement, None);
-        step.deviation.copy_from_slice(&correction.estimate);
+        plant.measurement.subtract(&step.readings, &plant.predicted, &mut step.correction.innovations);
+        step.correction.run(&mut step.joint, &plant.output, &plant.measurement, None);
         step.output.as_mut_slice().copy_from_slice(plant.output.as_slice());
-        step.gains.as_mut_slice().copy_from_slice(correction.gains.as_slice());
-        step.residuals.copy_from_slice(&correction.residuals);
         // The readings may have normalised the quaternions.
         plant.data.set_physics_state(&step.state)
     }
@@ -135,8 +127,8 @@ impl Passes {
         plant.data.model().differentiate_state_into(&self.state, &next.state, &mut self.difference)?;
         covariance::transport_rows(&mut plant.transition, &filter.rotations, &self.difference);
         plant.transition.transposed().transpose_to(&mut step.transition.transposed_mut());
-        for (deviation, row) in next.deviation.iter_mut().zip(plant.transition.rows()) {
-            *deviation = dot(row, &step.deviation);
+        for (deviation, row) in next.correction.estimate.iter_mut().zip(plant.transition.rows()) {
+            *deviation = dot(row, &step.correction.estimate);
         }
         self.set_prior(filter, next);
         Ok(())
@@ -149,8 +141,9 @@ impl Passes {
         filter.propagation.propagate(&step.joint, &self.matrix, &self.zeros, &mut self.work);
         let mut change = 0.0_f64;
         for (index, row) in step.joint.rows().enumerate() {
-            step.deviation[index] -= dot(row, &self.vector);
-            let (size, variance) = (step.deviation[index].abs(), row[index]);
+            let deviation = &mut step.correction.estimate[index];
+            *deviation -= dot(row, &self.vector);
+            let (size, variance) = (deviation.abs(), row[index]);
             // Rounding moves a part of the state that has no variance.
             if index < nx && size * size > 1e-24 * variance + 1e-300 {
                 change = change.max(size / variance.sqrt());
@@ -166,9 +159,10 @@ impl Passes {
         if !step.has_readings {
             return;
         }
+        let correction = &step.correction;
         for index in (0..step.readings.len()).rev().filter(|&index| !step.readings[index].is_nan()) {
             let (gradient, gain, [innovation, variance]) =
-                (step.output.row(index), step.gains.row(index), step.residuals[index]);
+                (step.output.row(index), correction.gains.row(index), correction.residuals[index]);
             let factor = dot(gain, &self.vector) + innovation / variance;
             add(&mut self.vector, gradient, -factor);
             // Λ ← (I − k cᵀ)ᵀ Λ (I − k cᵀ) + c cᵀ / s has the form of a correction in which the gain
@@ -196,7 +190,7 @@ fn move_step(filter: &ExtendedKalmanFilter, step: &mut Step) -> Result<()> {
     let (nv, nx) = (model.nv(), step.covariance.nrows());
     step.previous_state.copy_from_slice(&step.state);
     step.previous_inputs.copy_from_slice(&step.inputs);
-    let (state, inputs) = step.deviation.split_at(nx);
+    let (state, inputs) = step.correction.estimate.split_at(nx);
     model.integrate_state(&mut step.state, state)?;
     add(&mut step.inputs, inputs, 1.0);
     covariance::transport(&mut step.covariance, &filter.rotations, &state[..nv]);

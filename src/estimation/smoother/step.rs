@@ -1,5 +1,6 @@
 //! A step in the window of a smoother.
 
+use crate::estimation::update::Correction;
 use crate::matrix::Matrix;
 
 /// State of a step, with what is known about it.
@@ -21,15 +22,13 @@ pub(super) struct Step {
     pub(super) controls: Vec<f64>,
     pub(super) readings: Vec<f64>,
     pub(super) has_readings: bool,
-    /// `(ny, nz)`: derivatives of the readings, gains, and innovations with their variances.
+    /// `(ny, nz)`: derivatives of the readings.
     pub(super) output: Matrix,
-    pub(super) gains: Matrix,
-    pub(super) residuals: Vec<[f64; 2]>,
     /// `(nz, nx)`: transposed derivative of the next state.
     pub(super) transition: Matrix,
-    /// Deviation from the point of linearisation, `(nz)`, and its covariance `(nz, nz)`, after the
-    /// readings up to this step, then after all readings.
-    pub(super) deviation: Vec<f64>,
+    /// Deviation from the point of linearisation, with its correction by the readings, and its
+    /// covariance `(nz, nz)`: after the readings up to this step, then after all readings.
+    pub(super) correction: Correction,
     pub(super) joint: Matrix,
 }
 
@@ -50,19 +49,9 @@ impl Step {
             readings: vec![f64::NAN; ny],
             has_readings: false,
             output: Matrix::zeros(ny, nz),
-            gains: Matrix::zeros(ny, nz),
-            residuals: vec![[0.0; 2]; ny],
             transition: Matrix::zeros(nz, nx),
-            deviation: vec![0.0; nz],
+            correction: Correction::new(nz, ny),
             joint: Matrix::zeros(nz, nz),
         }
-    }
-
-    /// Returns the number of numbers in the buffers, about.
-    pub(super) fn size(state: usize, [nx, nn, nu, ny]: [usize; 4]) -> usize {
-        let nz = nx.saturating_add(nn);
-        let squares = nz.saturating_mul(nz).saturating_mul(4);
-        let outputs = ny.saturating_mul(nz + 3).saturating_mul(2);
-        squares.saturating_add(outputs).saturating_add(3 * state + 2 * nu)
     }
 }
