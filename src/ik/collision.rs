@@ -6,7 +6,6 @@
 //! degrees of freedom", ICRA 1987).
 
 use super::Ik;
-use super::inequality::Inequality;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -83,7 +82,7 @@ impl Ik {
         let (is_valid, expected) = (detection >= minimum && detection.is_finite(), "finite and at least the minimum");
         Error::check_range(is_valid, "the detection of an Avoidance", detection, expected)?;
         Error::check_range(gain > 0.0 && gain <= 1.0, "the gain of an Avoidance", gain, "above 0 and at most 1")?;
-        self.inequalities.push(Inequality::Distance(Pair { geoms, avoidance }));
+        self.inequalities.push(Pair { geoms, avoidance }.into());
         // The workspace has no row for the pair.
         self.levels.clear();
         self.is_prepared = false;

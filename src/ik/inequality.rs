@@ -21,6 +21,12 @@ pub(super) enum Inequality {
     Length(TendonId),
 }
 
+impl From<Pair> for Inequality {
+    fn from(pair: Pair) -> Self {
+        Self::Distance(pair)
+    }
+}
+
 impl Inequality {
     pub(super) fn cause(self) -> Limit {
         match self {
