@@ -103,8 +103,8 @@ impl Correction {
     ///
     /// The noise of the components is independent, so they are processed one after another, without
     /// a factorisation. The result is that of all components together (Bar-Shalom and others, 2001,
-    /// section 7.3). So is the normalised square of a sensor, which the gate bounds. A correction by
-    /// a sensor that it rejects is undone.
+    /// section 7.3). So is the normalised square of a sensor, which the gate bounds. A correction
+    /// by a sensor that it rejects is undone.
     pub(super) fn run(
         &mut self,
         covariance: &mut Matrix,

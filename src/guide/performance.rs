@@ -130,9 +130,9 @@
 //! | [`linear_system_into`](crate::Lineariser::linear_system_into), `IntegratedActionModelEuler.calcDiff` | 0.43, 5.2 µs | 0.51, 31 µs |
 //! | the same, `computeABADerivatives` without an integrator | 0.61 | 0.84 |
 //!
-//! [Identification](crate::identification) of a mass on a spring takes 0.24 times as long as with
-//! the engine's `mujoco.sysid`, of five armatures of an arm 0.60 times, of 20 unknowns of the arm
-//! and its load 0.16 times; the largest errors of the found values are 1·10⁻¹³, 1·10⁻¹⁵ and 5·10⁻¹⁵
+//! [Identification](crate::identification) of a mass on a spring takes 0.29 times as long as with
+//! the engine's `mujoco.sysid`, of five armatures of an arm 0.56 times, of 20 unknowns of the arm
+//! and its load 0.074 times, with two cores; the largest errors of the found values are 1·10⁻¹³, 1·10⁻¹⁵ and 5·10⁻¹⁵
 //! here, and 2·10⁻¹³, 6·10⁻⁴ and 9·10⁻³ there (`MUJOCO_DIR=$(scripts/engine 3.17.0)
 //! MUJOCO_PYTHON=python3 cargo bench --bench identification`, with `mujoco[sysid]==3.17.0`).
 //!
