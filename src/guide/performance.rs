@@ -132,9 +132,10 @@
 //!
 //! [Identification](crate::identification) of a mass on a spring takes 0.29 times as long as with
 //! the engine's `mujoco.sysid`, of five armatures of an arm 0.56 times, of 20 unknowns of the arm
-//! and its load 0.074 times, with two cores; the largest errors of the found values are 1·10⁻¹³, 1·10⁻¹⁵ and 5·10⁻¹⁵
-//! here, and 2·10⁻¹³, 6·10⁻⁴ and 9·10⁻³ there (`MUJOCO_DIR=$(scripts/engine 3.17.0)
-//! MUJOCO_PYTHON=python3 cargo bench --bench identification`, with `mujoco[sysid]==3.17.0`).
+//! and its load 0.074 times, with two cores. The largest errors of the found values are 1·10⁻¹³,
+//! 1·10⁻¹⁵ and 5·10⁻¹⁵ here, and 2·10⁻¹³, 6·10⁻⁴ and 9·10⁻³ there
+//! (`MUJOCO_DIR=$(scripts/engine 3.17.0) MUJOCO_PYTHON=python3 cargo bench --bench identification`,
+//! with `mujoco[sysid]==3.17.0`).
 //!
 //! Frames per second of processor time relative to the engine's own renderer, with the same
 //! settings and software rendering (Mesa's Vulkan and OpenGL), in alternation

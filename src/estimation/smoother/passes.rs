@@ -165,8 +165,8 @@ impl Passes {
                 (step.output.row(index), correction.gains.row(index), correction.residuals[index]);
             let factor = dot(gain, &self.vector) + innovation / variance;
             add(&mut self.vector, gradient, -factor);
-            // Λ ← (I − k cᵀ)ᵀ Λ (I − k cᵀ) + c cᵀ / s has the form of a correction in which the gain
-            // and the gradient change places.
+            // Λ ← (I − k cᵀ)ᵀ Λ (I − k cᵀ) + c cᵀ / s has the form of a correction in which the
+            // gain and the gradient change places.
             covariance::multiply_symmetric(self.matrix.as_slice(), gain, &mut self.product);
             covariance::correct(&mut self.matrix, gain, gradient, &self.product, 1.0 / variance);
         }
