@@ -11,7 +11,7 @@ use crate::memory;
 /// Difference of times that counts as rounding, relative to a time step.
 const SAME: f64 = 1e-6;
 
-/// What changes from step to step in a simulation.
+/// Parts of a state that a step of the simulation changes or reads.
 pub(super) const STEP: StateSpec =
     StateSpec::TIME.union(StateSpec::PHYSICS).union(StateSpec::CTRL).union(StateSpec::WARMSTART);
 /// Number of states that one thread differentiates by formulas at a time.

@@ -81,8 +81,10 @@ fn accept(listener: &TcpListener, site: &Arc<Site>) {
             }
         }
     }
-    for (stream, thread) in connections {
+    for (stream, _) in &connections {
         let _ = stream.shutdown(Shutdown::Both);
+    }
+    for (_, thread) in connections {
         let _ = thread.join();
     }
 }

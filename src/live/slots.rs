@@ -5,7 +5,7 @@
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use super::message::{Message, Pull};
@@ -110,10 +110,11 @@ impl Slots {
 
     /// Replaces the snapshot, unless a browser is copying it.
     pub(super) fn publish(&self, write: impl FnOnce(&mut Vec<u8>)) {
-        let Ok(mut snapshot) = self.snapshot.try_lock() else { return };
+        let Some(mut snapshot) = try_lock(&self.snapshot) else { return };
         write(&mut snapshot.bytes);
         snapshot.number += 1;
         self.is_wanted.store(false, Ordering::Release);
+        drop(snapshot);
         self.new_snapshot.notify_all();
     }
 
@@ -139,14 +140,17 @@ impl Slots {
         let mut inbox = lock(&self.inbox);
         inbox.add(client, message);
         self.has_requests.store(true, Ordering::Release);
+        drop(inbox);
         self.new_request.notify_one();
     }
 
     /// Takes the requests since the last call, unless there are none or a browser holds the lock.
     pub(super) fn take(&self, requests: &mut Requests) {
         (requests.reset, requests.pause, requests.steps) = (false, None, 0);
-        let inbox = self.has_requests.load(Ordering::Acquire).then(|| self.inbox.try_lock());
-        let Some(Ok(mut inbox)) = inbox else { return };
+        if !self.has_requests.load(Ordering::Acquire) {
+            return;
+        }
+        let Some(mut inbox) = try_lock(&self.inbox) else { return };
         let Requests { reset, pause, steps, held, pull } = &mut *inbox;
         (requests.reset, requests.pause, requests.steps) = (mem::take(reset), mem::take(pause), mem::take(steps));
         requests.held.copy_from_slice(held);
@@ -169,6 +173,14 @@ impl Slots {
 /// Locks a mutex. No code panics with a lock.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    match mutex.try_lock() {
+        Ok(guard) => Some(guard),
+        Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
+    }
 }
 
 #[cfg(test)]
