@@ -75,7 +75,9 @@ impl Analytic {
         let Self { tree, bodies, integrator, .. } = self;
         let changes_damping = resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Damping(_)));
         integrator.prepare(data, tree, bodies, changes_damping)?;
-        integrator.compute_motions(data, tree, bodies);
+        if resolved.iter().any(|resolved| matches!(resolved.effect, Effect::Inertial { .. })) {
+            integrator.compute_motions(data, tree, bodies);
+        }
         Ok(Ok(()))
     }
 
