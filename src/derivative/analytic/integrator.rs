@@ -132,10 +132,10 @@ impl Integrator {
         }
     }
 
-    /// Returns the motions of a body with factors, of which those that are zero have no motion.
+    /// Returns the motions of a body whose factors are not zero, with these.
     pub(super) fn motions_of(&self, body: usize) -> impl Iterator<Item = (f64, [Spatial; 2])> + '_ {
-        let motions = self.factors.iter().zip(&self.motions);
-        motions.map(move |(&factor, motions)| (factor, motions.get(body).copied().unwrap_or_default()))
+        let used = self.factors.iter().zip(&self.motions).filter(|(factor, _)| **factor != 0.0);
+        used.map(move |(&factor, motions)| (factor, motions[body]))
     }
 
     /// Returns w.
